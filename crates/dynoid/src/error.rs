@@ -104,7 +104,7 @@ pub(crate) enum CliError {
     BenchFileExists { path: PathBuf },
     /// A recording that must not be overwritten.
     #[error(
-        "{}: there is a file of this name, and dynoid cannot say that it wrote it; choose another name, or delete the file first",
+        "{}: there is a file of this name, and nothing shows that dynoid wrote it; choose another name, or replace it with --overwrite",
         .path.display()
     )]
     RecordingExists { path: PathBuf },

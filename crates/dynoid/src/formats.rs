@@ -30,12 +30,19 @@ pub(crate) enum FileFormat {
 
 const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
 
-/// Whether dynoid wrote an MDF file: its identification block names the program (ASAM MDF 4.1, §6.2). Other formats do not show
-/// it.
+/// Whether dynoid wrote a file: MDF and MATLAB files name the program in their first bytes. Other formats do not show it.
 pub(crate) fn is_own(path: &Path) -> bool {
-    let mut identification = [0; 24];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut identification));
-    read.is_ok() && identification[16..] == *b"dynoid  "
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(128).read_to_end(&mut start));
+    read.is_ok() && start.windows(7).any(|bytes| bytes == b"dynoid ")
+}
+
+/// Refuses to replace a file that dynoid did not write, unless that is wanted.
+pub(crate) fn check_replaceable(path: &Path, overwrite: bool) -> Result<(), CliError> {
+    match overwrite || !path.is_file() || is_own(path) {
+        true => Ok(()),
+        false => Err(CliError::RecordingExists { path: path.to_owned() }),
+    }
 }
 
 impl FileFormat {
@@ -64,16 +71,12 @@ impl FileFormat {
         })
     }
 
-    /// As [`Self::of`], of a file to be written: none that is there already, unless dynoid wrote it.
+    /// As [`Self::of`], of a file to be written.
     pub(crate) fn of_output(path: &Path) -> Result<Self, CliError> {
         let unknown = || CliError::Usage {
             what: format!("{}: the ending of the output says what it is: {ENDINGS}", path.display()),
         };
-        let format = Self::of(path).ok_or_else(unknown)?;
-        if path.is_file() && !is_own(path) {
-            return Err(CliError::RecordingExists { path: path.to_owned() });
-        }
-        Ok(format)
+        Self::of(path).ok_or_else(unknown)
     }
 
     /// Whether its files are text.

@@ -74,7 +74,11 @@ pub fn undecided_terms(tests: &[TermTest]) -> Vec<String> {
 /// How the residual depends on T_d*, e.g. `outside the 99 % region at 88 % of the lags`.
 pub fn dependence(test: &ResidualTest) -> String {
     let share = test.share_outside();
-    let place = if test.depends_on_input() { "outside" } else { "inside, or too near to matter," };
+    let place = match (test.depends_on_input(), test.has_many_outside()) {
+        (true, _) => "outside",
+        (false, true) => "outside, though by too little to matter,",
+        (false, false) => "inside",
+    };
     format!(
         "{place} the {} region ({} of the lags 0 to {} beyond it)",
         number::share(test.level),

@@ -70,8 +70,8 @@ impl StatedInertia {
         self.uncertainty_percent / 100.0 * self.kg_m2
     }
 
-    /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other, one of them is
-    /// wrong without a word of which: the stated value stays, and its uncertainty reaches to what the recordings show.
+    /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other, what the recordings
+    /// show counts, and its uncertainty reaches to the stated value: the scale of a torque may be wrong as well.
     ///
     /// # Source
     /// JCGM 100:2008 (GUM), 4.3, for the stated one; means weighted by precision: Rao, *Linear Statistical Inference and Its
@@ -80,7 +80,7 @@ impl StatedInertia {
         let (stated, uncertainty) = (self.kg_m2, self.standard_uncertainty_kg_m2());
         let apart = (seen - stated).abs();
         if apart > CONTRADICTED * uncertainty.hypot(error) {
-            return (stated, apart.max(uncertainty));
+            return (seen, apart);
         }
         if uncertainty == 0.0 {
             return (stated, 0.0);

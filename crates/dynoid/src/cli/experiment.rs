@@ -244,4 +244,7 @@ pub(crate) struct SimulateArguments {
     /// Write the true signals, without sensors, to a recording of their own
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
+    /// Replace files that are there, whoever wrote them
+    #[arg(long)]
+    pub(crate) overwrite: bool,
 }

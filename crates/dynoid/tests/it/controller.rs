@@ -22,7 +22,7 @@ fn stat_pi_delay_structure_feed_forward_and_limit_are_said() {
         "outside the 99 % region",
         "inside the 99 % region",
         "b_1",
-        "by forward Euler",
+        "forward Euler",
         "second integrator",
         "No term beyond PI and delay is found at the 1 % level",
         "k_a",

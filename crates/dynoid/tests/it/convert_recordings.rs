@@ -89,9 +89,9 @@ fn exact_every_pair_of_formats_keeps_values_stamps_names_and_units() {
     let original = awkward();
     let folder = folder_with("a.mf4", &original);
     for from in FORMATS {
-        converted(&folder, &format!("a.mf4 --out from.{from}"));
+        converted(&folder, &format!("a.mf4 --out from.{from} --overwrite"));
         for to in FORMATS {
-            converted(&folder, &format!("from.{from} --out to.{to} --quiet"));
+            converted(&folder, &format!("from.{from} --out to.{to} --quiet --overwrite"));
             let found = read(&folder.path().join(format!("to.{to}")));
             assert_eq!(content(&found), content(&original), "{from} to {to}");
             let is_text = |ending: &str| ["csv", "tsv"].contains(&ending);
@@ -305,7 +305,7 @@ fn patterns_fit_at_least_one_of_several_recordings() {
     let ran = converted(&folder, "a.mf4 b.mf4 --to csv --out only --channels *_b");
     assert!(ran.stderr.contains("a.mf4: it has no channel *_b; it is not converted"), "{}", ran.stderr);
     assert!(folder.path().join("only/b.csv").exists() && !folder.path().join("only/a.csv").exists());
-    convert(&folder, "a.mf4 b.mf4 --to csv --out out --channels nowhere*")
+    convert(&folder, "a.mf4 b.mf4 --to csv --out other --channels nowhere*")
         .assert_refused(2, &["nowhere*", "no recording"]);
 }
 

@@ -114,7 +114,7 @@ fn exact_equal_seeds_give_equal_bytes_and_the_truth_only_on_request() {
     let campaign = Campaign::empty();
     let run = |seed: &str, out: &str, more: &[&str]| {
         let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT"];
-        let arguments = [&simulate[..], &["--duration", "2", "--seed", seed, "--out", out]].concat();
+        let arguments = [&simulate[..], &["--duration", "2", "--seed", seed, "--overwrite", "--out", out]].concat();
         let ran = campaign.run(&[&arguments[..], more].concat());
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         std::fs::read(campaign.path(out)).unwrap()
@@ -231,9 +231,14 @@ fn regress_an_experiment_is_checked_before_it_is_run() {
     let sines = json["sines"]["sines"].as_array().unwrap();
     let safe = |hz: f64| sines.iter().find(|sine| sine["frequency_hz"] == hz).unwrap()["safe_nm"].as_f64().unwrap();
     assert!(safe(18.0) < 40.0 && safe(5.0) > 40.0, "{json}");
-    let noise = of(&["WhiteNoise_T_TN", "--set", "deviation=2"]);
-    assert_eq!(noise.code, Some(0), "{}{}", noise.stdout, noise.stderr);
-    assert!(noise.stdout.contains("SAFE") && noise.stdout.contains("none stated"), "{}", noise.stdout);
+    let motored = ["Unfired_N_NT", "--allow-unchecked"];
+    let quiet = of(&motored);
+    assert_eq!(quiet.code, Some(0), "{}{}", quiet.stdout, quiet.stderr);
+    assert!(quiet.stdout.contains("SAFE for 2 of 6 limits, 4 not checked"), "{}", quiet.stdout);
+    assert_eq!(of(&motored[..1]).code, Some(1), "four limits are not stated");
+    // The firing engine alone goes beyond the shaft's limit.
+    let fired = of(&["WhiteNoise_T_TN", "--set", "deviation=2", "--allow-unchecked"]);
+    assert!(fired.code == Some(1) && fired.stdout.contains("UNSAFE"), "{}", fired.stdout);
     let none = ["experiment", "check", "bench.toml", "Sine_T_TN", "--samples", "0"];
     campaign.run(&none).assert_refused(2, &["--samples"]);
 }
@@ -316,4 +321,22 @@ fn exact_next_without_recordings_needs_a_shaft() {
     assert_eq!(json["now"], serde_json::json!([]));
     campaign.run(&["experiment", "next", "known.toml", "--duration", "-3"]).assert_refused(2, &["--duration"]);
     campaign.run(&["experiment", "next", "known.toml", "--duration", "0.5"]).assert_refused(2, &["0.5"]);
+}
+
+#[test]
+fn regress_a_measured_recording_is_never_replaced_by_a_simulation() {
+    let campaign = Campaign::empty();
+    let run = |out: &str, more: &[&str]| {
+        let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT", "--duration", "2", "--out", out];
+        campaign.run(&[&simulate[..], more].concat())
+    };
+    campaign.write("measured.mf4", b"MDF     4.10    INCA    a recording of a real bench");
+    run("measured.mf4", &[]).assert_refused(4, &["measured.mf4", "--overwrite"]);
+    assert!(campaign.read("measured.mf4").contains("INCA"));
+    // What a simulation wrote, another may replace; among measured recordings there is no place for either.
+    assert_eq!(run("recordings/BS_T_NT_1.mf4", &[]).code, Some(0));
+    assert_eq!(run("recordings/BS_T_NT_1.mf4", &[]).code, Some(0));
+    campaign.write("recordings/BS_T_NT_2.mf4", b"MDF     4.10    INCA    a recording of a real bench");
+    run("recordings/BS_T_NT_3.mf4", &[]).assert_refused(4, &["recordings/BS_T_NT_3.mf4", "bench.toml"]);
+    assert_eq!(run("measured.mf4", &["--overwrite"]).code, Some(0));
 }

@@ -50,7 +50,8 @@ fn a_simulation_does_not_look_at_the_output() {
     let inputs = text.lines().map(|line| format!("{}\n", line.rsplit_once(',').unwrap().0));
     std::fs::write(folder.path().join("inputs.csv"), inputs.collect::<String>()).unwrap();
     let values = |on: &str| {
-        let ran = run(&folder, &format!("model simulate model.json --on {on} --from-rest --out s.csv --json"));
+        let ran =
+            run(&folder, &format!("model simulate model.json --on {on} --from-rest --out s.csv --overwrite --json"));
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         std::fs::read_to_string(folder.path().join("s.csv")).unwrap()
     };

@@ -65,7 +65,12 @@ impl ResidualTest {
     /// Whether the residual depends on present and past input, by more than chance and by enough to matter.
     pub fn depends_on_input(&self) -> bool {
         let matters = self.past().iter().any(|c| c.abs() > Self::RELEVANT);
-        matters && self.share_outside() > Self::MANY_OUTSIDE
+        matters && self.has_many_outside()
+    }
+
+    /// Whether more lags are outside the region than chance puts there.
+    pub fn has_many_outside(&self) -> bool {
+        self.share_outside() > Self::MANY_OUTSIDE
     }
 
     fn past(&self) -> &[f64] {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::convert::ConvertArguments;
 use crate::error::CliError;
-use crate::formats::FileFormat;
+use crate::formats::{FileFormat, check_replaceable};
 use crate::input::InputFile;
 use crate::output::{OutputFolder, check_file};
 use crate::paths::ending;
@@ -29,7 +29,7 @@ pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Resul
     };
     check_apart(&targets)?;
     for target in &targets {
-        FileFormat::of_output(&target.out)?;
+        check_replaceable(&target.out, arguments.overwrite)?;
     }
     for target in targets.iter().filter(|target| arguments.to.is_none() || target.out.exists()) {
         check_file(&target.out)?;

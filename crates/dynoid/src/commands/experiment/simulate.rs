@@ -13,7 +13,7 @@ use super::stated::Bench;
 use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
 use crate::commands::result::{check_plot, check_targets, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
+use crate::formats::{FileFormat, check_replaceable};
 use crate::input;
 use crate::paths;
 use crate::terminal::Terminal;
@@ -86,6 +86,9 @@ fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
         return Err(CliError::Usage { what });
     }
     check_targets(&[&arguments.out, &arguments.truth], &[&read])?;
+    for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
+        check_replaceable(out, arguments.overwrite)?;
+    }
     check_plot(result, &[&read])
 }
 

@@ -17,7 +17,7 @@ use super::{model_file, recorded};
 use crate::cli::identify::{CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments};
 use crate::commands::result::{check_plot, check_targets, show, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
+use crate::formats::{FileFormat, check_replaceable};
 use crate::terminal::Terminal;
 
 /// `dynoid model compare`
@@ -147,6 +147,9 @@ fn run(
         recorded::check_output(path, arguments.meet.on.len())?;
     }
     check_targets(&[&arguments.out], &read)?;
+    if let Some(path) = &arguments.out {
+        check_replaceable(path, arguments.overwrite)?;
+    }
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
