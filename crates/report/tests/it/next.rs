@@ -8,6 +8,7 @@ fn gain(quantity: Quantity, now: Option<f64>, then: f64) -> Gain {
     Gain { quantity, value: 100.0, now, then, is_enough_now: false }
 }
 
+#[allow(clippy::unwrap_used)] // a label of the test that cannot be read is a fault of the test
 fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
     let (speed_rpm, duration_s) = (1200.0, 60.0);
     Candidate { label: label.parse().unwrap(), is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
