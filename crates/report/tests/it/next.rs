@@ -1,6 +1,7 @@
 //! What to record next, in words.
 
 use report::next::{best, choices, recommendation};
+use rig::ExperimentLabel;
 use rig::results::Quantity;
 use study::{Candidate, Gain, NextExperiments};
 
@@ -8,10 +9,9 @@ fn gain(quantity: Quantity, now: Option<f64>, then: f64) -> Gain {
     Gain { quantity, value: 100.0, now, then, is_enough_now: false }
 }
 
-#[allow(clippy::unwrap_used)] // a label of the test that cannot be read is a fault of the test
-fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
+fn candidate(label: ExperimentLabel, is_designed: bool, gains: Vec<Gain>) -> Candidate {
     let (speed_rpm, duration_s) = (1200.0, 60.0);
-    Candidate { label: label.parse().unwrap(), is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
+    Candidate { label, is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
 }
 
 /// An experiment that was tried with two demands is one entry, which says what each of them buys.
@@ -19,13 +19,13 @@ fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
 fn regress_an_experiment_with_two_demands_is_one_entry() {
     let candidates = vec![
         candidate(
-            "Multisine_T_TN",
+            ExperimentLabel::MULTISINE_T_TN,
             true,
             vec![gain(Quantity::EngineInertia, None, 1.0), gain(Quantity::Stiffness, Some(10.0), 1.0)],
         ),
-        candidate("Multisine_T_TN", false, vec![gain(Quantity::Stiffness, Some(10.0), 5.0)]),
-        candidate("BS_T_NT", false, vec![gain(Quantity::Stiffness, Some(10.0), 6.0)]),
-        candidate("Step_T_TN", false, Vec::new()),
+        candidate(ExperimentLabel::MULTISINE_T_TN, false, vec![gain(Quantity::Stiffness, Some(10.0), 5.0)]),
+        candidate(ExperimentLabel::BS_T_NT, false, vec![gain(Quantity::Stiffness, Some(10.0), 6.0)]),
+        candidate(ExperimentLabel::STEP_T_TN, false, Vec::new()),
     ];
     let mut found = NextExperiments { now: Vec::new(), candidates, enough: 0.01, assumptions: Vec::new() };
     let labels: Vec<String> = choices(&found).iter().map(|choice| choice.candidate.label.to_string()).collect();
