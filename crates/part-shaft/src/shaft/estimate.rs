@@ -110,7 +110,13 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
 /// Those of [`estimate`].
 pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> {
     let stretch = inputs.stretch()?;
-    let misfit = |inputs: &ShaftInputs<'_>| Ok(Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale);
+    // From no skew at all: far skews make up for some of an exchange.
+    let misfit = |inputs: &ShaftInputs<'_>| -> Result<f64, EstimateError> {
+        let mut start = Solution::of(inputs, &stretch, Unknowns::ShaftWithoutTiming)?.fit.fit.parameters;
+        start[places::GATE] = inputs.gate_s.0;
+        let near = Dated { from: Some(&start), ..Dated::as_recorded(inputs) };
+        Ok(Solution::dated(inputs, &stretch, Unknowns::Shaft, near)?.fit.scale)
+    };
     let exchanged = ShaftInputs { dyno_speed: inputs.engine_speed, engine_speed: inputs.dyno_speed, ..inputs.clone() };
     Ok(misfit(inputs)? / misfit(&exchanged)?)
 }

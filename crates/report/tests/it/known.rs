@@ -68,7 +68,7 @@ fn exact_inertias_that_nobody_checked_are_taken_on_trust() {
     let mut study = fixture::complete();
     shaft(&mut study).unwrap().inertias = None;
     assert_eq!(grade(&study, "J_e"), Some(Grade::OnTrust));
-    assert!(why(&study, "K").contains("which no recording checks"));
+    assert!(why(&study, "K").contains("which is taken as exact"));
     let mut seen = shaft(&mut study).unwrap().estimate.clone();
     let engine = Parameter {
         quantity: Quantity::EngineInertia,
