@@ -216,10 +216,7 @@ fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, C
     if literal.is_dir() {
         return recordings_in(&literal);
     }
-    let full = match Path::new(pattern).is_absolute() {
-        true => pattern.to_owned(),
-        false => format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy())),
-    };
+    let full = full_pattern(folder, pattern);
     let bad = |error: glob::PatternError| CliError::BadPattern {
         bench: bench.to_owned(),
         pattern: pattern.to_owned(),
@@ -235,17 +232,23 @@ fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, C
     Ok(files)
 }
 
+/// A pattern of a bench file in this folder, with its folders.
+fn full_pattern(folder: &Path, pattern: &str) -> String {
+    match Path::new(pattern).is_absolute() {
+        true => pattern.to_owned(),
+        false => format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy())),
+    }
+}
+
 /// Whether a bench file would list a file of this name, and lists one already that dynoid did not write.
 pub(crate) fn is_among_measured(bench: &Path, patterns: &[String], file: &Path) -> bool {
     let Ok(folder) = std::path::absolute(paths::folder_of(bench)) else { return false };
     let Ok(file) = std::path::absolute(file) else { return false };
     let lists = |pattern: &String| {
         let place = folder.join(pattern);
-        let full = format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy()));
-        let full = if Path::new(pattern).is_absolute() { pattern.clone() } else { full };
         place == file
             || file.parent() == Some(&place)
-            || glob::Pattern::new(&full).is_ok_and(|full| full.matches_path(&file))
+            || glob::Pattern::new(&full_pattern(&folder, pattern)).is_ok_and(|full| full.matches_path(&file))
     };
     let is_measured = |input: &InputFile| !crate::formats::is_own(&input.path);
     patterns.iter().any(lists) && listed(bench, patterns).is_ok_and(|files| files.iter().any(is_measured))

@@ -2,8 +2,7 @@
 
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
-use rig::SIMULATED;
-use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare};
 
 use crate::{Progress, RecordingSummary};
 

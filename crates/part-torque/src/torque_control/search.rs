@@ -172,15 +172,14 @@ pub(crate) fn flatness<R: Response>(
 ) -> f64 {
     let all = model.bounds(bounds, &fit.parameters, line_reach_hz(model));
     let (lag, error) = (fit.parameters[1], variance.sqrt());
-    let freedom = (fit.residuals.len() - fit.parameters.len()).max(1) as f64;
-    let white = fit.cost / freedom * fit.unscaled_covariance[(1, 1)];
     let mut flatness: f64 = 1.0;
     for factor in [-2.0, 2.0].map(|errors: f64| (errors * error / lag).exp()) {
         let moved = (factor * lag).clamp(all[1].lower, all[1].upper);
         let (mut start, mut fixed) = (fit.parameters.clone(), all.clone());
         (start[1], fixed[1]) = (moved, Bounds::new(moved, moved));
         let Ok(there) = minimise(model, &start, &fixed, NonlinearOptions::default()) else { continue };
-        let errors = ((there.cost - fit.cost) / (fit.cost / freedom) * white / variance).max(0.0).sqrt();
+        // By the robust variance: a rise of the cost counts as one error where the white one would with the white variance.
+        let errors = ((there.cost - fit.cost) * fit.unscaled_covariance[(1, 1)] / variance).max(0.0).sqrt();
         flatness = flatness.max((moved / lag).ln().abs() * lag / error / errors.max(LEAST_ERRORS));
     }
     flatness
@@ -199,8 +198,7 @@ pub(crate) fn rival<R: Response>(
     let delay = start[0] + 1.0 / start[1] - 1.0 / lag;
     (start[0], start[1]) = (delay.clamp(all[0].lower, all[0].upper), lag);
     let there = minimise(model, &start, &all, NonlinearOptions::default()).ok()?;
-    let freedom = (fit.residuals.len() - fit.parameters.len()).max(1) as f64;
-    let errors = ((there.cost - fit.cost) / (fit.cost / freedom)).max(0.0).sqrt();
+    let errors = ((there.cost - fit.cost) / fit.noise_variance()).max(0.0).sqrt();
     (errors < RIVAL_ERRORS).then_some([there.parameters[0], there.parameters[1]])
 }
 
