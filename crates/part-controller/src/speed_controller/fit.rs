@@ -23,6 +23,9 @@ pub(super) const BATCHES: usize = 30;
 /// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
 /// found is then noise, and its root would bias the delay.
 const SHORTEST_GATE: f64 = 0.5;
+/// Where rounding hides the gate, a lead so near to a whole number of samples is that of a controller that reads what is logged:
+/// with a gate, and a delay of whole samples, it would be half a sample off. By chance it comes out so once in five.
+const WHOLE_LEAD: f64 = 0.1;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
 /// Lags of the residual tests.
@@ -59,9 +62,10 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let data = Data::of(experiment, torque_limit_nm)?;
     let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
     let (known, unseen) = (data.part(estimation), data.part(validation));
-    let Found { fit, lags, smooth, start, coarse_demand_nm } = found_in(&known)?;
-    let (estimate, encoder) = described(&known, &fit, lags, coarse_demand_nm)?;
-    let (covariance, _) = at_least_white(&fit, BATCHES).map_err(|e| ident_error(&known, e))?;
+    let found = found_in(&known)?;
+    let (estimate, encoder) = described(&known, &found)?;
+    let covariance = found.covariance(&known)?;
+    let Found { fit, lags, smooth, start, coarse, .. } = found;
     let without = fit_without_delay(&smooth, start, lags)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
@@ -80,7 +84,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         theta: fit.parameters,
         covariance,
         lags,
-        coarse_demand_nm,
+        coarse_demand_nm: coarse.map(|coarse| coarse.step_nm),
     })
 }
 
@@ -100,8 +104,7 @@ fn zero_of(estimate: &Estimate) -> Parameter {
 /// Those of [`estimate`].
 pub fn estimate_alone(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Estimate, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;
-    let Found { fit, lags, coarse_demand_nm, .. } = found_in(&data)?;
-    Ok(described(&data, &fit, lags, coarse_demand_nm)?.0)
+    Ok(described(&data, &found_in(&data)?)?.0)
 }
 
 /// PI and delay as the search left them.
@@ -111,30 +114,62 @@ struct Found {
     /// The data it was found in, and where the search began.
     smooth: Data,
     start: Vec<f64>,
-    coarse_demand_nm: Option<f64>,
+    coarse: Option<CoarseDemand>,
+}
+
+/// T_d* whose rounding hides the encoder's gate.
+struct CoarseDemand {
+    /// Nm.
+    step_nm: f64,
+    /// The fit with the other gate: none, or one sample.
+    other: Minimum,
+}
+
+impl Found {
+    /// Covariance of the internal parameters.
+    fn covariance(&self, data: &Data) -> Result<Mat<f64>, EstimateError> {
+        let (mut covariance, _) = at_least_white(&self.fit, BATCHES).map_err(|e| ident_error(data, e))?;
+        let Some(coarse) = &self.coarse else { return Ok(covariance) };
+        let moves = gate_moves(&self.fit.parameters, &coarse.other.parameters);
+        for j in 0..covariance.ncols() {
+            (0..covariance.nrows()).for_each(|i| covariance[(i, j)] += moves[i] * moves[j]);
+        }
+        Ok(covariance)
+    }
+}
+
+/// By how much a gate anywhere between those of two fits moves values: uniform from one end to the other, seen from the first.
+fn gate_moves(values: &[f64], others: &[f64]) -> Vec<f64> {
+    values.iter().zip(others).map(|(value, other)| (other - value) / 3f64.sqrt()).collect()
 }
 
 fn found_in(data: &Data) -> Result<Found, EstimateError> {
-    let coarse_demand_nm = data.coarse_demand_nm()?;
-    let free = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || coarse_demand_nm.is_none());
     let smooth = data.smoothed()?;
     let start = starting_point(&smooth)?;
-    let (fit, lags) = fit_with_lag(&smooth, start.clone(), free)?;
-    Ok(Found { fit, lags, smooth, start, coarse_demand_nm })
+    let Some(step_nm) = data.coarse_demand_nm()? else {
+        let (fit, lags) = fit_with_lag(&smooth, start.clone(), |j| j < inverse::K)?;
+        return Ok(Found { fit, lags, smooth, start, coarse: None });
+    };
+    let with_gate = |gate: f64| {
+        let mut start = start.clone();
+        start[inverse::GATE_SQUARED] = gate * gate;
+        fit_with_lag(&smooth, start, |j| j < inverse::K && j != inverse::GATE_SQUARED)
+    };
+    let (gated, gateless) = (with_gate(1.0)?, with_gate(0.0)?);
+    let lead = gateless.0.parameters[inverse::LEAD];
+    let reads_what_is_logged = (lead - lead.round()).abs() < WHOLE_LEAD;
+    let ((fit, lags), (other, _)) = if reads_what_is_logged { (gateless, gated) } else { (gated, gateless) };
+    Ok(Found { fit, lags, smooth, start, coarse: Some(CoarseDemand { step_nm, other }) })
 }
 
-fn described(
-    data: &Data,
-    fit: &Minimum,
-    lags: DemandLags,
-    coarse_demand_nm: Option<f64>,
-) -> Result<(Estimate, Encoder), EstimateError> {
-    let noise = refit_stretch(data, &fit.parameters, lags)?.noise_variance().sqrt();
-    let (mut estimate, mut encoder) = describe(data, fit, noise)?;
-    if coarse_demand_nm.is_some() {
-        // A gate of nought to one sample, all alike; half of it is in the delay.
+fn described(data: &Data, found: &Found) -> Result<(Estimate, Encoder), EstimateError> {
+    let noise = refit_stretch(data, &found.fit.parameters, found.lags)?.noise_variance().sqrt();
+    let (mut estimate, mut encoder) = describe(data, &found.fit, noise)?;
+    if let Some(coarse) = &found.coarse {
+        let (other, _) = describe(data, &coarse.other, noise)?;
+        let values = |estimate: &Estimate| estimate.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
+        estimate.add_moves(&gate_moves(&values(&estimate), &values(&other)));
         encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();
-        estimate.add_systematic(&[Quantity::ControllerDelay], encoder.gate_standard_error_s);
     } else if data.is_rounding_noticeable()? {
         // Of the gate that was found all or nothing may be rounding; half of it is in the delay.
         estimate.add_systematic(&[Quantity::ControllerDelay], encoder.gate_s / 12f64.sqrt());

@@ -29,13 +29,17 @@ impl Estimate {
     /// Adds a systematic uncertainty that moves these quantities together and nothing else.
     pub fn add_systematic(&mut self, quantities: &[Quantity], standard_uncertainty: f64) {
         let moved: Vec<usize> = quantities.iter().filter_map(|quantity| self.place(*quantity)).collect();
-        for i in &moved {
-            for j in &moved {
-                self.covariance[*i][*j] += standard_uncertainty * standard_uncertainty;
-            }
+        let move_of = |i: usize| if moved.contains(&i) { standard_uncertainty } else { 0.0 };
+        let moves: Vec<f64> = (0..self.parameters.len()).map(move_of).collect();
+        self.add_moves(&moves);
+    }
+
+    /// Adds what one unknown of unit variance does: it moves each parameter by so much.
+    pub fn add_moves(&mut self, moves: &[f64]) {
+        for (row, a) in self.covariance.iter_mut().zip(moves) {
+            row.iter_mut().zip(moves).for_each(|(value, b)| *value += a * b);
         }
-        for i in moved {
-            let parameter = &mut self.parameters[i];
+        for (i, parameter) in self.parameters.iter_mut().enumerate().filter(|(i, _)| moves.get(*i) != Some(&0.0)) {
             parameter.standard_error = self.covariance[i][i].sqrt();
             let (error, dof) = (parameter.standard_error, parameter.degrees_of_freedom);
             parameter.interval = interval(parameter.value, error, dof, INTERVAL_LEVEL);
