@@ -31,6 +31,8 @@ const EXCHANGED: f64 = 3.0;
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Two values this many standard errors of their difference apart contradict each other.
 const APART: f64 = 4.0;
+/// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
+const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.02), (Quantity::Damping, 0.1)];
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
@@ -182,7 +184,18 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experimen
         }
     }
     let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::estimate_inertia(&inputs));
-    doubt_shaft(findings, experiment, shaft, inertia.ok().flatten());
+    let of_inertia = doubt_shaft(findings, experiment, shaft, inertia.ok().flatten());
+    cover_contradictions(shaft, of_inertia.max(torque_error(parts)));
+}
+
+/// By how large a part of itself T_d differs from what T_d* demands, where that is worth a warning. K and B are proportional to T_d.
+fn torque_error(parts: &Parts<'_>) -> f64 {
+    let gain = |finding: &Finding| match finding {
+        Finding::RoutesDisagree { quantity: Quantity::TorqueControlGain, first, .. } => Some((first.0 - 1.0).abs()),
+        _ => None,
+    };
+    let fit = parts.torque_controls.best();
+    fit.and_then(|fit| fit.diagnostics.iter().find_map(|one| gain(&one.finding))).unwrap_or(0.0)
 }
 
 /// Says where pulses fold onto what K is estimated from, which no residual shows: what folds goes with what it folds onto.
@@ -197,51 +210,53 @@ fn doubt_pulses(findings: &mut Findings<'_>, experiment: &Experiment) {
     }
 }
 
-fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &mut Shaft, inertia: Option<(f64, f64)>) {
+/// By how large a part of itself J_d is contradicted, zero where it is not.
+fn doubt_shaft(
+    findings: &mut Findings<'_>,
+    experiment: &Experiment,
+    shaft: &Shaft,
+    inertia: Option<(f64, f64)>,
+) -> f64 {
     let excluded = &shaft.residual_spectrum.excluded_hz;
     if !excluded.is_empty() {
         let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
         findings.doubt(&experiment.file, Severity::Note, finding);
     }
-    let contradiction = doubt_inertias(findings, experiment, shaft, inertia);
-    let checks: Vec<_> = [Quantity::Stiffness, Quantity::Damping]
-        .into_iter()
-        .flat_map(|quantity| {
-            let own = shaft.estimate.parameter(quantity);
-            let others = shaft.cross_checks.iter().map(move |(file, e)| (file.clone(), e.parameter(quantity)));
-            others.filter_map(move |(file, other)| Some((file, own?, other?)))
-        })
-        .filter(|(_, own, other)| {
-            let spread = own.standard_error.hypot(other.standard_error);
-            (own.value - other.value).abs() > APART * spread
-        })
-        .map(|(file, own, other)| (file, own.clone(), other.clone()))
-        .collect();
-    for (file, own, other) in checks {
-        let finding = Finding::RoutesDisagree {
-            quantity: own.quantity,
-            first: (own.value, own.standard_error),
-            second: (other.value, other.standard_error),
-        };
-        findings.doubt(&file, Severity::Warning, finding);
+    for (quantity, matters) in MATTERS {
+        let Some(own) = shaft.estimate.parameter(quantity) else { continue };
+        for (file, other) in &shaft.cross_checks {
+            let Some(other) = other.parameter(quantity).filter(|other| contradict(own, other)) else { continue };
+            let finding = Finding::RoutesDisagree {
+                quantity,
+                first: (own.value, own.standard_error),
+                second: (other.value, other.standard_error),
+            };
+            let is_large = (own.value - other.value).abs() > matters * own.value.abs();
+            findings.doubt(file, if is_large { Severity::Warning } else { Severity::Note }, finding);
+        }
     }
-    cover_contradictions(shaft, contradiction);
+    doubt_inertias(findings, experiment, shaft, inertia)
 }
 
-/// Widens the intervals of K and B by what contradicts them: where J_d and the data disagree, an error of the torque may be the
-/// cause as well, and K and B are proportional to either; where half or more of the other recordings give another value, nothing
+/// Whether two values of one quantity are further apart than their errors explain.
+fn contradict(own: &Parameter, other: &Parameter) -> bool {
+    (own.value - other.value).abs() > APART * own.standard_error.hypot(other.standard_error)
+}
+
+/// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d or T_d* and
+/// the data disagree; where half or more of the other recordings give another value, nothing
 /// shows which of them is right.
-fn cover_contradictions(shaft: &mut Shaft, of_inertia: f64) {
+fn cover_contradictions(shaft: &mut Shaft, of_torque: f64) {
     for quantity in [Quantity::Stiffness, Quantity::Damping] {
         let Some(own) = shaft.estimate.parameter(quantity).cloned() else { continue };
         let others = shaft.cross_checks.iter().filter_map(|(_, other)| other.parameter(quantity));
         let apart = |other: &Parameter| (own.value - other.value).abs();
         let all: Vec<&Parameter> = others.collect();
-        let contradicts = |other: &&&Parameter| apart(other) > APART * own.standard_error.hypot(other.standard_error);
-        let mut distances: Vec<f64> = all.iter().filter(contradicts).map(|other| apart(other)).collect();
+        let contradicting = all.iter().filter(|other| contradict(&own, other));
+        let mut distances: Vec<f64> = contradicting.map(|other| apart(other)).collect();
         let by_others =
             if 2 * distances.len() >= all.len() { upper_median(&mut distances).unwrap_or(0.0) } else { 0.0 };
-        let uncovered = by_others.max(of_inertia * own.value.abs());
+        let uncovered = by_others.max(of_torque * own.value.abs());
         if uncovered > 0.0 {
             shaft.estimate.add_systematic(&[quantity], uncovered);
         }

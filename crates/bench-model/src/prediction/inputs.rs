@@ -17,8 +17,8 @@ pub struct PredictionInputs<'a> {
     pub model: &'a BenchModel,
     /// The engine: motored torque, throttle map, intake, speed control.
     pub engine: &'a EngineParameters,
-    /// Whether an engine that fires adds its pulses.
-    pub has_pulses: bool,
+    /// An engine that fires adds its pulses, which vary from cycle to cycle as this seed says; without one it gives its mean torque.
+    pub firing_seed: Option<u64>,
     /// What the bench must not exceed.
     pub limits: Limits,
 }

@@ -2,8 +2,10 @@
 //! the limits that the bench file states.
 //!
 //! The engine gives its mean torque and, where they are asked for, its firing pulses at the crank's angle of a run without them: they
-//! hardly change the speed. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that of the virtual bench.
+//! hardly change the speed. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that
+//! of the virtual bench.
 
+mod demanded;
 mod inputs;
 mod peaks;
 mod pulses;
@@ -13,11 +15,11 @@ use std::cell::RefCell;
 use rig::ControlMode;
 use rig::experiment::{TorqueTarget, UPDATE_S};
 
-use crate::intake::demanded_torque_nm;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
     DynoInput, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
 };
+use demanded::{Demanded, held_before};
 pub use inputs::PredictionInputs;
 pub use peaks::{Peak, PeakOf};
 
@@ -89,38 +91,27 @@ fn sample_time_s(inputs: &PredictionInputs<'_>) -> f64 {
 }
 
 fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response, PredictionError> {
-    let PredictionInputs { plan, demands, engine, .. } = *inputs;
+    let plan = inputs.plan;
     if plan.torque_target == TorqueTarget::Shaft && plan.label.mode == ControlMode::Tn {
         return Err(PredictionError::ShaftTorqueControl);
     }
     let model = &if plan.has_shaft { model.clone() } else { without_shaft(model) };
     let sample_time_s = sample_time_s(inputs);
-    let on_clock = |values: &[f64]| resampled(values, sample_time_s);
-    let speed = on_clock(&demands.speed_rad_s);
-    let engine_torque = match (plan.has_shaft, plan.is_motored, plan.label.mode) {
-        (false, ..) => vec![0.0; speed.len()],
-        (true, true, _) => vec![engine.motored_torque_nm; speed.len()],
-        (true, false, ControlMode::Nt) => on_clock(&demanded_torque_nm(engine, demands)),
-        (true, false, ControlMode::Tn) => vec![demands.dyno_torque_nm[0]; speed.len()],
-    };
-    let start = start(model, speed[0], engine_torque[0]);
-    let run = |engine_torque: &[f64]| {
-        let mean = run(inputs, model, (&speed, engine_torque), &start)?;
-        is_bounded(&mean).then_some(mean).ok_or(PredictionError::Unstable)
-    };
-    let mean = run(&engine_torque)?;
-    let is_fired = plan.has_shaft && !plan.is_motored;
-    if !inputs.has_pulses || !is_fired {
-        return Ok(mean);
+    let demanded = Demanded::of(inputs, sample_time_s);
+    let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
+    let mean = run(inputs, model, &demanded, &start)?;
+    if !is_bounded(&mean) {
+        return Err(PredictionError::Unstable);
     }
-    // In torque control the engine's torque follows the dynamometer's.
-    let level = match plan.label.mode {
-        ControlMode::Nt => engine_torque.clone(),
-        ControlMode::Tn => on_clock(&demands.dyno_torque_nm),
-    };
-    let pulses = pulses::of(engine, &level, &mean.engine_speed_rad_s, sample_time_s);
-    let pulsed: Vec<f64> = engine_torque.iter().zip(&pulses).map(|(torque, pulse)| torque + pulse).collect();
-    run(&pulsed)
+    let is_fired = plan.has_shaft && !plan.is_motored;
+    let Some(seed) = inputs.firing_seed.filter(|_| is_fired) else { return Ok(mean) };
+    // The bench is recorded once its answer to the first pulses has died away.
+    let settling = (plan.settling_s / sample_time_s).round() as usize;
+    let level = demanded.engine_level_nm(inputs, &mean, sample_time_s);
+    let (level, turning) = (held_before(settling, &level), held_before(settling, &mean.engine_speed_rad_s));
+    let pulses = pulses::of((inputs.engine, seed), &level, &turning, sample_time_s);
+    let response = run(inputs, model, &demanded.after(settling).with(&pulses), &start)?;
+    Ok(response.from_sample(settling, model.torque_limit_nm))
 }
 
 fn is_bounded(response: &Response) -> bool {
@@ -128,33 +119,30 @@ fn is_bounded(response: &Response) -> bool {
     is_finite(&response.dyno_speed_rad_s) && is_finite(&response.shaft_torque_nm)
 }
 
-/// One run with this torque of the engine, upon which its speed control acts in torque control.
+/// One run, in which the engine's speed control acts in torque control.
 fn run(
     inputs: &PredictionInputs<'_>,
     model: &BenchModel,
-    (speed, engine_torque): (&[f64], &[f64]),
+    demanded: &Demanded,
     start: &InitialState,
 ) -> Result<Response, PredictionError> {
-    let PredictionInputs { plan, demands, engine, .. } = *inputs;
-    let sample_time_s = sample_time_s(inputs);
+    let PredictionInputs { plan, engine, .. } = *inputs;
+    let (sample_time_s, engine_torque_nm) = (sample_time_s(inputs), demanded.engine_torque_nm.as_slice());
+    let of = |dyno| Inputs { sample_time_s, engine_torque_nm, dyno };
+    let is_governed = plan.label.mode == ControlMode::Tn && plan.has_shaft && !plan.is_motored;
     Ok(match plan.label.mode {
-        ControlMode::Nt => {
-            let dyno = DynoInput::SpeedDemand(speed);
-            simulate(model, &Inputs { sample_time_s, engine_torque_nm: engine_torque, dyno }, start)?
+        ControlMode::Nt => simulate(model, &of(DynoInput::SpeedDemand(&demanded.speed_rad_s)), start)?,
+        ControlMode::Tn if !is_governed => {
+            simulate(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), start)?
         }
         ControlMode::Tn => {
-            let torque = resampled(&demands.dyno_torque_nm, sample_time_s);
-            let inputs =
-                Inputs { sample_time_s, engine_torque_nm: engine_torque, dyno: DynoInput::TorqueDemand(&torque) };
             let control = EngineSpeedControl {
-                demand_rad_s: speed,
+                demand_rad_s: &demanded.speed_rad_s,
                 proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
                 integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
+                start_nm: demanded.mean_engine_torque_nm,
             };
-            match plan.is_motored || !plan.has_shaft {
-                true => simulate(model, &inputs, start)?,
-                false => simulate_governed(model, &inputs, &control, start)?,
-            }
+            simulate_governed(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), &control, start)?
         }
     })
 }
@@ -170,12 +158,4 @@ fn start(model: &BenchModel, speed_rad_s: f64, torque_nm: f64) -> InitialState {
     let steady = InitialState::steady(model, speed_rad_s, torque_nm);
     // Without a shaft there is neither torque nor twist.
     if model.mechanics.stiffness_nm_per_rad > 0.0 { steady } else { InitialState { twist_rad: 0.0, ..steady } }
-}
-
-/// Values of every millisecond, held, on another clock.
-fn resampled(values: &[f64], sample_time_s: f64) -> Vec<f64> {
-    let ratio = sample_time_s / UPDATE_S;
-    let count = ((values.len() as f64 / ratio + 1e-6).floor() as usize).max(1);
-    let last = values.len().saturating_sub(1);
-    (0..count).map(|k| values[((k as f64 * ratio + 1e-6).floor() as usize).min(last)]).collect()
 }

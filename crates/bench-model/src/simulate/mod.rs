@@ -49,6 +49,8 @@ pub struct EngineSpeedControl<'a> {
     pub proportional_nm_s_per_rad: f64,
     /// K_i, Nm/rad.
     pub integral_nm_per_rad: f64,
+    /// I at the start, Nm.
+    pub start_nm: f64,
 }
 
 /// Simulates the bench.
@@ -106,8 +108,7 @@ pub fn simulate_with_ripple(
     run(model, inputs, ripple, None, start)
 }
 
-/// Simulates the bench with the engine under speed control: its torque starts with the first of `inputs`, and follows the
-/// control from then on.
+/// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
 ///
 /// # Errors
 /// Those of [`simulate`]; a demand of another length than the inputs.
@@ -131,6 +132,9 @@ fn run(
     ripple.check_length(inputs.engine_torque_nm.len())?;
     let mut governor = engine_control.map(|control| Governor::new(control, inputs)).transpose()?;
     let mut engine_torque_nm = Cow::Borrowed(inputs.engine_torque_nm);
+    if let Some(governor) = &governor {
+        engine_torque_nm.to_mut()[0] += governor.integral_nm;
+    }
     let mut plant = Plant::new(model, inputs, ripple, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
@@ -141,7 +145,6 @@ fn run(
         DynoInput::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
         DynoInput::TorqueDemand(_) | DynoInput::AirGapTorque(_) => None,
     };
-    let mut limited = 0_usize;
     for k in 0..samples {
         let state = plant.state();
         let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s);
@@ -159,17 +162,39 @@ fn run(
         };
         if let Some(demand) = demand {
             response.torque_demand_nm.push(demand);
-            limited += usize::from(model.torque_limit_nm.is_some_and(|limit| demand.abs() >= limit));
         }
         response.air_gap_torque_nm.push(plant.air_gap_torque_nm(inputs, &streams, k));
         response.shaft_torque_nm.push(plant.shaft_torque_nm());
         plant.advance(inputs, &streams, k);
     }
-    response.limited_share = limited as f64 / samples as f64;
+    response.limited_share = response.share_at(model.torque_limit_nm);
     Ok(response)
 }
 
 impl Response {
+    /// The response from a later sample on, where T_d* has this limit.
+    pub(crate) fn from_sample(mut self, first: usize, torque_limit_nm: Option<f64>) -> Self {
+        let all = [
+            &mut self.dyno_speed_rad_s,
+            &mut self.engine_speed_rad_s,
+            &mut self.air_gap_torque_nm,
+            &mut self.shaft_torque_nm,
+            &mut self.torque_demand_nm,
+        ];
+        for series in all {
+            series.drain(..first.min(series.len()));
+        }
+        self.limited_share = self.share_at(torque_limit_nm);
+        self
+    }
+
+    /// Share of the samples at which T_d* is at a limit.
+    fn share_at(&self, torque_limit_nm: Option<f64>) -> f64 {
+        let Some(limit_nm) = torque_limit_nm else { return 0.0 };
+        let limited = self.torque_demand_nm.iter().filter(|demand| demand.abs() >= limit_nm).count();
+        limited as f64 / self.shaft_torque_nm.len().max(1) as f64
+    }
+
     fn with_capacity(samples: usize) -> Self {
         let series = || Vec::with_capacity(samples);
         Response {
@@ -196,8 +221,7 @@ impl<'a> Governor<'a> {
         if expected != found {
             return Err(SimulationError::Length { what: "engine speed demand", expected, found });
         }
-        let integral_nm = inputs.engine_torque_nm[0];
-        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm })
+        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm: control.start_nm })
     }
 
     /// The torque that sample `k` asks for is there at the next one.
@@ -206,7 +230,7 @@ impl<'a> Governor<'a> {
         let torque_nm = self.control.proportional_nm_s_per_rad * error_rad_s + self.integral_nm;
         self.integral_nm += self.control.integral_nm_per_rad * self.sample_time_s * error_rad_s;
         if let Some(next) = engine_torque_nm.get_mut(k + 1) {
-            *next = torque_nm;
+            *next += torque_nm;
         }
     }
 }

@@ -27,7 +27,7 @@ fn with_inputs<T>(
         demands: &demands,
         model: &model,
         engine: &parameters.engine,
-        has_pulses: false,
+        firing_seed: None,
         limits,
     })
 }

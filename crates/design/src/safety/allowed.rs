@@ -15,9 +15,9 @@ pub(crate) fn allowed_nm(
     prediction: &Prediction,
 ) -> Result<Vec<f64>, PredictionError> {
     // What a sine adds is compared with a rest that stands still; its pulses are in the probabilities.
-    if prediction.response.limited_share > 0.0 || inputs.has_pulses {
+    if prediction.response.limited_share > 0.0 || inputs.firing_seed.is_some() {
         let linear = BenchModel { torque_limit_nm: None, ..inputs.model.clone() };
-        let inputs = &PredictionInputs { has_pulses: false, ..*inputs };
+        let inputs = &PredictionInputs { firing_seed: None, ..*inputs };
         return match predict(&PredictionInputs { model: &linear, ..*inputs }) {
             Ok(free) => Ok(allowed_of(inputs, ladder, &free)),
             Err(PredictionError::Unstable) => Ok(vec![0.0; ladder.frequencies_hz.len()]),

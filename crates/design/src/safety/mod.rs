@@ -105,10 +105,11 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
     let nominal = inputs.prediction.model;
     let mut random = Source::Safety.stream(inputs.seed);
     let benches = (0..inputs.samples)
-        .map(|_| {
+        .map(|i| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
             let speed = random.between(inputs.slowest_engine_control, 1.0);
-            Ok(Drawn { model, engine: spread::slowed(inputs.prediction.engine, speed) })
+            let firing_seed = inputs.seed.wrapping_add(i as u64);
+            Ok(Drawn { model, engine: spread::slowed(inputs.prediction.engine, speed), firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
     let outcomes = outcomes(&inputs.prediction, &benches, progress)?;

@@ -24,7 +24,10 @@ pub(super) fn outcomes(
     benches: &[Drawn],
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
-    let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
+    let run = |bench: &Drawn| {
+        let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
+        outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, firing_seed, ..*inputs })
+    };
     parallel::map_with_progress(benches, run, progress).into_iter().collect()
 }
 

@@ -10,6 +10,8 @@ use signal::distributions::normal_quantile;
 pub(super) struct Drawn {
     pub(super) model: BenchModel,
     pub(super) engine: EngineParameters,
+    /// How its firings vary.
+    pub(super) firing_seed: u64,
 }
 
 /// The engine with a share of its speed control's bandwidth, at the same damping: K_p by the share, K_i by its square.

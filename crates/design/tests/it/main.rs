@@ -6,3 +6,4 @@
 mod excitation_design;
 mod optimal_goals;
 mod safety;
+mod safety_calibration;

@@ -42,7 +42,7 @@ impl Case<'_> {
             demands,
             model: &model,
             engine: &parameters.engine,
-            has_pulses: false,
+            firing_seed: None,
             limits: self.limits,
         };
         let inputs =
@@ -183,7 +183,7 @@ fn prop_an_engine_of_slow_speed_control_damps_less() {
     let engine = BenchParameters::default().engine;
     let limits = shaft_limit(140.0);
     let prediction =
-        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, has_pulses: false, limits };
+        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, firing_seed: None, limits };
     let peak = |slowest_engine_control: f64| {
         let spread = BenchSpread::Prior(EXACT);
         let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples: 20, seed: 3 };
@@ -241,7 +241,7 @@ fn regress_control_of_the_shaft_torque_is_refused() {
         demands: &demands,
         model: &model,
         engine: &parameters.engine,
-        has_pulses: false,
+        firing_seed: None,
         limits,
     };
     let inputs = SafetyInputs {

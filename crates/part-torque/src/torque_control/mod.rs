@@ -60,6 +60,8 @@ const COARSE_S: f64 = 5e-3;
 const BESIDE: f64 = 0.02;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
+/// A gain this near to one matters to nobody: torque flanges are specified to no better.
+const GAIN_MATTERS: f64 = 0.005;
 
 /// The estimate of the torque control and the model made of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -352,7 +354,8 @@ fn doubts(
     let is_expected = folded_to_zero_hz(torque_sample_time_s).is_some();
     let (low, high) =
         ident::distributions::interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
-    if !is_expected && !(low..=high).contains(&1.0) {
+    let matters = (gain.value - 1.0).abs() > GAIN_MATTERS;
+    if !is_expected && matters && !(low..=high).contains(&1.0) {
         let quantity = Quantity::TorqueControlGain;
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));

@@ -49,7 +49,7 @@ fn checked(
         demands: &demands,
         model: &model,
         engine,
-        has_pulses: true,
+        firing_seed: Some(arguments.on.plan.seed()),
         limits: bench.file.limits,
     };
     let spread = match &bench.assembled {

@@ -148,7 +148,7 @@ fn predicted(
         demands,
         model: &model,
         engine: &bench.stated.parameters.engine,
-        has_pulses: false,
+        firing_seed: None,
         limits: bench.file.limits,
     };
     let progress = terminal.progress(2);

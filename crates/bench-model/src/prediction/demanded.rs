@@ -1,0 +1,89 @@
+//! What a plan demands of the bench, on the clock of the prediction.
+
+use rig::ControlMode;
+use rig::experiment::UPDATE_S;
+
+use super::PredictionInputs;
+use crate::intake::demanded_torque_nm;
+use crate::simulate::Response;
+
+/// What is demanded of the bench, on one clock.
+pub(super) struct Demanded {
+    pub(super) speed_rad_s: Vec<f64>,
+    pub(super) dyno_torque_nm: Vec<f64>,
+    /// The engine's torque; in torque control of a fired engine beside that of its speed control.
+    pub(super) engine_torque_nm: Vec<f64>,
+    /// What the engine gives at rest at the start.
+    pub(super) mean_engine_torque_nm: f64,
+}
+
+impl Demanded {
+    pub(super) fn of(inputs: &PredictionInputs<'_>, sample_time_s: f64) -> Self {
+        let PredictionInputs { plan, demands, engine, .. } = *inputs;
+        let on_clock = |values: &[f64]| resampled(values, sample_time_s);
+        let speed_rad_s = on_clock(&demands.speed_rad_s);
+        let constant = |torque_nm: f64| vec![torque_nm; speed_rad_s.len()];
+        let (engine_torque_nm, governed_nm) = match (plan.has_shaft, plan.is_motored, plan.label.mode) {
+            (false, ..) => (constant(0.0), 0.0),
+            (true, true, _) => (constant(engine.motored_torque_nm), 0.0),
+            (true, false, ControlMode::Nt) => (on_clock(&demanded_torque_nm(engine, demands)), 0.0),
+            (true, false, ControlMode::Tn) => (constant(0.0), demands.dyno_torque_nm[0]),
+        };
+        Demanded {
+            mean_engine_torque_nm: engine_torque_nm[0] + governed_nm,
+            dyno_torque_nm: on_clock(&demands.dyno_torque_nm),
+            speed_rad_s,
+            engine_torque_nm,
+        }
+    }
+
+    /// The torque that the engine's pulses are parts of, where this is how it turns.
+    pub(super) fn engine_level_nm(
+        &self,
+        inputs: &PredictionInputs<'_>,
+        mean: &Response,
+        sample_time_s: f64,
+    ) -> Vec<f64> {
+        if inputs.plan.label.mode == ControlMode::Nt {
+            return self.engine_torque_nm.clone();
+        }
+        let engine = inputs.engine;
+        let mut integral_nm = self.mean_engine_torque_nm;
+        let level = |(demand, speed): (&f64, &f64)| {
+            let error_rad_s = demand - speed;
+            let level_nm = engine.speed_control_proportional_nm_s_per_rad * error_rad_s + integral_nm;
+            integral_nm += engine.speed_control_integral_nm_per_rad * sample_time_s * error_rad_s;
+            level_nm
+        };
+        self.speed_rad_s.iter().zip(&mean.engine_speed_rad_s).map(level).collect()
+    }
+
+    /// The same after so many samples of the first demands.
+    pub(super) fn after(&self, samples: usize) -> Self {
+        Demanded {
+            speed_rad_s: held_before(samples, &self.speed_rad_s),
+            dyno_torque_nm: held_before(samples, &self.dyno_torque_nm),
+            engine_torque_nm: held_before(samples, &self.engine_torque_nm),
+            mean_engine_torque_nm: self.mean_engine_torque_nm,
+        }
+    }
+
+    /// The same with pulses of the engine.
+    pub(super) fn with(mut self, pulses_nm: &[f64]) -> Self {
+        self.engine_torque_nm.iter_mut().zip(pulses_nm).for_each(|(torque, pulse)| *torque += pulse);
+        self
+    }
+}
+
+/// A series with its first value so many times before it.
+pub(super) fn held_before(samples: usize, series: &[f64]) -> Vec<f64> {
+    std::iter::repeat_n(series[0], samples).chain(series.iter().copied()).collect()
+}
+
+/// Values of every millisecond, held, on another clock.
+fn resampled(values: &[f64], sample_time_s: f64) -> Vec<f64> {
+    let ratio = sample_time_s / UPDATE_S;
+    let count = ((values.len() as f64 / ratio + 1e-6).floor() as usize).max(1);
+    let last = values.len().saturating_sub(1);
+    (0..count).map(|k| values[((k as f64 * ratio + 1e-6).floor() as usize).min(last)]).collect()
+}
