@@ -17,6 +17,7 @@ mod second_order;
 mod validation;
 
 use faer::Mat;
+use ident::distributions::interval;
 use ident::{Bounds, IdentError, Minimum};
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::Sought;
@@ -95,7 +96,7 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
 /// out. The first 70 % of the recording are estimated from, the rest validates. Offset and ripple lines are estimated
 /// jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
-/// reported in the diagnostics. Covariances are robust to coloured residuals.
+/// reported in the diagnostics, and the intervals reach to the estimates beside a free gain. Covariances are robust to coloured residuals.
 ///
 /// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
 /// before the demand (at most 5 ms).
@@ -138,6 +139,9 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         &delay_and_lag_validation,
         (demand.sample_time_s, torque.sample_time_s),
     ));
+    if lagged.is_gain_contradicted(torque.sample_time_s) {
+        delay_and_lag.add_moves(&lagged.moves_with_gain());
+    }
     // Both delays are read off the same two clocks.
     let floor = timing_floor_s(demand.sample_time_s);
     delay_and_lag.add_systematic(&[Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay], floor);
@@ -234,6 +238,8 @@ struct Lagged {
     covariance: Mat<f64>,
     freedom: f64,
     gain: Parameter,
+    /// τ and a with the gain free.
+    beside_gain: [f64; 2],
     fit: Minimum,
 }
 
@@ -245,7 +251,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let (covariance, freedom) = search::covariance_beside_kinks(&mut model, &fit, &bounds, reach_s)?;
     let covariance = widened(&mut model, &fit, &bounds, covariance);
     let ripple = model.ripple(&fit.parameters);
-    let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
+    let (gain, beside_gain) = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
     let model = AirGapTorqueModel {
         delay_s: fit.parameters[0],
         lag_rad_s: fit.parameters[1],
@@ -255,7 +261,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     };
     let covariance =
         Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
-    Ok(Lagged { model, covariance, freedom, gain, fit })
+    Ok(Lagged { model, covariance, freedom, gain, beside_gain, fit })
 }
 
 /// The covariance, wider where the cost about the minimum is flatter than its slopes say.
@@ -281,16 +287,19 @@ fn widened(
     covariance
 }
 
+/// The gain with its standard error, and τ and a beside it.
 fn free_gain(
     model: &mut RippledModel<'_, DelayAndLag<'_>>,
     fit: &Minimum,
     bounds: &[Bounds],
     sample_time_s: f64,
-) -> Result<Parameter, IdentError> {
+) -> Result<(Parameter, [f64; 2]), IdentError> {
     let free = search::free_the_gain(model, fit, bounds)?;
     let (covariance, freedom) = robust_covariance(&free, sample_time_s)?;
     let at = model.response_count();
-    Ok(Parameter::new(Quantity::TorqueControlGain, free.parameters[at], covariance[(at, at)].sqrt(), freedom))
+    let error = covariance[(at, at)].sqrt();
+    let gain = Parameter::new(Quantity::TorqueControlGain, free.parameters[at], error, freedom);
+    Ok((gain, [free.parameters[0], free.parameters[1]]))
 }
 
 /// A grid of delays (in halves of the demand's sample) and lags, lag by lag: a mode is computed once for all delays.
@@ -301,6 +310,23 @@ fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
 }
 
 impl Lagged {
+    /// Whether T_d differs from T_d* by a factor that matters.
+    fn is_gain_contradicted(&self, torque_sample_time_s: f64) -> bool {
+        // Ripple that the samples fold to zero frequency is a gain of theirs, and none of T_d.
+        let is_expected = folded_to_zero_hz(torque_sample_time_s).is_some();
+        let gain = &self.gain;
+        let (low, high) = interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
+        let matters = (gain.value - 1.0).abs() > GAIN_MATTERS;
+        !is_expected && matters && !(low..=high).contains(&1.0)
+    }
+
+    /// By how much τ, a and τ + 1/a change with the gain free.
+    fn moves_with_gain(&self) -> [f64; 3] {
+        let ([delay, lag], model) = (self.beside_gain, &self.model);
+        let moves = [delay - model.delay_s, lag - model.lag_rad_s];
+        [moves[0], moves[1], moves[0] + 1.0 / lag - 1.0 / model.lag_rad_s]
+    }
+
     /// Standard error of τ, s; none where τ is at a bound.
     fn delay_error_s(&self) -> f64 {
         if self.fit.at_bound[0] { 0.0 } else { self.covariance[(0, 0)].sqrt() }
@@ -350,12 +376,7 @@ fn doubts(
         found.push(warning(experiment, Finding::EarlySignal { role: Role::AirGapTorque, advance_s }));
     }
     let gain = &lagged.gain;
-    // Ripple that the samples fold to zero frequency is a gain of theirs, and none of T_d.
-    let is_expected = folded_to_zero_hz(torque_sample_time_s).is_some();
-    let (low, high) =
-        ident::distributions::interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
-    let matters = (gain.value - 1.0).abs() > GAIN_MATTERS;
-    if !is_expected && matters && !(low..=high).contains(&1.0) {
+    if lagged.is_gain_contradicted(torque_sample_time_s) {
         let quantity = Quantity::TorqueControlGain;
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));

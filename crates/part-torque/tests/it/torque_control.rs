@@ -1,6 +1,7 @@
 use part_torque::torque_control::{TorqueControlFit, choose, estimate};
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
+use rig::results::Quantity;
 use rig::{Experiment, Finding, Role};
 use signal::Signal;
 
@@ -106,6 +107,8 @@ fn stat_a_wrong_gain_is_reported() {
     let torque = scaled.signals.get_mut(&Role::AirGapTorque).unwrap();
     *torque = torque.map(|v| 1.02 * v);
     let fit = estimate(&scaled, None).unwrap();
+    let lag = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth).unwrap();
+    assert!((lag.interval.0..=lag.interval.1).contains(&TRUTH.lag_rad_s), "{lag:?}");
     assert!((fit.gain.value - 1.02).abs() < 5.0 * fit.gain.standard_error);
     assert!(fit.diagnostics.iter().any(|d| matches!(d.finding, Finding::RoutesDisagree { .. })));
     let right = estimate(&white_noise(Truth { noise_nm: 0.2, ..TRUTH }, 3), None).unwrap();
