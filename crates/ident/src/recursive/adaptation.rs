@@ -4,6 +4,7 @@ use faer::Mat;
 
 use super::diffuse::Information;
 use super::ud::UdFactor;
+use super::weights::SquaredWeights;
 use crate::IdentError;
 use crate::data::check_range;
 
@@ -52,6 +53,8 @@ pub(super) struct Gain {
     drift_variances: Vec<f64>,
     /// Variances that are not to be exceeded.
     limits: Vec<f64>,
+    /// What the errors of the parameters come from, where samples are forgotten.
+    squared_weights: SquaredWeights,
     /// Weighted sums of squared errors and of ones.
     squares: f64,
     weight: f64,
@@ -93,6 +96,7 @@ impl Gain {
             shared_poles,
             drift_variances,
             limits,
+            squared_weights: SquaredWeights::new(count),
             squares,
             weight,
             power,
@@ -114,6 +118,7 @@ impl Gain {
         match &mut self.state {
             State::Starting(information) => {
                 information.push(&psi[..self.starting_count], output, forgetting);
+                self.squared_weights.push(&psi[..self.starting_count], forgetting);
                 if let Some((solution, root, squares)) = information.solve() {
                     parameters[..self.starting_count].copy_from_slice(&solution);
                     self.squares = squares;
@@ -130,6 +135,7 @@ impl Gain {
                     _ => (forgetting, forgetting),
                 };
                 let (r, divisor) = after;
+                self.squared_weights.push(psi, divisor);
                 let (gain, alpha) = factor.measure(psi, r);
                 parameters.iter_mut().zip(gain).for_each(|(p, g)| *p += g * error);
                 factor.scale(1.0 / divisor);
@@ -167,33 +173,46 @@ impl Gain {
             (false, false) if i == j => further(i),
             _ => 0.0,
         });
+        (n..self.count).for_each(|i| self.squared_weights.start_at(i, whole[(i, i)].powi(2)));
         let factor = UdFactor::from_upper_root(&whole);
         self.limits = factor.diagonal().iter().map(|d| GROWTH * d).collect();
         self.state = State::Running(factor);
     }
 
-    /// Errors over their number less that of the parameters.
+    /// The sum of squares over its expected value for errors of variance one, `Σ w − tr P Q` (`Q` is that of
+    /// [`SquaredWeights`]): without forgetting the number of errors less that of the parameters.
     pub(super) fn noise_variance(&self) -> f64 {
-        let freedom = self.weight - self.count as f64;
-        match self.state {
+        match &self.state {
             State::Starting(_) => f64::NAN,
             State::Gradient => self.squares / self.weight.max(1.0),
-            State::Running(_) if freedom > 0.0 => self.squares / freedom,
-            // A memory shorter than the number of parameters says nothing of the noise.
-            State::Running(_) => f64::INFINITY,
+            State::Running(factor) => {
+                let taken = if self.forgetting() < 1.0 {
+                    self.squared_weights.trace_with(&factor.covariance())
+                } else {
+                    self.count as f64
+                };
+                let freedom = self.weight - taken;
+                // A memory shorter than the number of parameters says nothing of the noise.
+                if freedom > 0.0 { self.squares / freedom } else { f64::INFINITY }
+            }
         }
     }
 
-    fn unit(&self) -> f64 {
-        if matches!(self.adaptation, Adaptation::Forgetting(_)) { self.noise_variance() } else { 1.0 }
-    }
-
-    pub(super) fn variance(&self, parameter: usize) -> f64 {
-        if let State::Running(factor) = &self.state { self.unit() * factor.variance(parameter) } else { f64::NAN }
+    /// Standard error of every parameter; NaN where there is none.
+    pub(super) fn standard_errors(&self) -> Vec<f64> {
+        match self.covariance() {
+            Some(covariance) => (0..self.count).map(|j| covariance[(j, j)].sqrt()).collect(),
+            None => vec![f64::NAN; self.count],
+        }
     }
 
     pub(super) fn covariance(&self) -> Option<Mat<f64>> {
         let State::Running(factor) = &self.state else { return None };
-        Some(faer::Scale(self.unit()) * factor.covariance())
+        let p = factor.covariance();
+        match self.adaptation {
+            Adaptation::Forgetting(1.0) => Some(faer::Scale(self.noise_variance()) * p),
+            Adaptation::Forgetting(_) => Some(faer::Scale(self.noise_variance()) * self.squared_weights.sandwich(&p)),
+            _ => Some(p),
+        }
     }
 }

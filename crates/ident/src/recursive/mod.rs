@@ -8,6 +8,7 @@ mod diffuse;
 mod regressor;
 mod stability;
 mod ud;
+mod weights;
 
 pub use adaptation::Adaptation;
 pub use regressor::RecursiveStructure;
@@ -156,9 +157,10 @@ impl Recursive {
             for (t, y) in e.output(0).iter().enumerate() {
                 (0..data.inputs()).for_each(|k| inputs[k] = e.input(k)[t]);
                 trajectory.updates.push(self.step(&inputs, *y)?);
+                let standard_errors = self.gain.standard_errors();
                 for j in 0..count {
                     trajectory.parameters[(row, j)] = self.parameters[j];
-                    trajectory.standard_errors[(row, j)] = self.gain.variance(j).sqrt();
+                    trajectory.standard_errors[(row, j)] = standard_errors[j];
                 }
                 row += 1;
             }
@@ -172,7 +174,9 @@ impl Recursive {
         &self.parameters
     }
 
-    /// Covariance of θ under white noise; `None` during the start and for [`Adaptation::NormalisedGradient`].
+    /// Covariance of θ under white noise; `None` during the start and for [`Adaptation::NormalisedGradient`]. With
+    /// forgetting it is that of the errors of parameters that stay: how far parameters that move have gone from the
+    /// estimate is not in it.
     #[must_use]
     pub fn covariance(&self) -> Option<Mat<f64>> {
         self.gain.covariance()

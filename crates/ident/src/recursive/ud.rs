@@ -72,10 +72,6 @@ impl UdFactor {
         }
     }
 
-    pub(super) fn variance(&self, i: usize) -> f64 {
-        (i..self.d.len()).map(|k| self.u[(i, k)].powi(2) * self.d[k]).sum()
-    }
-
     pub(super) fn covariance(&self) -> Mat<f64> {
         let n = self.d.len();
         Mat::from_fn(n, n, |i, j| (i.max(j)..n).map(|k| self.u[(i, k)] * self.d[k] * self.u[(j, k)]).sum())
