@@ -111,7 +111,7 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let (level, turning) = (held_before(settling, &level), held_before(settling, &mean.engine_speed_rad_s));
     let pulses = pulses::of((inputs.engine, seed), &level, &turning, sample_time_s);
     let response = run(inputs, model, &demanded.after(settling).with(&pulses), &start)?;
-    Ok(response.from_sample(settling, model.torque_limit_nm))
+    Ok(response.without_first(settling, model.torque_limit_nm))
 }
 
 fn is_bounded(response: &Response) -> bool {

@@ -172,8 +172,8 @@ fn run(
 }
 
 impl Response {
-    /// The response from a later sample on, where T_d* has this limit.
-    pub(crate) fn from_sample(mut self, first: usize, torque_limit_nm: Option<f64>) -> Self {
+    /// The response without its first samples, where T_d* has this limit.
+    pub(crate) fn without_first(mut self, first: usize, torque_limit_nm: Option<f64>) -> Self {
         let all = [
             &mut self.dyno_speed_rad_s,
             &mut self.engine_speed_rad_s,
