@@ -100,9 +100,6 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let demanded = Demanded::of(inputs, sample_time_s);
     let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
     let mean = run(inputs, model, &demanded, &start)?;
-    if !is_bounded(&mean) {
-        return Err(PredictionError::Unstable);
-    }
     let is_fired = plan.has_shaft && !plan.is_motored;
     let Some(seed) = inputs.firing_seed.filter(|_| is_fired) else { return Ok(mean) };
     // The bench is recorded once its answer to the first pulses has died away.
@@ -130,7 +127,7 @@ fn run(
     let (sample_time_s, engine_torque_nm) = (sample_time_s(inputs), demanded.engine_torque_nm.as_slice());
     let of = |dyno| Inputs { sample_time_s, engine_torque_nm, dyno };
     let is_governed = plan.label.mode == ControlMode::Tn && plan.has_shaft && !plan.is_motored;
-    Ok(match plan.label.mode {
+    let response = match plan.label.mode {
         ControlMode::Nt => simulate(model, &of(DynoInput::SpeedDemand(&demanded.speed_rad_s)), start)?,
         ControlMode::Tn if !is_governed => {
             simulate(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), start)?
@@ -144,7 +141,8 @@ fn run(
             };
             simulate_governed(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), &control, start)?
         }
-    })
+    };
+    is_bounded(&response).then_some(response).ok_or(PredictionError::Unstable)
 }
 
 /// The dynamometer alone.

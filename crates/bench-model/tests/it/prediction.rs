@@ -104,3 +104,18 @@ fn regress_what_cannot_be_predicted_is_refused_in_words() {
     let error = with_inputs(&unstable, &plan, Limits::default(), |inputs| predict(inputs).unwrap_err());
     assert_eq!(error, PredictionError::Unstable);
 }
+
+#[test]
+fn regress_pulses_that_grow_without_bound_are_refused() {
+    let mut unstable = smooth();
+    unstable.controller.proportional_nm_s_per_rad *= 40.0;
+    unstable.drive.torque_limit_nm = 1e12;
+    // At rest nothing grows; the pulses have the time of settling for it.
+    let mut plan = ExperimentPlan::bs_t_nt(1200.0, 0.1);
+    plan.engine_torque_nm = Waveform::Constant { value: 60.0 };
+    let (rest, pulsed) = with_inputs(&unstable, &plan, Limits::default(), |inputs| {
+        (predict(inputs), predict(&PredictionInputs { firing_seed: Some(1), ..*inputs }))
+    });
+    assert!(rest.is_ok());
+    assert_eq!(pulsed.unwrap_err(), PredictionError::Unstable);
+}
