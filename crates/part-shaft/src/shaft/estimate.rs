@@ -8,7 +8,7 @@ use part_torque::torque_control::standard_deviation;
 use rig::Role;
 use rig::align::split_window;
 use rig::estimation::{EstimateError, ReadOut, transformed};
-use rig::results::{Estimate, Parameter, Quantity, ResidualSpectrum, Shaft, Stretch};
+use rig::results::{Estimate, Parameter, Quantity, ResidualSpectrum, Shaft, SharedError, Stretch};
 use signal::Signal;
 
 use super::engine_side::{self, EngineInertia};
@@ -78,7 +78,14 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
         validation: validate(inputs, theta, validation)?,
         cross_checks: Vec::new(),
         inertias: None,
+        shared_errors: solution.shared_errors(inputs),
     })
+}
+
+/// What K and B of an estimate are uncertain by as the model of the signals is not exact: standard uncertainties.
+pub(crate) fn model_errors(stiffness: f64, damping: f64) -> [f64; 2] {
+    let part = |quantity| MODEL_ERRORS.iter().find(|(of, _)| *of == quantity).map_or(0.0, |(_, part)| *part);
+    [part(Quantity::Stiffness) * stiffness.abs(), part(Quantity::Damping) * damping.abs()]
 }
 
 /// The parameters alone, from the whole of a recording: to compare recordings with one another.
@@ -347,6 +354,25 @@ impl Solution {
         estimate.add_systematic(&[Quantity::EngineSpeedSkew], SKEW_ERROR_S);
         estimate.add_systematic(&[Quantity::AirGapTorqueSkew], SKEW_ERROR_S.hypot(self.delay_uncertainty_s));
         estimate
+    }
+
+    /// K and B move with the mean m of a prior of variance u² by P/u², with P their covariance with its parameter.
+    fn shared_errors(&self, inputs: &ShaftInputs<'_>) -> Vec<SharedError> {
+        let covariance = &self.fit.covariance;
+        let lag_uncertainty_s = inputs.torque_control.map_or(0.0, |control| control.lag_uncertainty_s);
+        let known = [
+            (Quantity::DynoInertia, places::INERTIA, inputs.inertia_kg_m2.map_or(0.0, |(_, uncertainty)| uncertainty)),
+            (Quantity::FrictionSlope, places::FRICTION, inputs.friction_slope_nm_s_per_rad.1),
+            (Quantity::EncoderGates, places::GATE, inputs.gate_s.1),
+            (Quantity::TorqueControlBandwidth, places::LAG, lag_uncertainty_s),
+        ];
+        let estimated = known.into_iter().filter(|(_, at, before)| *before > 0.0 && covariance[(*at, *at)] > 0.0);
+        let share = |(known, at, before): (Quantity, usize, f64)| {
+            // Where coloured errors make it less certain than it was beforehand, all of that counts as shared.
+            let before = before.max(covariance[(at, at)].sqrt());
+            SharedError { known, of_shaft: [places::K, places::B].map(|i| covariance[(i, at)] / before) }
+        };
+        estimated.map(share).collect()
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.

@@ -21,6 +21,7 @@ mod springs;
 mod term;
 mod terms;
 
+pub(crate) use estimate::model_errors;
 pub use estimate::{
     estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
     gain_by_exchange, test_terms,

@@ -11,7 +11,7 @@ pub use estimate::{Estimate, Parameter, Stretch, WrittenParameter};
 pub use outcome::{Found, Outcome, Reason, write_found, write_if_sought, write_status};
 pub use part::Part;
 pub use parts::{
-    DelayPlace, DelayRoute, DemandLags, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SignalDelay,
-    SpeedController, Timing, TorqueControl,
+    DelayPlace, DelayRoute, DemandLags, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SharedError,
+    SignalDelay, SpeedController, Timing, TorqueControl,
 };
 pub use validation::{ResidualTest, Trace, Validation};

@@ -159,6 +159,19 @@ pub struct Shaft {
     /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the recording
     /// in torque control that they are from, and the estimate.
     pub inertias: Option<(String, Estimate)>,
+    /// What K and B owe to things known beforehand.
+    #[serde(skip)]
+    pub shared_errors: Vec<SharedError>,
+}
+
+/// What the error of something known beforehand makes of K and B. It is the same thing in every recording of a bench, so more
+/// recordings do not make its error smaller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharedError {
+    /// What is known beforehand.
+    pub known: Quantity,
+    /// The errors of K and B if it is wrong by one standard uncertainty, Nm/rad and Nm s/rad.
+    pub of_shaft: [f64; 2],
 }
 
 /// Equation error of a frequency-domain fit.
