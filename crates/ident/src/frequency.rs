@@ -39,6 +39,9 @@ pub const OVERLAP: f64 = (1.0 - 2.0 * TAPER * (1.0 - 35.0 / 128.0)) / (ENERGY * 
 /// Bins over which the window spreads a line, each way.
 const REACH: usize = 4;
 
+/// Errors this small beside the stated noise are those of the arithmetic; a prior keeps some weight beside them.
+const SMALLEST_SCALE: f64 = 1e-12;
+
 /// A window may differ from a whole number of samples by this part of one.
 const EVEN: f64 = 1e-3;
 
@@ -246,6 +249,8 @@ pub struct ErrorsInVariables<'a, E> {
     priors: &'a [Prior],
     /// What the residual of each bin is multiplied by; all ones where empty.
     weights: &'a [f64],
+    /// Mean of the squared residuals, which priors are weighed against: one where the noise levels are right.
+    scale: f64,
     at_bin: AtBin,
 }
 
@@ -303,7 +308,7 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         priors: &'a [Prior],
     ) -> Self {
         let at_bin = AtBin::new(E::SIGNALS, E::PARAMETERS);
-        ErrorsInVariables { equation, signals, window, bins, priors, weights: &[], at_bin }
+        ErrorsInVariables { equation, signals, window, bins, priors, weights: &[], scale: 1.0, at_bin }
     }
 
     /// With a weight for each bin: one over the standard deviation of e/σ there, where the equation leaves more than the noise.
@@ -316,21 +321,43 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         self.weights.get(k).copied().unwrap_or(1.0)
     }
 
-    /// Minimises from `start` within `bounds`.
+    /// Minimises from `start` within `bounds`. Only the size of the errors found shows how much the data are worth beside the
+    /// priors, so with priors there are two rounds.
     ///
     /// # Errors
     /// Those of [`minimise`].
     pub fn fit(mut self, start: &[f64], bounds: &[Bounds]) -> Result<FrequencyFit, IdentError> {
-        let fit = minimise(&mut self, start, bounds, NonlinearOptions::default())?;
-        let bins = self.bins;
-        let weighted = |k: usize| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1]);
-        let normalised: Vec<f64> = (0..bins.len()).map(|k| weighted(k) / self.weight(k)).collect();
-        let information = 2.0 * bins.len() as f64 / OVERLAP;
-        let degrees_of_freedom = (information - E::PARAMETERS as f64).max(1.0);
-        let mean = |power: f64| power / bins.len() as f64 * information / degrees_of_freedom;
-        let scale = mean(normalised.iter().map(|q| q * q).sum());
-        let covariance = covariance(&fit, bins, mean((0..bins.len()).map(|k| weighted(k).powi(2)).sum()));
-        Ok(FrequencyFit { fit, covariance, degrees_of_freedom, scale, normalised })
+        let mut fit = minimise(&mut self, start, bounds, NonlinearOptions::default())?;
+        if !self.priors.is_empty() {
+            self.scale = self.mean_square(&self.weighted(&fit)).max(SMALLEST_SCALE);
+            let from = fit.parameters;
+            fit = minimise(&mut self, &from, bounds, NonlinearOptions::default())?;
+        }
+        let weighted = self.weighted(&fit);
+        let normalised: Vec<f64> = weighted.iter().enumerate().map(|(k, q)| q / self.weight(k)).collect();
+        let covariance = covariance(&fit, self.bins, self.mean_square(&weighted));
+        let scale = self.mean_square(&normalised);
+        Ok(FrequencyFit { fit, covariance, degrees_of_freedom: self.degrees_of_freedom(), scale, normalised })
+    }
+
+    /// Weighted |e|/σ of each bin.
+    fn weighted(&self, fit: &Minimum) -> Vec<f64> {
+        fit.residuals.chunks_exact(2).take(self.bins.len()).map(|parts| parts[0].hypot(parts[1])).collect()
+    }
+
+    /// The number of independent parts of the bins.
+    fn information(&self) -> f64 {
+        2.0 * self.bins.len() as f64 / OVERLAP
+    }
+
+    fn degrees_of_freedom(&self) -> f64 {
+        (self.information() - E::PARAMETERS as f64).max(1.0)
+    }
+
+    /// Mean of the squares of what each bin leaves, freed of what the parameters take up.
+    fn mean_square(&self, left: &[f64]) -> f64 {
+        let power: f64 = left.iter().map(|q| q * q).sum();
+        power / self.bins.len() as f64 * self.information() / self.degrees_of_freedom()
     }
 }
 
@@ -448,11 +475,11 @@ impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
                 }
             }
         }
-        // Scaled so that the covariance, which counts each bin as 1/OVERLAP of one and each part as half of one, gives
-        // the prior its own uncertainty back.
+        // Scaled so that the covariance, which counts each bin as 1/OVERLAP of one and each part as half of one, and all in
+        // units of the errors found, gives the prior its own uncertainty back.
         let base = 2 * self.bins.len();
         for (row, prior) in self.priors.iter().enumerate() {
-            let weight = (0.5 * OVERLAP).sqrt() / prior.standard_uncertainty;
+            let weight = (0.5 * OVERLAP * self.scale).sqrt() / prior.standard_uncertainty;
             residuals[base + row] = (theta[prior.parameter] - prior.value) * weight;
             if let Some(jacobian) = jacobian.as_mut() {
                 for j in 0..E::PARAMETERS {

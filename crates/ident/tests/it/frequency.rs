@@ -170,7 +170,43 @@ fn exact_prior_alone_gives_its_own_uncertainty_back() {
     let found = fit(&signals, 0.3, &[tight]);
     let error = found.covariance[(2, 2)].sqrt();
     assert!((found.fit.parameters[2] - 0.004).abs() < 1e-6);
-    assert!((error / 1e-7 - found.scale.sqrt()).abs() < 0.05, "{error}");
+    assert!((error / 1e-7 - 1.0).abs() < 0.01, "{error}");
+}
+
+/// A prior as strong as the data, which the noise levels stated must not weaken or strengthen: what is known beforehand is in
+/// units of its own.
+#[test]
+fn exact_prior_and_data_combine_whatever_the_stated_noise() {
+    let signals = records(&mut Noise::new(6), 0.3);
+    let data = fit(&signals, 0.3, &[]);
+    let deviation = data.covariance[(2, 2)].sqrt();
+    let prior =
+        Prior { parameter: 2, value: data.fit.parameters[2] + 2.0 * deviation, standard_uncertainty: deviation };
+    for stated in [0.003, 0.3, 30.0] {
+        let found = fit(&signals, stated, &[prior]);
+        let moved = (found.fit.parameters[2] - data.fit.parameters[2]) / deviation;
+        let narrower = found.covariance[(2, 2)].sqrt() / deviation;
+        assert!((moved - 1.0).abs() < 0.05, "stated {stated}: moved by {moved} deviations");
+        assert!((narrower - 0.5_f64.sqrt()).abs() < 0.03, "stated {stated}: {narrower}");
+    }
+}
+
+/// The truth is drawn from the prior, and the noise levels are three times what they are: 95 % intervals still hold the truth in
+/// 95 % of the draws.
+#[test]
+fn stat_intervals_with_a_prior_hold_the_truth_where_the_noise_is_overstated() {
+    let (runs, uncertainty) = (300, 2e-4);
+    let (mut noise, mut held) = (Noise::new(7), 0);
+    for _ in 0..runs {
+        let error = uncertainty * noise.normal();
+        let prior = Prior { parameter: 2, value: TRUTH[2] + error, standard_uncertainty: uncertainty };
+        let found = fit(&records(&mut noise, 0.3), 0.9, &[prior]);
+        let deviation = found.covariance[(2, 2)].sqrt();
+        held += usize::from((found.fit.parameters[2] - TRUTH[2]).abs() < 1.96 * deviation);
+    }
+    let share = held as f64 / f64::from(runs);
+    // Three standard deviations of the binomial; the sandwich may make intervals somewhat longer.
+    assert!((0.912..=0.995).contains(&share), "{share}");
 }
 
 #[test]
