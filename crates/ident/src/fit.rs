@@ -100,7 +100,7 @@ pub enum Doubt {
         /// Of how many.
         of: usize,
     },
-    /// A parameter rests on a bound.
+    /// A parameter is at a bound: it has no interval, and the covariance of the others holds with it there.
     AtBound {
         /// Its index.
         parameter: usize,
@@ -196,12 +196,19 @@ impl<M: Parametric> Fit<M> {
         self.model.parameters()
     }
 
-    /// Standard error of each parameter.
+    /// Standard error of each parameter: zero for one that is fixed, NaN for one [at its bound](Fit::is_at_bound).
     pub fn standard_errors(&self) -> Vec<f64> {
-        (0..self.covariance.nrows()).map(|i| self.covariance[(i, i)].max(0.0).sqrt()).collect()
+        let error = |i: usize| if self.is_at_bound(i) { f64::NAN } else { self.covariance[(i, i)].max(0.0).sqrt() };
+        (0..self.covariance.nrows()).map(error).collect()
     }
 
-    /// The interval that holds each parameter with this probability, by Student's t.
+    /// Whether a parameter ended at a bound that the errors would fall beyond. The data then do not show how far from the truth
+    /// it is. Its row of the covariance is zero: the covariance of the others holds with it at that value.
+    pub fn is_at_bound(&self, parameter: usize) -> bool {
+        self.doubts.contains(&Doubt::AtBound { parameter })
+    }
+
+    /// The interval that holds each parameter with this probability, by Student's t; NaN for one at its bound.
     pub fn intervals(&self, level: f64) -> Vec<(f64, f64)> {
         let interval = |(value, error)| crate::distributions::interval(value, error, self.degrees_of_freedom, level);
         self.parameters().into_iter().zip(self.standard_errors()).map(interval).collect()

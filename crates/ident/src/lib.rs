@@ -119,7 +119,7 @@ pub use grey_box::{
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
-pub use structure_error::{ChannelKind, Count, RefinedLimit, StructureError, UnstablePart};
+pub use structure_error::{BoundsFault, ChannelKind, Count, RefinedLimit, StructureError, UnstablePart};
 
 // Estimators and their options.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};

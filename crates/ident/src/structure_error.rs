@@ -88,6 +88,18 @@ pub enum StructureError {
         /// Whether zero is refused.
         positive: bool,
     },
+    /// Bounds of a parameter that it cannot lie within.
+    #[error("the bounds {low} to {high} of {name}: {fault}")]
+    ParameterBounds {
+        /// The parameter.
+        name: String,
+        /// The lower bound.
+        low: f64,
+        /// The upper bound.
+        high: f64,
+        /// What is wrong with them.
+        fault: BoundsFault,
+    },
     /// Lists that belong together differ in length.
     #[error("nb has {nb} entries, nf {nf} and nk {nk}; each input needs one entry in each list")]
     EntriesDiffer {
@@ -127,9 +139,9 @@ pub enum StructureError {
         /// The name given.
         name: String,
     },
-    /// A parameter to be held that the model does not have.
-    #[error("the model has no parameter \"{name}\" that could be held; its parameters are {}", .parameters.join(", "))]
-    UnknownHeld {
+    /// A parameter to be held or bounded that the model does not have.
+    #[error("the model has no parameter \"{name}\"; its parameters are {}", .parameters.join(", "))]
+    UnknownParameter {
         /// The name given.
         name: String,
         /// The names there are.
@@ -236,6 +248,26 @@ pub enum StructureError {
     /// A search that was given up before its end.
     #[error("the search was given up")]
     GivenUp,
+}
+
+/// What is wrong with bounds of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum BoundsFault {
+    /// They are in the wrong order, or no numbers.
+    #[error("give the lower one first")]
+    Order,
+    /// A time constant that may be zero or less, or without end.
+    #[error("a time constant is a positive number of seconds")]
+    TimeConstant,
+    /// A negative damping.
+    #[error("a damping ratio is a number that is not negative")]
+    Damping,
+    /// A negative delay.
+    #[error("a delay is a number of seconds that is not negative")]
+    Delay,
+    /// It is held at a value outside.
+    #[error("it is held at a value outside them")]
+    HeldOutside,
 }
 
 /// Inputs or outputs.

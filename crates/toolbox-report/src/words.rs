@@ -19,7 +19,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             "{rows} of {of} rows were left out, because a sample is missing there or the model needs more of the past; samples between those of a slower output count as missing, and band-limited inputs also need the time around a record"
         ),
         Doubt::AtBound { parameter } => format!(
-            "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",
+            "{} is at its bound, so it has no interval; the intervals of the others hold with it there; widen the bound, or fix the parameter",
             parameters.get(*parameter).map_or("a parameter", String::as_str)
         ),
         Doubt::Unstable => {

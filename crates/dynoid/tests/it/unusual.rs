@@ -126,6 +126,30 @@ fn a_parameter_of_a_process_model_can_be_held() {
 }
 
 #[test]
+fn a_parameter_of_a_process_model_can_be_bounded() {
+    let folder = folder();
+    let free = fitted(&folder, "fit process --structure P1");
+    let lag = free["model"]["estimate"]["parameters"][1].as_f64().unwrap();
+    let (low, high) = (2.0 * lag, 10.0 * lag);
+    let line = format!("fit process run.csv -u valve -y speed --structure P1 --bound Tp1={low}:{high}");
+    let text = said(&folder, &line);
+    assert!(text.contains("at its bound") && text.contains("Tp1 is at its bound, so it has no interval"), "{text}");
+    let bounded = run(&folder, &format!("{line} --json")).json();
+    assert_eq!(bounded["model"]["estimate"]["parameters"][1], low);
+    assert_eq!((&bounded["at_bound"][0], &bounded["at_bound"][1]), (&false.into(), &true.into()));
+    assert!(bounded["standard_errors"][1].is_null() && bounded["intervals_95"][1][0].is_null(), "{bounded}");
+    assert!(bounded["standard_errors"][0].as_f64().unwrap() > 0.0);
+    let refused = |option: &str, code, words: &[&str]| {
+        run(&folder, &format!("fit process run.csv -u valve -y speed {option}")).assert_refused(code, words);
+    };
+    refused("--bound Tp1", 2, &["--bound Tp1", "Tp1=0.1:2"]);
+    refused("--bound Tp1=2:1", 2, &["the lower number first"]);
+    refused("--bound Tp1=-1:2", 3, &["Tp1", "a time constant is a positive number of seconds"]);
+    refused("--bound Td=-1:2", 3, &["a delay is a number of seconds that is not negative"]);
+    refused("--bound Q=1:2", 3, &["Tp1"]);
+}
+
+#[test]
 fn regress_data_without_noise_have_intervals_without_width() {
     let folder = folder();
     let (mut y, mut text) = ([0.0; 3], String::from("time [s],u,y\n"));

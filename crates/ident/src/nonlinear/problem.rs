@@ -43,7 +43,8 @@ impl Bounds {
         Bounds { lower, upper }
     }
 
-    pub(super) fn clamp(&self, value: f64) -> f64 {
+    /// The value, or the bound that it is beyond.
+    pub(crate) fn clamp(&self, value: f64) -> f64 {
         value.max(self.lower).min(self.upper)
     }
 }

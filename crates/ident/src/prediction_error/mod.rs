@@ -165,7 +165,7 @@ impl Polynomial {
         let mut held = vec![Vec::new(); data.outputs()];
         for (name, value) in &self.held {
             let Some(index) = names.iter().position(|n| n == name) else {
-                return Err(StructureError::UnknownHeld { name: name.clone(), parameters: names }.into());
+                return Err(StructureError::UnknownParameter { name: name.clone(), parameters: names }.into());
             };
             if !value.is_finite() {
                 return Err(IdentError::NotFinite { what: "the value of a coefficient to be held", index });

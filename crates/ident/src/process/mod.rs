@@ -6,17 +6,24 @@ mod start;
 use faer::Mat;
 use lti::ProcessModel;
 
-use self::ranges::Ranges;
+use self::ranges::{Asked, Ranges, Usual};
 use crate::band_limited::Ground;
 use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::record::{Record, records};
-use crate::continuous::{ProcessSystem, first_sample, one_each};
+use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
 use crate::structure_error::StructureError;
-use crate::{Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
+use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
-/// Longest delay searched by default, in samples.
-const DELAY_SAMPLES: f64 = 30.0;
+/// Longest delay searched at first, in samples, and as a part of the record.
+const FIRST_DELAY: (f64, f64) = (30.0, 0.1);
+/// A delay that ends there is searched for over so many times as long ...
+const LONGER: f64 = 3.0;
+/// ... up to this part of the record.
+const LONGEST_DELAY: f64 = 1.0 / 3.0;
+/// Lags searched by default: the shortest in samples, the longest in lengths of the record. Beyond, a lag has no effect that
+/// the samples show, or is an integrator's.
+const LAGS: (f64, f64) = (0.01, 10.0);
 
 /// Estimates process models, gain, lags, zero and delay, by minimising the error of the simulated output:
 ///
@@ -53,6 +60,7 @@ pub struct ProcessFit {
     offset: bool,
     at_rest: bool,
     held: Vec<(String, f64)>,
+    bounds: Vec<(String, Bounds)>,
     search: NonlinearOptions,
 }
 
@@ -76,12 +84,13 @@ impl ProcessFit {
             offset: false,
             at_rest: false,
             held: Vec::new(),
+            bounds: Vec::new(),
             search: NonlinearOptions::default(),
         }
     }
 
-    /// Bounds of the delay in seconds, one pair an input or one for all; 0 to 30 samples, a tenth of the record at most,
-    /// if none are given.
+    /// Bounds of the delay in seconds, one pair an input or one for all. If none are given it is searched from 0 to 30 samples,
+    /// a tenth of the record at most; where it ends at that limit, up to a third of the record.
     #[must_use]
     pub fn with_delay_between(self, delay_s: &[(f64, f64)]) -> Self {
         ProcessFit { delay_s: Some(delay_s.to_vec()), ..self }
@@ -124,6 +133,25 @@ impl ProcessFit {
         self
     }
 
+    /// Searches one parameter from `low` to `high`, in place of its usual bounds: those of lags and delay above, and 0 to 10 for a
+    /// damping ratio; gain and zero have none. Starting values beyond are moved to the bound. Names are those of [`hold`](Self::hold).
+    ///
+    /// # Example
+    /// ```
+    /// let y: Vec<f64> = (0..60).map(|k| 2.0 * (1.0 - (-0.2 * f64::from(k)).exp())).collect();
+    /// let (u, y) = ([vec![0.0; 5], vec![1.0; 60]].concat(), [vec![0.0; 5], y].concat());
+    /// let data = ident::Dataset::siso(0.1, &u, &y)?;
+    /// let fit = ident::ProcessFit::named("P1")?.with_bounds("Tp1", 0.6, 5.0).from_rest().fit(&data)?;
+    /// // The true value is 0.5.
+    /// assert!(fit.parameters()[1] == 0.6 && fit.is_at_bound(1) && fit.standard_errors()[1].is_nan());
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    #[must_use]
+    pub fn with_bounds(mut self, parameter: impl Into<String>, low: f64, high: f64) -> Self {
+        self.bounds.push((parameter.into(), Bounds::new(low, high)));
+        self
+    }
+
     /// How far and how exactly to search.
     #[must_use]
     pub fn with_search(self, search: NonlinearOptions) -> Self {
@@ -134,12 +162,25 @@ impl ProcessFit {
     ///
     /// # Errors
     /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
-    /// are no range, a zero and no pole, or a held parameter that there is not; [`IdentError::Missing`] for a gap in
+    /// are no range or that no process has, a zero and no pole, or a parameter that there is not; [`IdentError::Missing`] for a gap in
     /// an input (gaps in outputs are left out); [`IdentError::Constant`]; [`IdentError::TooFewSamples`];
     /// [`IdentError::RankDeficient`] where the data do not determine every parameter, as with two lags where one is
     /// enough.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
-        let ranges = self.ranges(data)?;
+        let record = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
+        let mut longest = FIRST_DELAY.0.min((FIRST_DELAY.1 * record).floor());
+        let mut fit = self.fit_to(data, longest)?;
+        while self.delay_s.is_none() && ends_at(&fit, longest * data.sample_time_s()) {
+            let longer = (LONGER * longest).min((LONGEST_DELAY * record).floor());
+            let Some(further) = (longer > longest).then(|| self.fit_to(data, longer).ok()).flatten() else { break };
+            (fit, longest) = (further, longer);
+        }
+        Ok(fit)
+    }
+
+    /// The estimate with delays of at most so many samples where they have no other bounds.
+    fn fit_to(&self, data: &Dataset, longest_delay: f64) -> Result<Fit<ProcessSystem>, IdentError> {
+        let ranges = self.ranges(data, longest_delay)?;
         let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());
         let ground = Ground::new(data, self.at_rest)?;
         let first = if self.at_rest { 0 } else { ground.edge + ranges.iter().map(longest).max().unwrap_or(0) };
@@ -154,45 +195,59 @@ impl ProcessFit {
                 return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
             }
             let starts = start::candidates(ranges, data, &records, settings)?;
-            parts.push(fit_output(data, &records, &starts, &bounds, settings)?);
+            parts.push(fit_output(data, &records, &starts, bounds, settings)?);
         }
         Ok(combine(&ground, first, &parts, settings)?.made_by("simulation error", data))
     }
 
     /// What is searched for each output.
-    fn ranges(&self, data: &Dataset) -> Result<Vec<Ranges>, IdentError> {
+    fn ranges(&self, data: &Dataset, longest_delay: f64) -> Result<Vec<Ranges>, IdentError> {
         let structure = one_each("structures", &self.structure, data.inputs())?;
         let t = data.sample_time_s();
         let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
-        let usual = (0.0, t * DELAY_SAMPLES.min((0.1 * longest).floor()));
-        let delay_s = one_each("delays", self.delay_s.as_deref().unwrap_or(&[usual]), data.inputs())?;
-        let lag_s = self.lag_s.unwrap_or((0.01 * t, 10.0 * longest.max(1.0) * t));
+        let delay_s =
+            one_each("delays", self.delay_s.as_deref().unwrap_or(&[(0.0, longest_delay * t)]), data.inputs())?;
+        let lag_s = self.lag_s.unwrap_or((LAGS.0 * t, LAGS.1 * longest.max(1.0) * t));
         if !(lag_s.0 > 0.0 && lag_s.0 < lag_s.1 && lag_s.1.is_finite()) {
             let (low_s, high_s) = lag_s;
             return Err(StructureError::Bounds { what: "the lags", low_s, high_s, positive: true }.into());
         }
-        let jumps = data.intersample() == Intersample::ZeroOrderHold;
-        let each = self.held_values(&structure, data.outputs())?;
-        each.into_iter().map(|held| Ranges::new(structure.clone(), &delay_s, lag_s, held, jumps)).collect()
+        check_delays(&delay_s)?;
+        let (usual, jumps) = (Usual { delay_s, lag_s }, data.intersample() == Intersample::ZeroOrderHold);
+        let asked = self.asked(&structure, data.outputs())?;
+        let each = asked.chunks(asked.len() / data.outputs().max(1));
+        each.map(|asked| Ranges::new(structure.clone(), &usual, asked, jumps)).collect()
     }
 
-    /// For each output, the value of every parameter that is held.
-    fn held_values(&self, structure: &[ProcessModel], outputs: usize) -> Result<Vec<Vec<Option<f64>>>, IdentError> {
+    /// What is asked of every parameter of every output.
+    fn asked(&self, structure: &[ProcessModel], outputs: usize) -> Result<Vec<Asked>, IdentError> {
         let channels = structure.iter().cycle().take(structure.len() * outputs).cloned().collect();
         let names = ProcessSystem::new(channels, structure.len(), Mat::identity(outputs, outputs))?.parameter_names();
-        let each = names.len() / outputs.max(1);
-        let mut held = vec![vec![None; each]; outputs];
+        let mut asked: Vec<Asked> = names.iter().map(|name| Asked { name: name.clone(), ..Asked::default() }).collect();
+        let place = |name: &String| {
+            let unknown = || StructureError::UnknownParameter { name: name.clone(), parameters: names.clone() };
+            names.iter().position(|n| n == name).ok_or_else(unknown)
+        };
         for (name, value) in &self.held {
-            let Some(index) = names.iter().position(|n| n == name) else {
-                return Err(StructureError::UnknownHeld { name: name.clone(), parameters: names }.into());
-            };
+            let index = place(name)?;
             if !value.is_finite() {
                 return Err(IdentError::NotFinite { what: "the value of a parameter to be held", index });
             }
-            held[index / each][index % each] = Some(*value);
+            asked[index].held = Some(*value);
         }
-        Ok(held)
+        for (name, bounds) in &self.bounds {
+            asked[place(name)?].bounds = Some(*bounds);
+        }
+        Ok(asked)
     }
+}
+
+/// Whether a delay ended at the upper end of what was searched.
+fn ends_at(fit: &Fit<ProcessSystem>, longest_s: f64) -> bool {
+    let parameters = fit.model.parameter_names().into_iter().zip(fit.parameters()).enumerate();
+    parameters
+        .filter(|(j, _)| fit.is_at_bound(*j))
+        .any(|(_, (name, value))| name.starts_with("Td") && value == longest_s)
 }
 
 fn structure(name: &str) -> Result<ProcessModel, IdentError> {

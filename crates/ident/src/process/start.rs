@@ -86,10 +86,10 @@ fn judge(
     let (mut gains, mut columns) = (Vec::new(), Vec::new());
     for (channel, first) in model.channels().iter().zip(model.offsets()) {
         let zero = first + 1 + 2 * usize::from(channel.pair().is_some()) + channel.lags_s().len();
-        let gain = Some(first).filter(|j| ranges.held[*j].is_none());
+        let gain = Some(first).filter(|j| !ranges.is_held(*j));
         gains.extend(gain);
         columns.extend(gain.map(|j| (j, None)));
-        columns.extend(channel.zero_s().filter(|_| ranges.held[zero].is_none()).map(|_| (zero, gain)));
+        columns.extend(channel.zero_s().filter(|_| !ranges.is_held(zero)).map(|_| (zero, gain)));
     }
     let target: Vec<f64> =
         (0..rows).map(|i| residuals[i] - gains.iter().map(|j| jacobian[(i, *j)]).sum::<f64>()).collect();

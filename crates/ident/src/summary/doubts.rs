@@ -33,7 +33,7 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
         Doubt::RowsLeftOut { rows, of } => format!("{rows} of {of} rows could not be used."),
         Doubt::AtBound { parameter } => {
             let name = parameters.get(*parameter).map_or("a parameter", String::as_str);
-            format!("{name} rests on its bound, so its standard error means nothing.")
+            format!("{name} is at its bound and has no standard error; those of the others hold with it there.")
         }
         Doubt::Unstable => "the model is not stable.".to_owned(),
         Doubt::LargerThanNoise { ratio } => {

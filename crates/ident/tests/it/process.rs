@@ -2,7 +2,10 @@
 #![allow(clippy::print_stdout)]
 
 use faer::Mat;
-use ident::{Dataset, Fit, IdentError, Intersample, LinearModel, Parametric, ProcessFit, ProcessSystem};
+use ident::{
+    BoundsFault, Dataset, Doubt, Fit, IdentError, Intersample, LinearModel, Parametric, ProcessFit, ProcessSystem,
+    StructureError,
+};
 use lti::ProcessModel;
 
 use crate::noise::Noise;
@@ -115,6 +118,86 @@ fn stat_a_known_gain_narrows_the_other_intervals() {
     let held = ProcessFit::named("P1").unwrap().hold("K", 2.0).fit(&data).unwrap();
     assert!(held.standard_errors()[1] < 0.9 * free.standard_errors()[1]);
     assert!((held.parameters()[1] - 0.8).abs() < 4.0 * held.standard_errors()[1]);
+}
+
+#[test]
+fn exact_bounds_asked_for_are_respected() {
+    let truth = ProcessModel::new(2.5).unwrap().with_pair(0.5, 0.3).unwrap().with_delay(0.437).unwrap();
+    let data = record(&system(vec![truth]), 0.1, 800, 0.0, &mut Noise::new(31));
+    let plain = || ProcessFit::named("P2DU").unwrap();
+    // Bounds that hold the truth, with every usual starting value outside.
+    let inside = [("K", 2.0, 3.0), ("Tw", 0.45, 0.55), ("zeta", 0.25, 0.35), ("Td", 0.41, 0.47)];
+    let within = inside.iter().fold(plain(), |options, (name, low, high)| options.with_bounds(*name, *low, *high));
+    let fit = within.fit(&data).unwrap();
+    for (found, wanted) in fit.parameters().iter().zip([2.5, 0.5, 0.3, 0.437]) {
+        assert!((found / wanted - 1.0).abs() < 1e-6, "{:?}", fit.parameters());
+    }
+    assert!(fit.doubts.iter().all(|doubt| !matches!(doubt, Doubt::AtBound { .. })));
+    // Bounds that do not.
+    for (index, name, low, high, end) in
+        [(0, "K", 0.0, 2.0, 2.0), (1, "Tw", 0.6, 2.0, 0.6), (2, "zeta", 0.5, 1.0, 0.5), (3, "Td", 0.0, 0.35, 0.35)]
+    {
+        let fit = plain().with_bounds(name, low, high).fit(&data).unwrap();
+        assert_eq!((fit.parameters()[index], fit.is_at_bound(index)), (end, true), "{name}");
+    }
+}
+
+/// The parameter at its bound has no interval; the others have those of a fit that fixes it there.
+#[test]
+fn exact_a_parameter_at_its_bound_has_no_interval() {
+    let truth = ProcessModel::new(2.0).unwrap().with_lags(vec![0.8]).unwrap().with_delay(0.437).unwrap();
+    let data = record(&system(vec![truth]), 0.1, 500, 0.1, &mut Noise::new(32));
+    let bounded = ProcessFit::named("P1D").unwrap().with_bounds("Tp1", 0.01, 0.7).fit(&data).unwrap();
+    let fixed = ProcessFit::named("P1D").unwrap().hold("Tp1", 0.7).fit(&data).unwrap();
+    let (errors, of_fixed) = (bounded.standard_errors(), fixed.standard_errors());
+    assert!(errors[1].is_nan() && bounded.intervals(0.95)[1].1.is_nan() && of_fixed[1] == 0.0);
+    assert!(!fixed.is_at_bound(1) && bounded.free_parameters == 2);
+    for j in [0, 2] {
+        assert!((errors[j] / of_fixed[j] - 1.0).abs() < 1e-6, "{errors:?} {of_fixed:?}");
+    }
+    let text = bounded.to_string();
+    assert!(
+        text.contains("Tp1 is at its bound and has no standard error; those of the others hold with it there."),
+        "{text}"
+    );
+}
+
+#[test]
+fn exact_a_delay_beyond_the_usual_bound_is_found() {
+    // 60 samples of delay, and a record of 600.
+    let truth = system(vec![ProcessModel::new(2.0).unwrap().with_lags(vec![3.0]).unwrap().with_delay(6.03).unwrap()]);
+    let data = record(&truth, 0.1, 667, 0.0, &mut Noise::new(33));
+    let fit = ProcessFit::named("P1D").unwrap().fit(&data).unwrap();
+    close(&fit, &truth, 1e-6);
+}
+
+#[test]
+fn regress_bounds_that_no_process_has_are_refused() {
+    let truth = system(vec![ProcessModel::new(2.0).unwrap().with_pair(0.8, 0.5).unwrap().with_delay(0.2).unwrap()]);
+    let data = record(&truth, 0.1, 300, 0.1, &mut Noise::new(34));
+    let fault = |name: &str, low: f64, high: f64| {
+        let options = ProcessFit::named("P2DU").unwrap().with_bounds(name, low, high);
+        match options.fit(&data) {
+            Err(IdentError::Structure(StructureError::ParameterBounds { name: of, fault, .. })) if of == name => fault,
+            other => panic!("{name}: {:?}", other.map(|fit| fit.parameters())),
+        }
+    };
+    assert_eq!(fault("K", 3.0, 1.0), BoundsFault::Order);
+    assert_eq!(fault("Tw", f64::NAN, 1.0), BoundsFault::Order);
+    assert_eq!(fault("Tw", 0.0, 1.0), BoundsFault::TimeConstant);
+    assert_eq!(fault("Tw", 0.1, f64::INFINITY), BoundsFault::TimeConstant);
+    assert_eq!(fault("zeta", -0.1, 1.0), BoundsFault::Damping);
+    assert_eq!(fault("Td", -0.5, 1.0), BoundsFault::Delay);
+    let held = ProcessFit::named("P2DU").unwrap().with_bounds("K", 0.0, 1.0).hold("K", 2.0).fit(&data);
+    assert!(matches!(
+        held,
+        Err(IdentError::Structure(StructureError::ParameterBounds { fault: BoundsFault::HeldOutside, .. }))
+    ));
+    let unknown = ProcessFit::named("P2DU").unwrap().with_bounds("Tp1", 0.1, 1.0).fit(&data);
+    assert!(matches!(unknown, Err(IdentError::Structure(StructureError::UnknownParameter { .. }))));
+    // A range of one value is that value.
+    let one = ProcessFit::named("P2DU").unwrap().with_bounds("K", 2.0, 2.0).fit(&data).unwrap();
+    assert!(one.parameters()[0] == 2.0 && one.standard_errors()[0] == 0.0 && !one.is_at_bound(0));
 }
 
 /// Bias and coverage where the noise remembers a sample by a part `memory`.

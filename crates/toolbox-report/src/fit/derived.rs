@@ -5,7 +5,7 @@ use ident::{AnyModel, Fit, IdentError, Structure};
 use page::Block;
 use serde_json::{Value, json};
 
-use super::table::{INTERVAL, estimate, estimates};
+use super::table::{INTERVAL, Known, estimate, estimates};
 use crate::blocks::line;
 
 /// Which parameters are not estimated.
@@ -43,7 +43,7 @@ pub(super) fn blocks(fit: &Fit<AnyModel>) -> Option<Block> {
     let (errors, intervals) = (derived.standard_errors(), derived.intervals(INTERVAL));
     let mut table = estimates("derived");
     for (i, name) in names.iter().enumerate() {
-        table.row(estimate(name, derived.values[i], Some((errors[i], intervals[i]))));
+        table.row(estimate(name, derived.values[i], &Known::Within(errors[i], intervals[i])));
     }
     Some(Block::Table(table))
 }

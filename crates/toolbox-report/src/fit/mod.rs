@@ -16,7 +16,7 @@ use crate::models::poles;
 use crate::residuals::{self, REGION};
 use crate::words;
 use judged::{Judged, is_singular};
-use table::{INTERVAL, estimate, estimates};
+use table::{INTERVAL, Known, estimate, estimates};
 
 pub use judged::Verdict;
 
@@ -86,6 +86,7 @@ impl Estimated {
 
     /// The estimate in numbers, with what was done to the data on the way.
     pub fn json(&self, adjustments: &[impl AsRef<str>]) -> Value {
+        // What is not known is null.
         let intervals: Vec<[f64; 2]> = self.fit.intervals(INTERVAL).into_iter().map(|(a, b)| [a, b]).collect();
         json!({
             "model": self.document,
@@ -97,6 +98,7 @@ impl Estimated {
             "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
             "residuals": self.verdict.residuals.as_ref().ok().map(residuals::numbers),
             "residuals_error": self.verdict.no_residuals(),
+            "at_bound": (0..intervals.len()).map(|i| self.fit.is_at_bound(i)).collect::<Vec<_>>(),
             "doubts": self.doubts().into_iter().map(|(_, doubt)| doubt).collect::<Vec<_>>(),
         })
     }
@@ -197,8 +199,12 @@ impl Estimated {
         let (errors, intervals) = (self.fit.standard_errors(), self.fit.intervals(INTERVAL));
         let fixed = derived::fixed(&self.fit.model);
         for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
-            let is_fixed = fixed.contains(&i) || errors[i] == 0.0;
-            table.row(estimate(name, values[i], (!is_fixed).then_some((errors[i], intervals[i]))));
+            let known = match errors[i] {
+                _ if self.fit.is_at_bound(i) => Known::AtBound,
+                error if fixed.contains(&i) || error == 0.0 => Known::Fixed,
+                error => Known::Within(error, intervals[i]),
+            };
+            table.row(estimate(name, values[i], &known));
         }
         table
     }

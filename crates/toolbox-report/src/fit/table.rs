@@ -18,11 +18,24 @@ pub(super) fn estimates(what: &str) -> Table {
     ])
 }
 
-/// A row of it; without an uncertainty the value is fixed.
-pub(super) fn estimate(of: &str, value: f64, uncertainty: Option<(f64, (f64, f64))>) -> [Cell; 4] {
-    let (error, interval) = match uncertainty {
-        None => ("fixed".to_owned(), String::new()),
-        Some((error, (low, high))) => (significant(error), format!("{} … {}", significant(low), significant(high))),
+/// How well a value is known.
+pub(super) enum Known {
+    /// It was not estimated.
+    Fixed,
+    /// It ended at a bound, so the data do not show how well.
+    AtBound,
+    /// Standard error and interval.
+    Within(f64, (f64, f64)),
+}
+
+/// A row of it.
+pub(super) fn estimate(of: &str, value: f64, known: &Known) -> [Cell; 4] {
+    let (error, interval) = match known {
+        Known::Fixed => ("fixed".to_owned(), String::new()),
+        Known::AtBound => ("at its bound".to_owned(), String::new()),
+        Known::Within(error, (low, high)) => {
+            (significant(*error), format!("{} … {}", significant(*low), significant(*high)))
+        }
     };
     [name(of), significant(value).into(), error.into(), interval.into()]
 }

@@ -173,13 +173,18 @@ pub(crate) struct ProcessArguments {
     /// The structure, such as P1D or P2DZ
     #[arg(long, default_value = "P1D")]
     pub(crate) structure: String,
-    /// Range in which the delay is searched, in seconds
+    /// Range in which the delay is searched, in seconds [default: 0 to 30 samples; up to a third of the record where it ends
+    /// there]
     #[arg(long, value_name = "LOW:HIGH")]
     pub(crate) delay: Option<String>,
     /// Fix a parameter, such as K=2 for a known gain; repeat it for more. Names as in the result: K, Tp1, Tz, Td …, with
     /// several inputs `K[1]`, `K[2]` …
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) hold: Vec<String>,
+    /// Search a parameter in a range, such as zeta=0:1; repeat it for more [default: lags from 0.01 samples to 10 times the
+    /// record, zeta from 0 to 10]
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    pub(crate) bound: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -184,6 +184,7 @@ fn check_process(arguments: &ProcessArguments, inputs: usize) -> Result<(), CliE
     arguments.delay.as_deref().map_or(Ok(()), |text| Delay::read(text).map(|_| ()))?;
     let wrong = |reason| usage(format!("--structure {}: {reason}", arguments.structure));
     arguments.hold.iter().try_for_each(|text| held(text).map(|_| ()))?;
+    arguments.bound.iter().try_for_each(|text| bounded(text).map(|_| ()))?;
     ProcessFit::named(&arguments.structure).map(|_| ()).map_err(wrong)
 }
 
@@ -193,6 +194,18 @@ pub(super) fn held(text: &str) -> Result<(&str, f64), CliError> {
     match parts {
         Some((name, Ok(value))) if value.is_finite() && !name.is_empty() => Ok((name, value)),
         _ => Err(usage(format!("--hold {text}: give a parameter and a number, such as K=2"))),
+    }
+}
+
+/// A parameter with bounds, and these.
+pub(super) fn bounded(text: &str) -> Result<(&str, (f64, f64)), CliError> {
+    let parts = text.split_once('=').and_then(|(name, range)| Some((name.trim(), range.split_once(':')?)));
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    match parts.and_then(|(name, (low, high))| Some((name, number(low)?, number(high)?))) {
+        Some((name, low, high)) if low <= high && !name.is_empty() => Ok((name, (low, high))),
+        _ => Err(usage(format!(
+            "--bound {text}: give a parameter and a range, the lower number first, such as Tp1=0.1:2"
+        ))),
     }
 }
 
