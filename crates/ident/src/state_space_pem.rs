@@ -16,6 +16,9 @@ use crate::{Dataset, Doubt, Fit, Focus, IdentError, LinearModel};
 /// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate.
 /// Data are taken as they are: remove offsets first.
 ///
+/// Outputs may miss samples. At a missing one the predictor makes a time update alone, and goes on with the gain of the
+/// time-varying Kalman filter until the state is known again. Errors after it weigh less, by their variance.
+///
 /// # Example
 /// ```
 /// // y(t) = 0.8 y(t−1) + u(t−1)
@@ -93,14 +96,14 @@ impl StateSpacePem {
         StateSpacePem { feedthrough: true, ..self }
     }
 
-    /// Estimates the model. Instants at which an output is missing are left out with [`Focus::Simulation`].
+    /// Estimates the model. Instants at which an output is missing are no part of the criterion.
     ///
     /// # Errors
-    /// Those of [`Subspace::fit`] where no start is given; [`IdentError::Missing`] for a missing input, or a missing
-    /// output with [`Focus::Prediction`]; [`IdentError::Length`] for a start with other channels;
+    /// Those of [`Subspace::fit`] where no start is given; [`IdentError::MissingInput`];
+    /// [`IdentError::Length`] for a start with other channels;
     /// [`IdentError::TooFewSamples`]; [`IdentError::Structure`] for a start whose predictor is unstable.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
-        let missing = check_missing(data, self.focus == Focus::Simulation)?;
+        let missing = check_missing(data)?;
         let start = self.starting_point(data)?;
         let n = start.system().states();
         let (estimated, zero) = (if self.from_rest { 0 } else { n }, vec![vec![0.0; n]; data.experiments().len()]);
@@ -134,6 +137,6 @@ impl StateSpacePem {
             stable: !noise_model,
             ..Subspace::new(1)
         };
-        Ok(subspace.fit(data)?.model)
+        subspace.start(data)
     }
 }

@@ -160,22 +160,17 @@ impl Experiment {
 /// Counts the instants at which an output is missing.
 ///
 /// # Errors
-/// [`IdentError::Missing`] for a missing input, and for a missing output where those may not be left out.
-pub(crate) fn check_missing(data: &Dataset, outputs_may: bool) -> Result<usize, IdentError> {
+/// [`IdentError::MissingInput`].
+pub(crate) fn check_missing(data: &Dataset) -> Result<usize, IdentError> {
     let mut missing = 0;
-    for experiment in data.experiments() {
-        for k in 0..data.inputs() {
-            if let Some(index) = experiment.input(k).iter().position(|v| v.is_nan()) {
-                return Err(IdentError::Missing { what: "an input", index });
+    for (index, experiment) in data.experiments().iter().enumerate() {
+        for (k, label) in data.input_labels().iter().enumerate() {
+            if let Some(at) = experiment.input(k).iter().position(|v| v.is_nan()) {
+                return Err(IdentError::MissingInput { experiment: index, channel: label.name.clone(), index: at });
             }
         }
         let incomplete = |t: &usize| (0..data.outputs()).any(|i| experiment.output(i)[*t].is_nan());
-        let mut gaps = (0..experiment.len()).filter(incomplete);
-        match gaps.next() {
-            Some(index) if !outputs_may => return Err(IdentError::Missing { what: "an output", index }),
-            Some(_) => missing += 1 + gaps.count(),
-            None => {}
-        }
+        missing += (0..experiment.len()).filter(incomplete).count();
     }
     Ok(missing)
 }

@@ -78,13 +78,13 @@ impl<S: Structure> GreyBox<S> {
         GreyBox { further_starts, ..self }
     }
 
-    /// Estimates the parameters. Instants at which an output is missing are left out where the structure has no noise
-    /// model.
+    /// Estimates the parameters. Instants at which an output is missing are no part of the criterion; with a noise model the
+    /// predictor makes a time update alone there, as in [`StateSpacePem`](crate::StateSpacePem).
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a structure without a free parameter, a prior without spread, or a start at which
     /// the predictor is unstable; [`IdentError::StartOutsideBounds`]; [`IdentError::Length`] for other channels than
-    /// the data's or initial states of another number; [`IdentError::Missing`]; [`IdentError::TooFewSamples`];
+    /// the data's or initial states of another number; [`IdentError::MissingInput`]; [`IdentError::TooFewSamples`];
     /// [`IdentError::RankDeficient`] if the data cannot separate the parameters; errors of the structure itself.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
         let start = GreyBoxModel::new(self.structure.clone())?;
@@ -112,7 +112,7 @@ impl<S: Structure> GreyBox<S> {
         if let Some(delay_s) = delays_s.into_iter().find(|d| *d != 0.0) {
             return Err(LtiError::DelayPresent { delay_s }.into());
         }
-        check_missing(data, true)?;
+        check_missing(data)?;
         let first = if self.initial_state == InitialState::Estimated { REACH } else { 0 };
         if let Some(short) = data.experiments().iter().find(|e| e.len() <= first + REACH) {
             return Err(IdentError::TooFewSamples { samples: short.len(), parameters: first + REACH });
@@ -132,8 +132,7 @@ impl<S: Structure> GreyBox<S> {
         courses: bool,
     ) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
         let parameters = Parameters::new(start, courses);
-        let output_error = parameters.innovations(data)?.k().norm_max() == 0.0;
-        let missing = check_missing(data, output_error)?;
+        let missing = check_missing(data)?;
         let estimated = if self.initial_state == InitialState::Estimated { parameters.model.own_states()? } else { 0 };
         let first = Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated)?;
         let mut search = self.best_start(data, &parameters, first, estimated)?;

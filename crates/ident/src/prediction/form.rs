@@ -5,7 +5,7 @@ use lti::Innovations;
 
 /// A matrix by rows, without its zeros: the forms of polynomial models have two or three entries a row.
 #[derive(Debug, Clone)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     starts: Vec<usize>,
     entries: Vec<(u32, f64)>,
 }
@@ -27,7 +27,7 @@ impl Rows {
     }
 
     /// `out = M x`, with as many rows of it as `out` has.
-    pub(super) fn product(&self, x: &[f64], out: &mut [f64]) {
+    pub(crate) fn product(&self, x: &[f64], out: &mut [f64]) {
         for (span, slot) in self.starts.windows(2).zip(out) {
             *slot = self.entries[span[0]..span[1]].iter().map(|(j, value)| value * x[*j as usize]).sum();
         }
@@ -40,18 +40,18 @@ impl Rows {
 
 /// A model in innovations form: `[A B]` and `[C D]` act on `[x; u]`, `K` on `e`.
 #[derive(Debug, Clone)]
-pub(super) struct Form {
-    pub(super) states: usize,
-    pub(super) inputs: usize,
-    pub(super) outputs: usize,
-    pub(super) transition: Rows,
-    pub(super) output: Rows,
-    pub(super) gain: Rows,
-    pub(super) model: Innovations,
+pub(crate) struct Form {
+    pub(crate) states: usize,
+    pub(crate) inputs: usize,
+    pub(crate) outputs: usize,
+    pub(crate) transition: Rows,
+    pub(crate) output: Rows,
+    pub(crate) gain: Rows,
+    pub(crate) model: Innovations,
 }
 
 impl Form {
-    pub(super) fn new(model: Innovations) -> Self {
+    pub(crate) fn new(model: Innovations) -> Self {
         let system = model.system();
         let (states, outputs) = (system.states(), system.outputs());
         Form {
@@ -66,7 +66,7 @@ impl Form {
     }
 
     /// Whether the noise is on the outputs alone, so that measurements say nothing about the state.
-    pub(super) fn is_output_error(&self) -> bool {
+    pub(crate) fn is_output_error(&self) -> bool {
         self.gain.is_zero()
     }
 }

@@ -14,14 +14,16 @@ use super::form::Form;
 /// # Source
 /// Anderson & Moore, *Optimal Filtering*, 1979, §5.4 (noises that depend on each other), in the form that keeps P
 /// non-negative.
-pub(super) struct Gain<'a> {
+#[derive(Debug, Clone)]
+pub(crate) struct Gain<'a> {
     form: &'a Form,
     lambda: Mat<f64>,
     /// Cholesky factor of Λ, for samples at which nothing is missing and the state is known.
     steady_factor: Mat<f64>,
     settled: bool,
-    /// `P`, and the largest value each of its diagonal elements had.
+    /// `P` after the sample and before it, and the largest value each of its diagonal elements had.
     covariance: Mat<f64>,
+    before: Mat<f64>,
     peak: Vec<f64>,
     /// `L`, zero in the columns of missing outputs.
     varying: Mat<f64>,
@@ -32,6 +34,7 @@ pub(super) struct Gain<'a> {
 }
 
 /// Tables that are written anew at each sample.
+#[derive(Debug, Clone)]
 struct Scratch {
     /// `K Λ`, which stays.
     noise: Mat<f64>,
@@ -67,7 +70,7 @@ impl Scratch {
 const SETTLED: f64 = 1e-16;
 
 impl<'a> Gain<'a> {
-    pub(super) fn new(form: &'a Form) -> Self {
+    pub(crate) fn new(form: &'a Form) -> Self {
         let (n, outputs) = (form.states, form.outputs);
         let lambda = usable_covariance(form);
         Gain {
@@ -77,6 +80,7 @@ impl<'a> Gain<'a> {
             lambda,
             settled: true,
             covariance: Mat::zeros(n, n),
+            before: Mat::zeros(n, n),
             peak: vec![0.0; n],
             varying: Mat::zeros(n, outputs),
             varying_factor: Mat::zeros(outputs, outputs),
@@ -85,7 +89,7 @@ impl<'a> Gain<'a> {
     }
 
     /// Moves on to a sample whose prediction errors are `e`, NaN where the output is missing, and sets those to zero.
-    pub(super) fn update(&mut self, e: &mut [f64]) {
+    pub(crate) fn update(&mut self, e: &mut [f64]) {
         self.present.clear();
         for (i, value) in e.iter_mut().enumerate() {
             if value.is_nan() {
@@ -106,6 +110,7 @@ impl<'a> Gain<'a> {
             return;
         }
         self.settled = false;
+        self.before.copy_from(&self.covariance);
         self.vary();
         if whole {
             self.settle();
@@ -186,7 +191,7 @@ impl<'a> Gain<'a> {
     }
 
     /// `v = L e`, with zeros in `e` for missing outputs.
-    pub(super) fn apply(&self, e: &[f64], v: &mut [f64]) {
+    pub(crate) fn apply(&self, e: &[f64], v: &mut [f64]) {
         if self.settled || self.form.is_output_error() {
             return self.form.gain.product(e, v);
         }
@@ -195,13 +200,63 @@ impl<'a> Gain<'a> {
         }
     }
 
+    /// Whether the gain is `K`: nothing is missing, and the state is known.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// `P` before the sample, relative to [`Gain::noise`].
+    pub(crate) fn covariance(&self) -> &Mat<f64> {
+        &self.before
+    }
+
+    /// `L`.
+    pub(crate) fn gain(&self) -> &Mat<f64> {
+        &self.varying
+    }
+
+    /// `Λ`, up to a factor.
+    pub(crate) fn noise(&self) -> &Mat<f64> {
+        &self.lambda
+    }
+
+    /// `X ← X S⁻¹`.
+    pub(crate) fn divide(&self, x: &mut Mat<f64>) {
+        divide(x, x.ncols(), self.factor());
+    }
+
+    /// Gives prediction errors of covariance `S` the covariance `Λ` that they have where nothing was missing; rows of all
+    /// outputs, one after the other.
+    pub(crate) fn as_of_whole_data(&self, rows: &mut [f64], width: usize) {
+        if self.settled {
+            return;
+        }
+        let (count, factor) = (rows.len() / width.max(1), &self.varying_factor);
+        for i in 0..count {
+            let (before, rest) = rows.split_at_mut(i * width);
+            let row = &mut rest[..width];
+            for (k, other) in before.chunks_exact(width).enumerate() {
+                row.iter_mut().zip(other).for_each(|(v, o)| *v -= factor[(i, k)] * o);
+            }
+            row.iter_mut().for_each(|v| *v /= factor[(i, i)]);
+        }
+        for i in (0..count).rev() {
+            let (before, rest) = rows.split_at_mut(i * width);
+            let row = &mut rest[..width];
+            row.iter_mut().for_each(|v| *v *= self.steady_factor[(i, i)]);
+            for (k, other) in before.chunks_exact(width).enumerate() {
+                row.iter_mut().zip(other).for_each(|(v, o)| *v += self.steady_factor[(i, k)] * o);
+            }
+        }
+    }
+
     /// The outputs that are there.
-    pub(super) fn present(&self) -> &[usize] {
+    pub(crate) fn present(&self) -> &[usize] {
         &self.present
     }
 
     /// The lower Cholesky factor of the covariance of the prediction errors that are there.
-    pub(super) fn factor(&self) -> &Mat<f64> {
+    pub(crate) fn factor(&self) -> &Mat<f64> {
         if self.settled { &self.steady_factor } else { &self.varying_factor }
     }
 }

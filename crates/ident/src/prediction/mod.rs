@@ -10,12 +10,13 @@ mod stepper;
 
 use faer::Mat;
 
+use crate::data::check_missing;
 use crate::fit::check_channels;
 use crate::on_data::OnData;
 use crate::structure_error::StructureError;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
-use form::Form;
-use gain::Gain;
+pub(crate) use form::Form;
+pub(crate) use gain::Gain;
 use stepper::Stepper;
 
 /// The state at the first sample of each experiment.
@@ -136,7 +137,7 @@ fn respond<M: LinearModel + ?Sized>(
     horizon: Option<usize>,
 ) -> Result<(Response, (usize, usize)), IdentError> {
     check_channels(model, data)?;
-    check_inputs(data)?;
+    check_missing(data)?;
     let OnData { form, data, edges } = OnData::new(model, data, *initial == InitialState::Zero)?;
     let form = Form::new(form);
     let initial_states = match initial {
@@ -167,17 +168,6 @@ fn checked_states(states: &[Vec<f64>], form: &Form, data: &Dataset) -> Result<Ve
         }
     }
     Ok(states.to_vec())
-}
-
-fn check_inputs(data: &Dataset) -> Result<(), IdentError> {
-    for (experiment, record) in data.experiments().iter().enumerate() {
-        for (k, label) in data.input_labels().iter().enumerate() {
-            if let Some(index) = record.input(k).iter().position(|v| v.is_nan()) {
-                return Err(IdentError::MissingInput { experiment, channel: label.name.clone(), index });
-            }
-        }
-    }
-    Ok(())
 }
 
 fn simulated(form: &Form, experiment: &Experiment, x0: &[f64]) -> Result<Mat<f64>, IdentError> {

@@ -144,9 +144,9 @@ impl Shape<'_> {
             }
         }
         let mut whole = true;
-        self.predictor.walk(experiment, &vec![0.0; n], |_, _, e, complete| {
-            whole &= complete;
-            all[m..].iter_mut().zip(e).for_each(|(signal, e)| signal.push(*e));
+        self.predictor.walk(experiment, &vec![0.0; n], |now| {
+            whole &= now.complete;
+            all[m..].iter_mut().zip(now.e).for_each(|(signal, e)| signal.push(*e));
         });
         whole.then_some(all)
     }

@@ -129,9 +129,8 @@ pub(crate) fn gather(
     estimated: usize,
     information: Information,
 ) -> Result<Gathered, IdentError> {
-    let predictor = Predictor::new(model);
     let marks = marks(data, information);
-    let Scatter { sum, instants, marked } = predictor.scatter(data, x0, &marks);
+    let (predictor, Scatter { sum, instants, marked }) = scattered(data, model, x0, &marks)?;
     let (p, free_parameters) = (predictor.p, known.basis.ncols());
     let unknowns = free_parameters + estimated * x0.len();
     if instants * p <= unknowns {
@@ -174,6 +173,26 @@ pub(crate) fn gather(
         degrees_of_freedom,
         condition,
     })
+}
+
+/// The predictor and the scatter of its errors. After a missing output its gain depends on the covariance of the errors, which a
+/// first pass finds.
+fn scattered(
+    data: &Dataset,
+    model: &Innovations,
+    x0: &[Vec<f64>],
+    marks: &[Vec<usize>],
+) -> Result<(Predictor, Scatter), IdentError> {
+    let predictor = Predictor::new(model);
+    let scatter = predictor.scatter(data, x0, marks);
+    if !data.experiments().iter().any(Experiment::has_missing) || scatter.instants == 0 {
+        return Ok((predictor, scatter));
+    }
+    check_finite(&scatter.sum)?;
+    let found = &scatter.sum * faer::Scale(1.0 / scatter.instants as f64);
+    let predictor = Predictor::new(&Innovations::new(model.system().clone(), model.k().to_owned(), found)?);
+    let scatter = predictor.scatter(data, x0, marks);
+    Ok((predictor, scatter))
 }
 
 /// The covariance under errors with the autocorrelation of the residuals and `scale` times their size, and its degrees of

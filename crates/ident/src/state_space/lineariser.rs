@@ -5,7 +5,8 @@ use numerics::linalg;
 use numerics::parallel;
 
 use super::derivatives::Derivatives;
-use super::predictor::{Free, Predictor, Walk};
+use super::predictor::{Free, Instant, Predictor, Walk};
+use super::sensitivities::Sensitivities;
 use crate::data::Experiment;
 use crate::{Dataset, IdentError, Triangle};
 
@@ -100,17 +101,15 @@ impl Lineariser<'_> {
         triangle
     }
 
-    /// Length of a row `[Ψ₀, Ψ, ε]`.
-    fn width(&self) -> usize {
-        self.initial + self.basis.nrows() + 1
-    }
-
-    /// Turns the rows of a chunk into the directions and appends them.
-    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) {
-        let (states, width) = (self.initial, self.width());
-        let rows = chunk.len() / width;
-        let all = MatRef::from_row_major_slice(chunk, rows, width);
-        let turned = all.subcols(states, self.basis.nrows()) * self.basis;
+    /// Turns the rows of a chunk into the directions, where they are not along them already, and appends them.
+    fn fold(&self, chunk: &Chunk, triangle: &mut Triangle) {
+        let (states, width) = (self.initial, chunk.width);
+        let rows = chunk.rows.len() / width;
+        let all = MatRef::from_row_major_slice(&chunk.rows, rows, width);
+        let turned = match chunk.along_directions {
+            true => all.subcols(states, self.basis.ncols()).to_owned(),
+            false => all.subcols(states, self.basis.nrows()) * self.basis,
+        };
         triangle.push_columns(rows, |j, start, slot| {
             let direction = j.checked_sub(states).filter(|d| *d < turned.ncols());
             match direction.and_then(|d| turned.col(d).try_as_col_major()) {
@@ -124,7 +123,7 @@ impl Lineariser<'_> {
     }
 
     /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is there;
-    /// where not, they are without meaning.
+    /// where not, they are without meaning. For a model without a noise model.
     pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], bool)) {
         Rows::new(self, experiment, x0).advance(experiment.len(), visit);
     }
@@ -132,9 +131,11 @@ impl Lineariser<'_> {
     /// The whitened errors instant by instant, NaN where an output is missing.
     pub(crate) fn errors(&self, experiment: &Experiment, x0: &[f64]) -> Vec<f64> {
         let mut all = Vec::with_capacity(experiment.len() * self.predictor.p);
-        self.predictor.walk(experiment, x0, |_, _, e, complete| {
+        let mut e = vec![0.0; self.predictor.p];
+        self.predictor.walk(experiment, x0, |now| {
             let first = all.len();
-            all.extend(e.iter().map(|v| if complete { *v } else { f64::NAN }));
+            now.weighed(&mut e);
+            all.extend(e.iter().map(|v| if now.complete { *v } else { f64::NAN }));
             self.whiten(&mut all[first..], 1);
         });
         all
@@ -154,40 +155,69 @@ impl Lineariser<'_> {
     }
 }
 
+/// Rows of successive instants.
+struct Chunk {
+    rows: Vec<f64>,
+    width: usize,
+    /// Whether derivatives are those along the directions, not those of the entries.
+    along_directions: bool,
+}
+
+/// How derivatives are formed.
+enum Slopes<'a> {
+    /// Of the entries, with a gain that stays.
+    Steady(Derivatives<'a>),
+    /// Along the directions, with a gain that changes.
+    Filtered(Sensitivities<'a>),
+}
+
 /// The rows `[Ψ₀, Ψ, ε]` of an experiment, formed piece by piece.
 struct Rows<'a> {
     of: &'a Lineariser<'a>,
     walk: Walk<'a>,
-    derivatives: Derivatives<'a>,
+    slopes: Slopes<'a>,
+    /// Length of a row.
+    width: usize,
     /// Those of one instant.
     rows: Vec<f64>,
 }
 
 impl<'a> Rows<'a> {
     fn new(of: &'a Lineariser<'a>, experiment: &'a Experiment, x0: &[f64]) -> Self {
-        Rows {
-            of,
-            walk: Walk::new(of.predictor, experiment, x0),
-            derivatives: Derivatives::new(of.predictor, of.free, of.initial),
-            rows: vec![0.0; of.predictor.p * of.width()],
-        }
+        let walk = Walk::new(of.predictor, experiment, x0);
+        let (slopes, columns) = match walk.is_filtered() {
+            true => {
+                (Slopes::Filtered(Sensitivities::new(of.predictor, of.free, of.basis, of.initial)), of.basis.ncols())
+            }
+            false => (Slopes::Steady(Derivatives::new(of.predictor, of.free, of.initial)), of.basis.nrows()),
+        };
+        let width = of.initial + columns + 1;
+        Rows { of, walk, slopes, width, rows: vec![0.0; of.predictor.p * width] }
     }
 
     /// Goes on by this many instants. `visit` as in [`Lineariser::rows`].
     fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], bool)) {
-        let Rows { of, walk, derivatives, rows } = self;
-        walk.advance(instants, |x, u, e, complete| {
+        let Rows { of, walk, slopes, width, rows } = self;
+        walk.advance(instants, |now| {
+            let Instant { x, u, e, complete, .. } = *now;
+            match slopes {
+                Slopes::Steady(derivatives) if complete => derivatives.write(x, u, e, rows),
+                Slopes::Filtered(sensitivities) => sensitivities.write(now, rows),
+                Slopes::Steady(_) => {}
+            }
             if complete {
-                derivatives.write(x, u, e, rows);
-                of.whiten(rows, of.width());
+                of.whiten(rows, *width);
             }
             visit(rows, complete);
-            derivatives.advance(x, u, e);
+            match slopes {
+                Slopes::Steady(derivatives) => derivatives.advance(x, u, e),
+                Slopes::Filtered(sensitivities) => sensitivities.advance(now),
+            }
         });
     }
 
     /// The rows of the next instants with every output, at most `instants` of them; `None` at the end.
-    fn chunk(&mut self, instants: usize) -> Option<Vec<f64>> {
+    fn chunk(&mut self, instants: usize) -> Option<Chunk> {
         let mut chunk = Vec::with_capacity(instants * self.rows.len());
         while chunk.is_empty() && !self.walk.is_over() {
             self.advance(instants, |rows, complete| {
@@ -196,6 +226,7 @@ impl<'a> Rows<'a> {
                 }
             });
         }
-        (!chunk.is_empty()).then_some(chunk)
+        let along_directions = matches!(self.slopes, Slopes::Filtered(_));
+        (!chunk.is_empty()).then_some(Chunk { rows: chunk, width: self.width, along_directions })
     }
 }

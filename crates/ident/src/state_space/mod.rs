@@ -8,6 +8,7 @@ mod lineariser;
 mod model;
 mod predictor;
 mod search;
+mod sensitivities;
 
 pub(crate) use gather::{Information, Known, estimate, gather, regress_inputs};
 pub use model::StateSpaceModel;

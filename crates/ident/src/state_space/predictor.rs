@@ -5,6 +5,7 @@ use lti::Innovations;
 
 use crate::Dataset;
 use crate::data::Experiment;
+use crate::prediction::{Form, Gain};
 
 /// Which matrices are free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +39,49 @@ pub(crate) struct Predictor {
     pub(super) k: Vec<f64>,
     /// `(A − K C)ᵀ`.
     pub(super) adjoint: Vec<f64>,
+    pub(super) form: Form,
+    /// The model whose errors after a missing output are as uncertain as errors are taken to be there.
+    weighing: Form,
+}
+
+/// One instant of a pass over the data.
+pub(super) struct Instant<'a> {
+    /// x̂.
+    pub(super) x: &'a [f64],
+    pub(super) u: &'a [f64],
+    /// ε, zero for an output that is missing.
+    pub(super) e: &'a [f64],
+    /// Whether every output is there.
+    pub(super) complete: bool,
+    /// The gain, and what errors are weighed by, in an experiment where they change.
+    pub(super) filter: Option<&'a Filter<'a>>,
+}
+
+/// The gain of the predictor in an experiment with missing outputs.
+#[derive(Debug, Clone)]
+pub(super) struct Filter<'a> {
+    pub(super) gain: Gain<'a>,
+    weights: Gain<'a>,
+}
+
+impl<'a> Filter<'a> {
+    /// `None` where the gain stays: without missing outputs, or without a noise model.
+    fn new(predictor: &'a Predictor, experiment: &Experiment) -> Option<Self> {
+        let misses = (0..predictor.p).any(|i| experiment.output(i).iter().any(|y| y.is_nan()));
+        let varies = misses && !predictor.form.is_output_error();
+        varies.then(|| Filter { gain: Gain::new(&predictor.form), weights: Gain::new(&predictor.weighing) })
+    }
+
+    /// Moves on to an instant whose errors are `e`, NaN where an output is missing, which becomes zero.
+    fn update(&mut self, e: &mut [f64]) {
+        self.weights.update(&mut e.to_vec());
+        self.gain.update(e);
+    }
+
+    /// Rows of errors or their derivatives with the weight that errors have where nothing was missing.
+    pub(super) fn weigh(&self, rows: &mut [f64], width: usize) {
+        self.weights.as_of_whole_data(rows, width);
+    }
 }
 
 /// What a pass over the data finds.
@@ -82,16 +126,22 @@ impl Predictor {
             d: by_rows(system.d()),
             k: by_rows(model.k()),
             adjoint: by_rows(tilde.transpose()),
+            form: Form::new(model.clone()),
+            weighing: Form::new(model.clone()),
         }
     }
 
-    /// Calls `visit(x̂, u, ε, complete)` at every instant. Where an output is missing, its ε is zero and `complete`
-    /// false.
-    pub(crate) fn walk(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
+    /// With errors after a missing output as uncertain as they are by `other`.
+    pub(crate) fn weighed_as(self, other: &Predictor) -> Self {
+        Predictor { weighing: other.form.clone(), ..self }
+    }
+
+    /// Calls `visit` at every instant.
+    pub(super) fn walk(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&Instant<'_>)) {
         Walk::new(self, experiment, x0).advance(experiment.len(), visit);
     }
 
-    /// `Σ ε εᵀ`, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
+    /// `Σ ε εᵀ` of the weighed errors, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
     /// ascend.
     pub(crate) fn scatter(&self, data: &Dataset, x0: &[Vec<f64>], marks: &[Vec<usize>]) -> Scatter {
         let mut sums = vec![0.0; self.p * self.p];
@@ -99,17 +149,19 @@ impl Predictor {
         for (index, (experiment, x0)) in data.experiments().iter().zip(x0).enumerate() {
             let mut awaited = marks.get(index).into_iter().flatten().peekable();
             let mut t = 0;
-            self.walk(experiment, x0, |x, _, e, complete| {
+            let mut e = vec![0.0; self.p];
+            self.walk(experiment, x0, |now| {
                 if awaited.next_if(|mark| **mark == t).is_some() {
-                    whole.marked.push(x.to_vec());
+                    whole.marked.push(now.x.to_vec());
                 }
                 t += 1;
-                if !complete {
+                if !now.complete {
                     return;
                 }
                 whole.instants += 1;
-                for (row, ei) in sums.chunks_exact_mut(self.p).zip(e) {
-                    row.iter_mut().zip(e).for_each(|(s, ej)| *s += ei * ej);
+                now.weighed(&mut e);
+                for (row, ei) in sums.chunks_exact_mut(self.p).zip(&e) {
+                    row.iter_mut().zip(&e).for_each(|(s, ej)| *s += ei * ej);
                 }
             });
         }
@@ -125,11 +177,21 @@ impl Predictor {
         for (experiment, x0) in data.experiments().iter().zip(x0) {
             let instants = experiment.len().min(ENOUGH);
             count += instants;
-            Walk::new(self, experiment, x0).advance(instants, |x, _, _, _| {
-                sums.iter_mut().zip(x).for_each(|(s, x)| *s += x * x);
+            Walk::new(self, experiment, x0).advance(instants, |now| {
+                sums.iter_mut().zip(now.x).for_each(|(s, x)| *s += x * x);
             });
         }
         sums.iter().map(|s| (s / count.max(1) as f64).sqrt()).collect()
+    }
+}
+
+impl Instant<'_> {
+    /// Writes ε with the weight that errors have where nothing was missing.
+    pub(super) fn weighed(&self, e: &mut [f64]) {
+        e.copy_from_slice(self.e);
+        if let Some(filter) = self.filter {
+            filter.weigh(e, 1);
+        }
     }
 }
 
@@ -144,6 +206,8 @@ pub(super) struct Walk<'a> {
     next: Vec<f64>,
     u: Vec<f64>,
     e: Vec<f64>,
+    filter: Option<Filter<'a>>,
+    correction: Vec<f64>,
 }
 
 impl<'a> Walk<'a> {
@@ -158,7 +222,14 @@ impl<'a> Walk<'a> {
             next: vec![0.0; predictor.n],
             u: vec![0.0; predictor.m],
             e: vec![0.0; predictor.p],
+            filter: Filter::new(predictor, experiment),
+            correction: vec![0.0; predictor.n],
         }
+    }
+
+    /// Whether the gain changes on the way.
+    pub(super) fn is_filtered(&self) -> bool {
+        self.filter.is_some()
     }
 
     /// Whether the experiment has come to its end.
@@ -166,26 +237,36 @@ impl<'a> Walk<'a> {
         self.instant == self.samples
     }
 
-    /// Goes on by this many instants, or to the end of the experiment. `visit` as in [`Predictor::walk`].
-    pub(super) fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
-        let Walk { predictor, inputs, outputs, x, next, u, e, .. } = self;
+    /// Goes on by this many instants, or to the end of the experiment.
+    pub(super) fn advance(&mut self, instants: usize, mut visit: impl FnMut(&Instant<'_>)) {
+        let Walk { predictor, inputs, outputs, x, next, u, e, filter, correction, .. } = self;
         let end = self.samples.min(self.instant + instants);
         for t in self.instant..end {
             u.iter_mut().zip(&*inputs).for_each(|(u, input)| *u = input[t]);
             e.fill(0.0);
             add_product(&predictor.c, x, e);
             add_product(&predictor.d, u, e);
-            let mut complete = true;
-            for (e, output) in e.iter_mut().zip(&*outputs) {
-                let missing = output[t].is_nan();
-                *e = if missing { 0.0 } else { output[t] - *e };
-                complete &= !missing;
+            e.iter_mut().zip(&*outputs).for_each(|(e, output)| *e = output[t] - *e);
+            let complete = outputs.iter().all(|output| !output[t].is_nan());
+            match filter {
+                Some(filter) => filter.update(e),
+                None if !complete => {
+                    let missing = e.iter_mut().zip(&*outputs).filter(|(_, output)| output[t].is_nan());
+                    missing.for_each(|(e, _)| *e = 0.0);
+                }
+                None => {}
             }
-            visit(x, u, e, complete);
+            visit(&Instant { x, u, e, complete, filter: filter.as_ref() });
             next.fill(0.0);
             add_product(&predictor.a, x, next);
             add_product(&predictor.b, u, next);
-            add_product(&predictor.k, e, next);
+            match filter {
+                Some(filter) => {
+                    filter.gain.apply(e, correction);
+                    next.iter_mut().zip(&*correction).for_each(|(x, v)| *x += v);
+                }
+                None => add_product(&predictor.k, e, next),
+            }
             std::mem::swap(x, next);
         }
         self.instant = end;

@@ -103,6 +103,8 @@ pub(crate) struct Search<'a, M> {
     floor: Vec<f64>,
     /// How many of the leading states are estimated in each experiment.
     estimated: usize,
+    /// Whether an output misses samples, so that errors have weights that depend on the model.
+    misses: bool,
     damping: f64,
     iterations: usize,
 }
@@ -120,7 +122,17 @@ impl<'a, M: Searchable> Search<'a, M> {
             return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
         }
         let floor = weight_floor(data);
-        Ok(Search { data, model, x0, scatter, floor, estimated, damping: 1e-2, iterations: 0 })
+        let misses = data.experiments().iter().any(crate::Experiment::has_missing);
+        Ok(Search { data, model, x0, scatter, floor, estimated, misses, damping: 1e-2, iterations: 0 })
+    }
+
+    /// The predictor of a model whose errors have the covariance found, on which its gain after a missing output depends.
+    fn predictor(&self, innovations: &Innovations) -> Result<Predictor, IdentError> {
+        if !self.misses {
+            return Ok(Predictor::new(innovations));
+        }
+        let (system, k) = (innovations.system().clone(), innovations.k().to_owned());
+        Ok(Predictor::new(&Innovations::new(system, k, self.error_covariance())?))
     }
 
     /// Iterations taken, initial states and model.
@@ -155,8 +167,11 @@ impl<'a, M: Searchable> Search<'a, M> {
     /// One linearisation and the best damped step from it; `Some` when the search is over.
     fn iterate(&mut self) -> Result<Option<Termination>, IdentError> {
         let innovations = self.model.innovations(self.data)?;
-        let predictor = Predictor::new(&innovations);
+        let predictor = self.predictor(&innovations)?;
         let states = self.model.all_states(&self.x0, self.data);
+        if self.misses {
+            self.scatter = predictor.scatter(self.data, &states, &[]);
+        }
         let basis = self.model.directions(&innovations, self.data, &states)?;
         let instants = self.scatter.instants as f64;
         let whitening = whitening(self.error_covariance().as_ref())?;
@@ -175,7 +190,9 @@ impl<'a, M: Searchable> Search<'a, M> {
         let mut growth = 4.0;
         loop {
             let (step, expected) = damped_step(&equations, self.damping)?;
-            if let Some((model, x0, scatter)) = self.tried(&basis, &step, &linearised.initial_steps(&step)?) {
+            if let Some((model, x0, scatter)) =
+                self.tried((&predictor, &basis), &step, &linearised.initial_steps(&step)?)
+            {
                 let now = weighted(&scatter.sum, &whitening) + prior_cost(&model);
                 if now < cost {
                     (self.model, self.x0, self.scatter) = (model, x0, scatter);
@@ -212,8 +229,14 @@ impl<'a, M: Searchable> Search<'a, M> {
         all
     }
 
-    /// The model, initial states and scatter after a step, where they can be had.
-    fn tried(&self, basis: &Mat<f64>, step: &[f64], initial: &[Vec<f64>]) -> Option<(M, Vec<Vec<f64>>, Scatter)> {
+    /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they have `now`:
+    /// with those of the model tried, the search would prefer models that take errors after a gap for uncertain.
+    fn tried(
+        &self,
+        (now, basis): (&Predictor, &Mat<f64>),
+        step: &[f64],
+        initial: &[Vec<f64>],
+    ) -> Option<(M, Vec<Vec<f64>>, Scatter)> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();
         x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));
@@ -221,7 +244,7 @@ impl<'a, M: Searchable> Search<'a, M> {
         if self.forgets_worse(&innovations) {
             return None;
         }
-        let predictor = Predictor::new(&innovations);
+        let predictor = self.predictor(&innovations).ok()?.weighed_as(now);
         let scatter = predictor.scatter(self.data, &model.all_states(&x0, self.data), &[]);
         scatter.sum.norm_max().is_finite().then_some((model, x0, scatter))
     }

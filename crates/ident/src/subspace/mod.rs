@@ -7,13 +7,16 @@ mod weighting;
 use lti::Innovations;
 use numerics::linalg;
 
-use crate::data::Experiment;
+use crate::data::{Experiment, check_missing};
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
 use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
 use realise::Projection;
 pub use weighting::Weighting;
+
+/// Samples of a gap that a straight line fills for a start.
+const FILLED: usize = 10;
 
 /// A canonical correlation this close to one is one.
 const CERTAIN: f64 = 1e-9;
@@ -154,6 +157,21 @@ impl Subspace {
         let realised = projection.realise(order, self.stable, self.noise_model)?;
         let scaled = realised.unscaled(&weights, data)?;
         self.finish(data, scaled)
+    }
+
+    /// A model for a search to start from, also where outputs miss samples: short gaps are filled by straight lines, and the data
+    /// are split at the others where what is left is enough.
+    ///
+    /// # Errors
+    /// Those of [`Subspace::fit`].
+    pub fn start(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {
+        if !data.experiments().iter().any(Experiment::has_missing) {
+            return Ok(self.fit(data)?.model);
+        }
+        check_missing(data)?;
+        let filled = |longest: usize| data.fill_gaps(longest)?.without_gaps(1);
+        let start = filled(FILLED).and_then(|part| self.fit(&part));
+        Ok(start.or_else(|_| self.fit(&filled(data.samples())?))?.model)
     }
 
     /// The singular values of the weighted projection, largest first: a drop shows the order. Canonical correlations

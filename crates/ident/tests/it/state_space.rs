@@ -76,7 +76,61 @@ fn prop_missing_outputs_are_left_out_of_a_simulation() {
     let fit = StateSpacePem::from_model(start).fit(&gap).unwrap();
     assert!(gain_error(fit.model.system(), truth.system()) < 1e-8);
     assert!(fit.doubts.contains(&Doubt::RowsLeftOut { rows: 30, of: 400 }));
-    assert!(matches!(StateSpacePem::new(4).fit(&gap), Err(IdentError::Missing { .. })));
+    let alone = StateSpacePem::new(4).with_focus(Focus::Simulation).fit(&gap).unwrap();
+    assert!(gain_error(alone.model.system(), truth.system()) < 1e-8);
+    let mut u = e.inputs.clone();
+    u[(7, 0)] = f64::NAN;
+    let refused = StateSpacePem::new(4).fit(&Dataset::new(0.1, u, e.outputs.clone()).unwrap());
+    let named =
+        |e: &IdentError| matches!(e, IdentError::MissingInput { experiment: 0, channel, index: 7 } if channel == "u");
+    assert!(refused.is_err_and(|e| named(&e)));
+}
+
+/// The same data without some of the outputs.
+fn thinned(data: &Dataset, missing: impl Fn(usize, usize) -> bool) -> Dataset {
+    let e = &data.experiments()[0];
+    let kept = |t: usize, i: usize| if missing(t, i) { f64::NAN } else { e.outputs[(t, i)] };
+    Dataset::new(0.1, e.inputs.clone(), Mat::from_fn(e.len(), e.outputs.ncols(), kept)).unwrap()
+}
+
+#[test]
+fn stat_one_missing_output_changes_next_to_nothing() {
+    let truth = siso(0.5);
+    let whole = data(&truth, 2000, &[0.0; 4], 21);
+    let complete = StateSpacePem::new(4).fit(&whole).unwrap();
+    let gap = StateSpacePem::new(4).fit(&thinned(&whole, |t, _| t == 700)).unwrap();
+    let wanted = Complex64::from_polar(0.9, 0.6);
+    let pole = |fit: &Fit<StateSpaceModel>| pole_near(fit.model.system(), wanted).norm();
+    let error = error_of(&complete, |m| pole_near(m.system(), wanted).norm());
+    assert!((pole(&gap) - pole(&complete)).abs() < 0.1 * error, "{} {} ± {error}", pole(&gap), pole(&complete));
+    assert!((gap.noise_covariance[(0, 0)] / complete.noise_covariance[(0, 0)] - 1.0).abs() < 0.01);
+    assert!(gap.doubts.contains(&Doubt::RowsLeftOut { rows: 1, of: 2000 }), "{:?}", gap.doubts);
+    assert!(gap.termination.converged(), "{:?}", gap.termination);
+}
+
+/// A third of one output and single samples of the other.
+#[test]
+fn stat_two_outputs_of_which_one_is_slower() {
+    let truth = mimo(0.4);
+    let whole = data(&truth, 3000, &[0.0; 3], 22);
+    let thin = thinned(&whole, |t, i| if i == 0 { t % 3 == 1 } else { t % 50 == 7 });
+    let fit = StateSpacePem::new(3).with_feedthrough().fit(&thin).unwrap();
+    let error = gain_error(fit.model.system(), truth.system());
+    assert!(error < 0.1 && fit.termination.converged(), "{error} {:?}", fit.termination);
+    for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+        let (found, wanted) = (fit.noise_covariance[(i, j)], truth.noise_covariance()[(i, j)]);
+        assert!((found - wanted).abs() < 0.02, "{found} {wanted}");
+    }
+}
+
+/// Every tenth sample is missing, on the average.
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_prediction_errors_with_missing_outputs() {
+    let scattered = |t: usize, _: usize| (t * 7919 + t * t * 13) % 101 < 10;
+    let found = coverage(400, 2000, |data| StateSpacePem::new(4).fit(&thinned(data, scattered)).unwrap());
+    println!("{found:?}");
+    assert!(found.iter().all(|c| (0.925..=0.975).contains(c)), "{found:?}");
 }
 
 /// Standard error of a function of the model.

@@ -7,7 +7,7 @@ use ident::{
 use signal::Sos;
 
 use super::greybox;
-use super::orders::{Delay, Members, delays, held, polynomial_orders, states};
+use super::orders::{Delay, Members, bounded, delays, held, polynomial_orders, states};
 use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments, TransferFunctionBy,
@@ -127,6 +127,10 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
         let (name, value) = held(text)?;
         options = options.hold(name, value);
     }
+    for text in &arguments.bound {
+        let (name, (low, high)) = bounded(text)?;
+        options = options.with_bounds(name, low, high);
+    }
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
 }
 
@@ -147,13 +151,13 @@ fn state_space(
     if arguments.simulation {
         subspace = subspace.without_noise_model();
     }
-    let start = subspace.fit(data).map_err(failed)?;
     if arguments.subspace {
-        return Ok(start.map(AnyModel::from));
+        return subspace.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed);
     }
+    let start = subspace.start(data).map_err(failed)?;
     progress.step();
-    progress.say(&format!("searching from the subspace model of order {}", start.model.system().states()));
-    let mut search = StateSpacePem::from_model(start.model);
+    progress.say(&format!("searching from the subspace model of order {}", start.system().states()));
+    let mut search = StateSpacePem::from_model(start);
     if arguments.simulation {
         search = search.with_focus(Focus::Simulation);
     }

@@ -85,12 +85,11 @@ fn sees_through_missing_outputs(command: &FitCommand, structure: Option<&Formula
     }
 }
 
-/// Where the data have to be without gaps. Nothing can be simulated over a gap in the inputs; rows that touch a missing
-/// output are left out by most methods themselves.
-fn gaps(command: &FitCommand, sees_through: bool) -> Gaps {
+/// Where the data have to be without gaps. Nothing can be simulated over a gap in the inputs; most methods leave out rows that
+/// touch a missing output, or predict over it.
+fn gaps(command: &FitCommand) -> Gaps {
     match command {
-        FitCommand::Ss(_) => Gaps::OfAll,
-        FitCommand::Greybox(_) if !sees_through => Gaps::OfAll,
+        FitCommand::Ss(a) if a.subspace => Gaps::OfAll,
         _ => Gaps::OfInputs,
     }
 }
@@ -106,7 +105,7 @@ fn data(
     let whole = load_on(clock, &arguments.data, terminal)?;
     let mut said = whole.notes.clone();
     let (estimation, unseen) = parts(whole, arguments, terminal)?;
-    let mut estimation = estimation.cut_at(gaps(command, sees_through))?;
+    let mut estimation = estimation.cut_at(gaps(command))?;
     say(&estimation.notes, &mut said, terminal);
     // A prediction gets over a gap in the outputs.
     let unseen = unseen.map(|u| u.cut_at(Gaps::OfInputs)).transpose()?;
@@ -153,8 +152,8 @@ fn refused(error: CliError, command: &FitCommand, estimation: &Loaded) -> CliErr
         IdentError::TooFewSamples { .. } | IdentError::RankDeficient { .. } => {
             format!("; lower {}, or give more data", orders::options(command))
         }
-        IdentError::Structure(StructureError::UnknownHeld { .. }) => {
-            "; --hold takes K, Tw, zeta, Tp1, Tp2, Tp3, Tz and Td as far as --structure has them, with several inputs K[1], K[2] …".into()
+        IdentError::Structure(StructureError::UnknownParameter { .. }) => {
+            "; --hold and --bound take K, Tw, zeta, Tp1, Tp2, Tp3, Tz and Td as far as --structure has them, with several inputs K[1], K[2] …".into()
         }
         _ => String::new(),
     };
