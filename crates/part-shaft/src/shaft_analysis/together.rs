@@ -186,7 +186,7 @@ mod tests {
         (0..recordings)
             .map(|_| {
                 let shared = BY_INERTIA.map(|slope| slope * INERTIA_UNCERTAINTY);
-                let value =
+                let mut value =
                     |i: usize| TRUTH[i] + BY_INERTIA[i] * inertia_error + own[i] * random.normal() + of_model[i];
                 let values = [value(0), value(1)];
                 let entry = |i: usize, j: usize| {
