@@ -101,7 +101,7 @@ pub use advice::{Advice, SampleIndex, advise};
 pub use data::{Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split};
 pub use data::{Line, Trend, TrendScope, TrendShape};
 pub use excitation::{Excitation, ExcitationOptions};
-pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
+pub use frequency_domain::{FrequencyData, Lines, Measured, SharedNoise, SpectralData};
 
 // Models and fits.
 pub use band_limited::BandLimitedForm;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use signal::Complex64;
 use signal::frf::{FrequencyResponse, LocalEstimate, PeriodicSpectra, periodic_spectra};
 
+use super::shared_noise::SharedNoise;
 use crate::structure_error::StructureError;
 use crate::{ChannelPair, Dataset, IdentError};
 
@@ -19,6 +20,8 @@ pub struct FrequencyData {
     pub variance: Vec<f64>,
     /// Periods or averages that the variances were computed from; `None` where they are known exactly.
     pub averages: Option<usize>,
+    /// Noise that the errors of several gains have in common; `None` where they are independent.
+    pub shared_noise: Option<SharedNoise>,
 }
 
 /// Spectra of an input and an output under a periodic excitation, with the noise on both: means over periods, and
@@ -58,11 +61,12 @@ impl FrequencyData {
             response: response.response_of(output, input),
             variance: response.variance_of(output, input),
             averages,
+            shared_noise: None,
         })
     }
 
-    /// One channel of a local polynomial or rational estimate. Variances of neighbouring frequencies
-    /// come from the same noise, so that the cost scatters more than it is said to.
+    /// One channel of a local polynomial or rational estimate. Estimates closer than a window come from the same noise: the
+    /// covariance of what is fitted to them contains that.
     ///
     /// # Errors
     /// Those of [`FrequencyData::of_response`].
@@ -85,7 +89,22 @@ impl FrequencyData {
     /// # Ok::<(), ident::IdentError>(())
     /// ```
     pub fn of_local(estimate: &LocalEstimate, channel: ChannelPair) -> Result<Self, IdentError> {
-        Self::of_response(&estimate.response, channel, Some(estimate.degrees_of_freedom + 1))
+        let data = Self::of_response(&estimate.response, channel, Some(estimate.degrees_of_freedom + 1))?;
+        Ok(FrequencyData { shared_noise: Some(SharedNoise::of_local(estimate, channel)), ..data })
+    }
+
+    /// The gains from one angular frequency to another, both in rad/s.
+    #[must_use]
+    pub fn within(&self, low_rad_s: f64, high_rad_s: f64) -> Self {
+        let chosen: Vec<usize> =
+            (0..self.omega_rad_s.len()).filter(|k| (low_rad_s..=high_rad_s).contains(&self.omega_rad_s[*k])).collect();
+        FrequencyData {
+            omega_rad_s: chosen.iter().map(|k| self.omega_rad_s[*k]).collect(),
+            response: chosen.iter().map(|k| self.response[*k]).collect(),
+            variance: chosen.iter().map(|k| self.variance[*k]).collect(),
+            averages: self.averages,
+            shared_noise: self.shared_noise.as_ref().map(|shared| shared.of(&chosen)),
+        }
     }
 }
 
@@ -173,6 +192,7 @@ impl Line {
 pub struct Lines {
     pub(crate) lines: Vec<Line>,
     pub(crate) averages: Option<usize>,
+    pub(crate) shared_noise: Option<SharedNoise>,
 }
 
 /// Data that a model in the frequency domain can be fitted to.
@@ -197,7 +217,11 @@ impl Measured for FrequencyData {
             var_y: self.variance[k],
             cov_yu: Complex64::default(),
         };
-        check((0..count).map(line).collect(), self.averages)
+        let lines = check((0..count).map(line).collect(), self.averages)?;
+        if let Some(shared) = &self.shared_noise {
+            check_lengths(count, &[shared.first.len(), shared.weights.len()])?;
+        }
+        Ok(Lines { shared_noise: self.shared_noise.clone(), ..lines })
     }
 }
 
@@ -251,7 +275,7 @@ fn check(lines: Vec<Line>, averages: Option<usize>) -> Result<Lines, IdentError>
     if let Some(found) = averages.filter(|n| *n < 6) {
         return Err(StructureError::TooFew { what: "averages behind the variances", found, least: 6 }.into());
     }
-    Ok(Lines { lines, averages })
+    Ok(Lines { lines, averages, shared_noise: None })
 }
 
 impl Lines {

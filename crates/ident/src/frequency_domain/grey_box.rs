@@ -98,7 +98,7 @@ impl<F: Fn(&[f64], f64) -> Complex64 + Clone> FrequencyModel for ResponseFunctio
 /// let lag = |theta: &[f64], w: f64| theta[0] / Complex64::new(1.0, w * theta[1]);
 /// let omega_rad_s: Vec<f64> = (1..30).map(f64::from).collect();
 /// let response = omega_rad_s.iter().map(|w| lag(&[3.0, 0.2], *w)).collect();
-/// let data = FrequencyData { variance: vec![1e-4; 29], averages: None, omega_rad_s, response };
+/// let data = FrequencyData { variance: vec![1e-4; 29], averages: None, shared_noise: None, omega_rad_s, response };
 /// let found = FrequencyGreyBox::default().fit(&ResponseFunction::new(&["K", "T"], &[1.0, 1.0], lag), &data)?;
 /// assert!((found.fit.parameters()[1] - 0.2).abs() < 1e-8);
 /// # Ok::<(), ident::IdentError>(())

@@ -4,6 +4,7 @@ use faer::{Mat, MatMut};
 use signal::Complex64;
 
 use super::data::Lines;
+use super::shared_noise::SharedNoise;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
 use crate::{Bounds, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Origin, Parametric, ResidualModel, minimise};
 
@@ -85,7 +86,7 @@ impl<R: Response> ResidualModel for Misfit<'_, R> {
 pub struct CostTest {
     /// V.
     pub cost: f64,
-    /// Its expected value: frequencies less half the free parameters, for known variances.
+    /// Its expected value: frequencies less half the free parameters, for known variances and independent errors.
     pub expected: f64,
     /// Lower limit; below it, the noise is overstated.
     pub lower: f64,
@@ -94,13 +95,18 @@ pub struct CostTest {
 }
 
 impl CostTest {
-    fn new(lines: &Lines, cost: f64, free: usize) -> Self {
-        let freedom = 2.0 * lines.lines.len() as f64 - free as f64;
+    fn new(lines: &Lines, minimum: &Minimum) -> Self {
+        let explained = middle(lines, minimum).map_or(free(minimum) as f64, |middle| {
+            let part = &minimum.unscaled_covariance * middle;
+            (0..part.nrows()).map(|i| part[(i, i)]).sum()
+        });
+        let freedom = 2.0 * lines.lines.len() as f64 - explained;
         let (mean, spread, _) = lines.inflation();
-        let expected = 0.5 * freedom * mean;
-        let limit = |p: f64| match lines.averages {
-            None => 0.5 * chi_squared_quantile(p, freedom),
-            Some(_) => expected + normal_quantile(p) * (0.5 * freedom * spread).sqrt(),
+        let (cost, expected) = (0.5 * minimum.cost, 0.5 * freedom * mean);
+        let together = lines.shared_noise.as_ref().map_or(1.0, SharedNoise::scatter);
+        let limit = |p: f64| match (lines.averages, &lines.shared_noise) {
+            (None, None) => 0.5 * chi_squared_quantile(p, freedom),
+            _ => expected + normal_quantile(p) * (0.5 * freedom * spread * together).sqrt(),
         };
         CostTest { cost, expected, lower: limit(0.5 - 0.5 * LEVEL), upper: limit(0.5 + 0.5 * LEVEL) }
     }
@@ -126,7 +132,21 @@ pub struct SpectralFit<M> {
     pub residuals: Vec<Complex64>,
 }
 
-/// Minimises, and returns the minimum with the covariance of θ that the measured noise gives it.
+/// `Jᵀ R J` where lines share noise.
+fn middle(lines: &Lines, minimum: &Minimum) -> Option<Mat<f64>> {
+    lines.shared_noise.as_ref().map(|shared| shared.middle(&minimum.jacobian))
+}
+
+fn free(minimum: &Minimum) -> usize {
+    minimum.at_bound.iter().filter(|b| !**b).count()
+}
+
+/// Minimises, and returns the minimum with the covariance of θ that the measured noise gives it: `H⁻¹ Jᵀ R J H⁻¹`,
+/// `H = Jᵀ J`, with `R` the correlation of the residuals, which is one where lines share no noise.
+///
+/// # Source
+/// Pintelon & Schoukens 2012, ch. 9 (weighted least squares under a covariance other than the weights'); White, *Maximum
+/// likelihood estimation of misspecified models*, Econometrica 50, 1982.
 pub(crate) fn search<R: Response>(
     misfit: &mut Misfit<'_, R>,
     start: &[f64],
@@ -134,7 +154,9 @@ pub(crate) fn search<R: Response>(
     options: NonlinearOptions,
 ) -> Result<(Minimum, Mat<f64>), IdentError> {
     let minimum = minimise(misfit, start, bounds, options)?;
-    let covariance = faer::Scale(misfit.lines.inflation().2) * &minimum.unscaled_covariance;
+    let unscaled = &minimum.unscaled_covariance;
+    let alone = middle(misfit.lines, &minimum).map_or_else(|| unscaled.clone(), |middle| unscaled * middle * unscaled);
+    let covariance = faer::Scale(misfit.lines.inflation().2) * alone;
     Ok((minimum, covariance))
 }
 
@@ -145,8 +167,7 @@ pub(crate) fn spectral_fit<M: Parametric>(
     covariance: Mat<f64>,
     minimum: &Minimum,
 ) -> SpectralFit<M> {
-    let free = minimum.at_bound.iter().filter(|b| !**b).count();
-    let cost = CostTest::new(lines, 0.5 * minimum.cost, free);
+    let cost = CostTest::new(lines, minimum);
     let mut doubts = Vec::new();
     if !minimum.termination.converged() {
         doubts.push(Doubt::NotConverged);
@@ -165,7 +186,7 @@ pub(crate) fn spectral_fit<M: Parametric>(
         noise_covariance: Mat::full(1, 1, cost.cost / cost.expected),
         loss: minimum.cost / minimum.residuals.len() as f64,
         samples: minimum.residuals.len(),
-        free_parameters: free,
+        free_parameters: free(minimum),
         initial_states: Vec::new(),
         termination: minimum.termination,
         iterations: minimum.iterations,

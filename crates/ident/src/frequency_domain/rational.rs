@@ -86,7 +86,7 @@ impl Parametric for RationalResponse {
 /// let truth = lti::TransferFunction::continuous(vec![5.0], vec![1.0, 0.4, 4.0])?;
 /// let omega_rad_s: Vec<f64> = (1..60).map(|k| 0.1 * f64::from(k)).collect();
 /// let response = truth.frequency_response(&omega_rad_s)?.response;
-/// let data = FrequencyData { variance: vec![1e-4; 59], averages: None, omega_rad_s, response };
+/// let data = FrequencyData { variance: vec![1e-4; 59], averages: None, shared_noise: None, omega_rad_s, response };
 /// let found = FrequencyTransferFunction::continuous(0, 2).fit(&data)?;
 /// let g = found.fit.model.transfer_function()?;
 /// assert!((g.den()[1] - 0.4).abs() < 1e-9 && (g.num()[0] - 5.0).abs() < 1e-9);

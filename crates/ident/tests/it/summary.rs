@@ -64,7 +64,7 @@ fn snap_grey_box_and_frequency_fits() {
     let mut random = signal::excitation::Random::new(5);
     let exact = truth.frequency_response(&omega_rad_s).unwrap().response;
     let response = exact.iter().map(|h| h + 0.01 * Complex64::new(random.normal(), random.normal())).collect();
-    let data = FrequencyData { variance: vec![2e-4; 59], averages: None, omega_rad_s, response };
+    let data = FrequencyData { variance: vec![2e-4; 59], averages: None, shared_noise: None, omega_rad_s, response };
     let fit = FrequencyTransferFunction::continuous(0, 2).fit(&data).unwrap();
     assert_snapshot!("spectral", fit);
     assert!(fit.fit.bode().unwrap()[0].magnitude_db.iter().all(|m| m.is_finite()));

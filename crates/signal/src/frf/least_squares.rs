@@ -84,9 +84,8 @@ impl LeastSquares {
         }
     }
 
-    /// The variance of leading unknown `j` for errors of variances `w`: `Σ_i w_i |A⁺_ji|²`, which is `[(AᴴA)⁻¹]_jj` for
-    /// variances of one.
-    pub(super) fn variance(&mut self, j: usize, weights: &[f64]) -> f64 {
+    /// Writes row `j` of the pseudoinverse: with which weight each row of `b` enters leading unknown `j`.
+    pub(super) fn influence(&mut self, j: usize, weights: &mut Vec<Complex64>) {
         let row = &mut self.coefficients;
         row.clear();
         // Row j of the triangle's inverse.
@@ -97,9 +96,10 @@ impl LeastSquares {
             row.push((Complex64::new(unit, 0.0) - above) / column[m]);
         }
         let (q, rows) = (&self.q, self.rows);
-        let influence = |i: usize| row.iter().zip(q.iter().skip(i).step_by(rows)).map(|(x, q)| x * q.conj());
-        let sum: f64 = weights.iter().enumerate().map(|(i, w)| w * influence(i).sum::<Complex64>().norm_sqr()).sum();
-        self.kept.get(j).map_or(f64::INFINITY, |(_, norm)| sum / (norm * norm))
+        let scale = self.kept.get(j).map_or(f64::INFINITY, |(_, norm)| 1.0 / norm);
+        let of_row = |i: usize| row.iter().zip(q.iter().skip(i).step_by(rows)).map(|(x, q)| x * q.conj()).sum();
+        weights.clear();
+        weights.extend((0..rows).map(of_row).map(|sum: Complex64| sum * scale));
     }
 }
 

@@ -67,6 +67,12 @@ pub struct LocalEstimate {
     pub noise_density: Vec<f64>,
     /// Complex degrees of freedom of each noise density: its relative standard deviation is one over their root.
     pub degrees_of_freedom: usize,
+    /// The bin that the window of each frequency begins with.
+    pub first_bin: Vec<usize>,
+    /// The error of each response is a weighted sum of the noise in the bins of its window, `Σ_i w_i V(first_bin + i)`,
+    /// which other windows share. That of output `i` from input `j` at frequency `k` has its `2 · half_width + 1` weights
+    /// from `((k · outputs + i) · inputs + j) · (2 · half_width + 1)` on.
+    pub noise_weights: Vec<Complex64>,
 }
 
 impl LocalModel {
@@ -137,12 +143,14 @@ impl LocalModel {
         let mut window = Window::new(self, u, y);
         let bin_hz = 1.0 / (length as f64 * sample_time_s);
         let mut response = FrequencyResponse::empty(y.len(), u.len());
-        let mut noise_density = Vec::new();
+        let (mut noise_density, mut first_bin, mut noise_weights) = (Vec::new(), Vec::new(), Vec::new());
         for k in 1..=(length - 1) / 2 {
             if window.solve(k, (length - 1) / 2) {
                 response.freq_hz.push(k as f64 * bin_hz);
                 response.response.extend_from_slice(&window.response);
                 response.variance.extend_from_slice(&window.variance);
+                first_bin.push(self.first_bin(k, (length - 1) / 2));
+                noise_weights.extend_from_slice(&window.noise_weights);
                 noise_density.extend(window.noise.iter().map(|v| 2.0 * sample_time_s * v));
             }
         }
@@ -151,7 +159,13 @@ impl LocalModel {
         }
         let degrees_of_freedom = 2 * self.half_width + 1 - self.unknowns(u.len());
         response.degrees_of_freedom = vec![2.0 * degrees_of_freedom as f64; response.freq_hz.len()];
-        Ok(LocalEstimate { response, noise_density, degrees_of_freedom })
+        Ok(LocalEstimate { response, noise_density, degrees_of_freedom, first_bin, noise_weights })
+    }
+
+    /// Where the window of bin `k` of `1 ..= last` begins.
+    fn first_bin(self, k: usize, last: usize) -> usize {
+        let width = 2 * self.half_width + 1;
+        k.saturating_sub(self.half_width).clamp(1, last + 1 - width)
     }
 }
 
@@ -165,28 +179,46 @@ struct Window<'a> {
     problem: LeastSquares,
     residual: Vec<Complex64>,
     unknowns: Vec<Complex64>,
+    /// What the noise at each bin is multiplied by in the equation's errors.
+    denominators: Vec<Complex64>,
     weights: Vec<f64>,
+    influence: Vec<Complex64>,
     response: Vec<Complex64>,
     variance: Vec<f64>,
     noise: Vec<f64>,
+    noise_weights: Vec<Complex64>,
 }
 
 impl<'a> Window<'a> {
     fn new(model: LocalModel, u: &'a [Vec<Complex64>], y: &'a [Vec<Complex64>]) -> Self {
         let problem = LeastSquares::new(2 * model.half_width + 1, u.len());
-        let (residual, unknowns, weights, response) = (vec![], vec![], vec![], vec![]);
         let strongest = |u: &Vec<Complex64>| u.iter().map(|v| v.norm_sqr()).fold(0.0, f64::max);
         let no_power = u.iter().map(|u| 1e-24 * strongest(u)).collect();
-        Self { model, u, y, no_power, problem, residual, unknowns, weights, response, variance: vec![], noise: vec![] }
+        Self {
+            model,
+            u,
+            y,
+            no_power,
+            problem,
+            residual: vec![],
+            unknowns: vec![],
+            denominators: vec![],
+            weights: vec![],
+            influence: vec![],
+            response: vec![],
+            variance: vec![],
+            noise: vec![],
+            noise_weights: vec![],
+        }
     }
 
     /// Solves at bin `k` of `1 ..= last`; false where the response is not determined.
     fn solve(&mut self, k: usize, last: usize) -> bool {
-        let width = 2 * self.model.half_width + 1;
-        let first = k.saturating_sub(self.model.half_width).clamp(1, last + 1 - width);
+        let first = self.model.first_bin(k, last);
         self.response.clear();
         self.variance.clear();
         self.noise.clear();
+        self.noise_weights.clear();
         let shared = self.model.kind == LocalKind::Polynomial;
         for output in 0..self.y.len() {
             if (output == 0 || !shared) && !self.set_up(k, first, output) {
@@ -237,7 +269,10 @@ impl<'a> Window<'a> {
         let noise = power / self.problem.expected_residual(&self.weights).max(f64::MIN_POSITIVE);
         self.response.extend_from_slice(&self.unknowns[..inputs]);
         for j in 0..inputs {
-            self.variance.push(noise * self.problem.variance(j, &self.weights));
+            self.problem.influence(j, &mut self.influence);
+            self.influence.iter_mut().zip(&self.denominators).for_each(|(w, d)| *w *= d);
+            self.variance.push(noise * self.influence.iter().map(|w| w.norm_sqr()).sum::<f64>());
+            self.noise_weights.extend_from_slice(&self.influence);
         }
         self.noise.push(noise);
     }
@@ -250,10 +285,12 @@ impl<'a> Window<'a> {
         let a = &self.unknowns[self.unknowns.len() - order..];
         let denominator = |i: usize| {
             let r = offset(k, first, i, self.model.half_width);
-            (a.iter().rev().fold(Complex64::ZERO, |sum, c| (sum + c) * r) + 1.0).norm_sqr()
+            a.iter().rev().fold(Complex64::ZERO, |sum, c| (sum + c) * r) + 1.0
         };
+        self.denominators.clear();
+        self.denominators.extend((0..width).map(denominator));
         self.weights.clear();
-        self.weights.extend((0..width).map(denominator));
+        self.weights.extend(self.denominators.iter().map(|d| d.norm_sqr()));
     }
 }
 

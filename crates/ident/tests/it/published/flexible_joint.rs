@@ -15,13 +15,7 @@ fn ref_flexible_joint_mode() {
     let [angle, deflection] = record.map(|x| decimate(&Signal::new(0.0, 0.002, x).unwrap(), 25).unwrap().samples);
     let local = LocalModel::polynomial(2, 1).estimate(&[&angle], &[&deflection], 0.05).unwrap();
     let whole = FrequencyData::of_local(&local, ChannelPair { output: 0, input: 0 }).unwrap();
-    let band: Vec<usize> = (0..whole.response.len()).filter(|k| (6.0..30.0).contains(&whole.omega_rad_s[*k])).collect();
-    let data = FrequencyData {
-        omega_rad_s: band.iter().map(|k| whole.omega_rad_s[*k]).collect(),
-        response: band.iter().map(|k| whole.response[*k]).collect(),
-        variance: band.iter().map(|k| whole.variance[*k]).collect(),
-        averages: whole.averages,
-    };
+    let data = whole.within(6.0, 30.0);
     let mode = |p: &[f64], w: f64| p[2] * w * w / Complex64::new(p[0] * p[0] - w * w, 2.0 * p[1] * p[0] * w);
     let start = ResponseFunction::new(&["frequency", "damping", "gain"], &[12.0, 0.1, -1.0], mode);
     let found = FrequencyGreyBox::default().fit(&start, &data).unwrap().fit.parameters();
