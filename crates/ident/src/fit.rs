@@ -154,6 +154,22 @@ pub enum Doubt {
         /// Whether it is the simulation alone that does; else the prediction does too.
         simulated: bool,
     },
+    /// An input follows what the model leaves of an output, as under feedback, and the method takes inputs for independent of
+    /// the noise: the estimate is biased.
+    Feedback {
+        /// Index of the output.
+        output: usize,
+        /// Index of the input.
+        input: usize,
+    },
+    /// What the model leaves of an output still follows the inputs: the structure is too simple, or the search ended in a
+    /// local minimum. Intervals and covariance contain nothing of this error.
+    FollowsInputs {
+        /// Index of the output.
+        output: usize,
+        /// The part of the residual's sum of squares that a further model of the same structure explains.
+        share: f64,
+    },
 }
 
 /// Numbers that may be infinite, which JSON has no word for but null.

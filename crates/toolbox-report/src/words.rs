@@ -55,6 +55,20 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
                 "the residual of {name} is zero, or too small to be squared, so intervals and criteria mean nothing; check the channel, and the scale of its values"
             )
         }
+        Doubt::Feedback { output, input } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "input {} follows what the model leaves of {name}, as under feedback, and this method is biased then; use a method that holds under feedback (ss --weighting ssarx, or a model with noise: armax, bj)",
+                input + 1
+            )
+        }
+        Doubt::FollowsInputs { output, share } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "{} % of what the model leaves of {name} still follows the inputs: the structure is too simple, or the search ended in a local minimum; the intervals do not contain this error; try another structure, or the part of the data in which the inputs vary",
+                fixed(100.0 * share, 0)
+            )
+        }
         Doubt::RootAtEdge { output, polynomial, input, magnitude, angle, cancelled_by } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
             root_at_edge(name, (*polynomial, *input), (*magnitude, *angle), *cancelled_by)

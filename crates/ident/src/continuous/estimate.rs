@@ -1,15 +1,21 @@
 //! The search from given starting models, and the estimate made of what it finds.
 
 use faer::Mat;
+use numerics::linalg;
+use numerics::vector::sum_of_squares;
 
 use super::channel::ContinuousChannel;
+use super::joint;
 use super::model::ContinuousModel;
 use super::output_error::{Nuisance, OutputError};
-use super::record::{Record, records};
+use super::record::{Record, liveliest, records};
 use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich};
 use crate::structure_error::StructureError;
-use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, Termination, minimise};
+use crate::{
+    Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, ResidualModel, Termination,
+    minimise,
+};
 
 /// Samples that starting models are compared on.
 const COMPARED: usize = 20_000;
@@ -28,6 +34,15 @@ pub(crate) struct Settings {
     pub(crate) search: NonlinearOptions,
 }
 
+impl Settings {
+    /// The same for stretches of the records: one that begins later than its record does not begin at rest.
+    pub(crate) fn within(self, stretches: &[Record<'_>], records: &[Record<'_>]) -> Self {
+        let later = stretches.iter().zip(records).any(|(stretch, record)| stretch.first > record.first);
+        let initial_state = self.nuisance.initial_state || later;
+        Settings { nuisance: Nuisance { initial_state, ..self.nuisance }, ..self }
+    }
+}
+
 /// The estimate of one output.
 pub(crate) struct OutputFit<C> {
     pub(crate) model: ContinuousModel<C>,
@@ -38,14 +53,35 @@ pub(crate) struct OutputFit<C> {
     pub(crate) degrees_of_freedom: f64,
     /// Initial states and offsets that took degrees of freedom.
     nuisance: usize,
+    pub(crate) bounds: Vec<Bounds>,
+    /// Whether the errors are smallest here; otherwise the estimate is of another kind.
+    pub(crate) is_searched: bool,
+}
+
+/// What the estimates of all outputs come to.
+pub(crate) struct Combined {
+    /// The errors of each output over all records, NaN where it is not measured.
+    pub(crate) series: Vec<Vec<f64>>,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) covariance: Mat<f64>,
+    pub(crate) degrees_of_freedom: f64,
+    pub(crate) at_bound: Vec<bool>,
     /// Parameters that rest on a bound they were free to leave.
     pub(crate) resting: Vec<usize>,
+    pub(crate) condition: f64,
+    pub(crate) termination: Termination,
+    pub(crate) iterations: usize,
 }
 
 impl<C: ContinuousChannel> OutputFit<C> {
     /// Residuals less whatever was estimated.
     pub(crate) fn remaining(&self) -> f64 {
         self.minimum.degrees_of_freedom() - self.nuisance as f64
+    }
+
+    /// The residuals of each record from its first sample on, NaN where the output is not measured.
+    pub(crate) fn residual_series(&self, records: &[Record<'_>]) -> Vec<Vec<f64>> {
+        residual_series(&self.minimum, records)
     }
 }
 
@@ -65,7 +101,8 @@ pub(crate) fn errors<'a, C: ContinuousChannel>(
     }
 }
 
-/// Minimises the errors of one output from the best of several starting models.
+/// Minimises the errors of one output from the best of several starting models, and from the next best where that turns
+/// out to be better on all of the data.
 pub(crate) fn fit_output<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
@@ -73,28 +110,47 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
     bounds: &[Bounds],
     settings: Settings,
 ) -> Result<OutputFit<C>, IdentError> {
-    let short: Vec<Record<'_>> = records.iter().map(|r| r.shortened(COMPARED / records.len().max(1))).collect();
+    let tried = try_starts(data, records, starts, bounds, settings)?;
+    let mut problem = errors(&starts[0], records, data, settings);
+    let mut minimum = minimise(&mut problem, &tried[0], bounds, settings.search)?;
+    let mut residuals = vec![0.0; minimum.residuals.len()];
+    for theta in &tried[1..] {
+        let is_better =
+            problem.evaluate(theta, &mut residuals, None).is_ok() && sum_of_squares(&residuals) < minimum.cost;
+        if is_better && let Ok(other) = minimise(&mut problem, theta, bounds, settings.search) {
+            minimum = if other.cost < minimum.cost { other } else { minimum };
+        }
+    }
+    judged(&starts[0], minimum, &problem, bounds, records)
+}
+
+/// What a few steps make of each starting model on the liveliest part of the data, best first; a single one as it is.
+fn try_starts<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    starts: &[ContinuousModel<C>],
+    bounds: &[Bounds],
+    settings: Settings,
+) -> Result<Vec<Vec<f64>>, IdentError> {
+    if let [start] = starts {
+        return Ok(vec![clamped(&start.parameters(), bounds)]);
+    }
+    let short = liveliest(records, COMPARED);
+    let settings = settings.within(&short, records);
     let trial = NonlinearOptions { iteration_limit: TRIAL_STEPS, ..settings.search };
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    let mut failure = None;
+    let (mut tried, mut failure) = (Vec::with_capacity(starts.len()), None);
     for start in starts {
         let theta = clamped(&start.parameters(), bounds);
-        if starts.len() == 1 {
-            best = Some((0.0, theta));
-            break;
-        }
         match minimise(&mut errors(start, &short, data, settings), &theta, bounds, trial) {
-            Ok(m) if best.as_ref().is_none_or(|(cost, _)| m.cost < *cost) => best = Some((m.cost, m.parameters)),
-            Ok(_) => {}
+            Ok(minimum) => tried.push((minimum.cost, minimum.parameters)),
             Err(error) => failure = Some(error),
         }
     }
-    let Some((_, theta)) = best else {
+    if tried.is_empty() {
         return Err(failure.unwrap_or(StructureError::NoStart.into()));
-    };
-    let mut problem = errors(&starts[0], records, data, settings);
-    let minimum = minimise(&mut problem, &theta, bounds, settings.search)?;
-    judged(&starts[0], minimum, &problem, bounds, records)
+    }
+    tried.sort_by(|x, y| x.0.total_cmp(&y.0));
+    Ok(tried.into_iter().map(|(_, theta)| theta).collect())
 }
 
 /// A model that needs no search as the estimate of one output.
@@ -109,7 +165,8 @@ pub(crate) fn judge_at<C: ContinuousChannel>(
     let mut problem = errors(model, records, data, settings);
     let stay = NonlinearOptions { iteration_limit: 0, ..settings.search };
     let minimum = minimise(&mut problem, &model.parameters(), bounds, stay)?;
-    judged(model, Minimum { termination, ..minimum }, &problem, bounds, records)
+    let found = judged(model, Minimum { termination, ..minimum }, &problem, bounds, records)?;
+    Ok(OutputFit { is_searched: false, ..found })
 }
 
 fn judged<C: ContinuousChannel>(
@@ -124,19 +181,35 @@ fn judged<C: ContinuousChannel>(
         let parameters = minimum.parameters.len() + nuisance;
         return Err(IdentError::TooFewSamples { samples: minimum.residuals.len(), parameters });
     }
-    let free = |j: &usize| bounds[*j].lower < bounds[*j].upper;
-    let resting = (0..bounds.len()).filter(free).filter(|j| minimum.at_bound[*j]).collect();
     let (covariance, degrees_of_freedom) = covariance(&minimum, records, nuisance)?;
     let model = start.with_parameters(&minimum.parameters)?;
-    Ok(OutputFit { model, minimum, covariance, degrees_of_freedom, nuisance, resting })
+    Ok(OutputFit {
+        model,
+        minimum,
+        covariance,
+        degrees_of_freedom,
+        nuisance,
+        bounds: bounds.to_vec(),
+        is_searched: true,
+    })
+}
+
+/// Parameters that rest on a bound they were free to leave.
+pub(crate) fn resting(minimum: &Minimum, bounds: &[Bounds]) -> Vec<usize> {
+    let free = |j: &usize| bounds[*j].lower < bounds[*j].upper;
+    (0..bounds.len()).filter(free).filter(|j| minimum.at_bound[*j]).collect()
+}
+
+fn residual_series(minimum: &Minimum, records: &[Record<'_>]) -> Vec<Vec<f64>> {
+    let mut residuals = minimum.residuals.iter();
+    let mut placed = |y: &f64| if y.is_nan() { f64::NAN } else { residuals.next().copied().unwrap_or(f64::NAN) };
+    records.iter().map(|r| r.output[r.first..].iter().map(&mut placed).collect()).collect()
 }
 
 /// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom.
 fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Result<(Mat<f64>, f64), IdentError> {
     let remaining = minimum.degrees_of_freedom() - nuisance as f64;
-    let mut residuals = minimum.residuals.iter();
-    let mut placed = |y: &f64| if y.is_nan() { f64::NAN } else { residuals.next().copied().unwrap_or(f64::NAN) };
-    let series: Vec<Vec<f64>> = records.iter().map(|r| r.output[r.first..].iter().map(&mut placed).collect()).collect();
+    let series = residual_series(minimum, records);
     let colour = Colour::of(&series, 1);
     if colour.is_white() {
         return Ok((faer::Scale(minimum.cost / remaining) * &minimum.unscaled_covariance, remaining));
@@ -162,49 +235,78 @@ fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
     theta.iter().zip(bounds).map(|(v, b)| v.max(b.lower).min(b.upper)).collect()
 }
 
-/// One model of all outputs. Parameters of different outputs are taken as uncorrelated.
+/// One model of all outputs, from the estimate of each.
 pub(crate) fn combine<C: ContinuousChannel>(
     ground: &Ground<'_>,
     first: usize,
     parts: &[OutputFit<C>],
     settings: Settings,
 ) -> Result<Fit<ContinuousModel<C>>, IdentError> {
+    let combined = match joint::together(ground, first, parts, settings)? {
+        Some(combined) => combined,
+        None => side_by_side(ground, first, parts)?,
+    };
     let channels: Vec<C> = parts.iter().flat_map(|p| p.model.channels().to_vec()).collect();
     let data = ground.plain;
-    let noise_covariance = noise_covariance(ground, first, parts)?;
+    let moments = joint::moments(&combined.series);
+    let scale = |i: usize| parts[i].minimum.residuals.len() as f64 / parts[i].remaining();
+    let noise_covariance =
+        Mat::from_fn(parts.len(), parts.len(), |i, j| moments[(i, j)] * (scale(i) * scale(j)).sqrt());
     let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
-    let total = model.parameters().len();
-    let (mut covariance, mut at_bound) = (Mat::zeros(total, total), Vec::with_capacity(total));
-    let (mut offset, mut resting) = (0, Vec::new());
-    for part in parts {
-        resting.extend(part.resting.iter().map(|j| Doubt::AtBound { parameter: offset + j }));
-        let n = part.minimum.parameters.len();
-        covariance.submatrix_mut(offset, offset, n, n).copy_from(&part.covariance);
-        at_bound.extend_from_slice(&part.minimum.at_bound);
-        offset += n;
-    }
+    let model = model.with_parameters(&combined.parameters)?;
     let initial_states = super::initial::initial_states(&model, data, settings.nuisance)?;
-    let condition = parts.iter().map(|p| p.minimum.condition).fold(1.0, f64::max);
+    let followed = super::followed::doubts(ground, first, parts, settings.nuisance.offset)?;
+    let resting = combined.resting.iter().map(|parameter| Doubt::AtBound { parameter: *parameter }).collect();
     let samples = parts.iter().map(|p| p.minimum.residuals.len()).min().unwrap_or(0);
-    let worst = parts.iter().map(|p| p.minimum.termination).find(|t| !t.converged());
-    let loss = parts.iter().map(|p| p.minimum.cost / p.minimum.residuals.len() as f64).product();
-    let termination = worst.or(parts.first().map(|p| p.minimum.termination)).unwrap_or(crate::Termination::Direct);
+    let usual = doubts(data, samples, combined.termination.converged(), combined.condition);
     Ok(Fit {
-        covariance,
-        degrees_of_freedom: parts.iter().map(|p| p.degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        covariance: combined.covariance,
+        degrees_of_freedom: combined.degrees_of_freedom,
         noise_covariance,
-        loss,
+        // Rounding may take the determinant of a singular covariance below zero.
+        loss: linalg::determinant(moments.as_ref()).max(0.0),
         samples,
-        free_parameters: at_bound.iter().filter(|b| !**b).count(),
+        free_parameters: combined.at_bound.iter().filter(|b| !**b).count(),
         initial_states,
-        termination,
-        iterations: parts.iter().map(|p| p.minimum.iterations).sum(),
-        condition,
-        doubts: [doubts(data, samples, termination.converged(), condition), resting].concat(),
+        termination: combined.termination,
+        iterations: combined.iterations,
+        condition: combined.condition,
+        doubts: [usual, resting, followed].concat(),
         origin: None,
         model,
     }
     .doubting(data))
+}
+
+/// The estimates of the outputs as they are, those of different outputs taken as uncorrelated.
+fn side_by_side<C: ContinuousChannel>(
+    ground: &Ground<'_>,
+    first: usize,
+    parts: &[OutputFit<C>],
+) -> Result<Combined, IdentError> {
+    let total = parts.iter().map(|p| p.minimum.parameters.len()).sum();
+    let (mut covariance, mut at_bound) = (Mat::zeros(total, total), Vec::with_capacity(total));
+    let (mut offset, mut all_resting, mut series) = (0, Vec::new(), Vec::with_capacity(parts.len()));
+    for (i, part) in parts.iter().enumerate() {
+        let n = part.minimum.parameters.len();
+        all_resting.extend(resting(&part.minimum, &part.bounds).iter().map(|j| offset + j));
+        covariance.submatrix_mut(offset, offset, n, n).copy_from(&part.covariance);
+        at_bound.extend_from_slice(&part.minimum.at_bound);
+        series.push(part.residual_series(&records(ground, i, first)?).concat());
+        offset += n;
+    }
+    let worst = parts.iter().map(|p| p.minimum.termination).find(|t| !t.converged());
+    Ok(Combined {
+        series,
+        parameters: parts.iter().flat_map(|p| p.minimum.parameters.clone()).collect(),
+        covariance,
+        degrees_of_freedom: parts.iter().map(|p| p.degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        at_bound,
+        resting: all_resting,
+        condition: parts.iter().map(|p| p.minimum.condition).fold(1.0, f64::max),
+        termination: worst.or(parts.first().map(|p| p.minimum.termination)).unwrap_or(Termination::Direct),
+        iterations: parts.iter().map(|p| p.minimum.iterations).sum(),
+    })
 }
 
 fn doubts(data: &Dataset, samples: usize, converged: bool, condition: f64) -> Vec<Doubt> {
@@ -219,26 +321,4 @@ fn doubts(data: &Dataset, samples: usize, converged: bool, condition: f64) -> Ve
         doubts.push(Doubt::RowsLeftOut { rows: data.samples() - samples, of: data.samples() });
     }
     doubts
-}
-
-/// Covariance of the errors over the rows that all outputs share, degrees of freedom taken off.
-fn noise_covariance<C: ContinuousChannel>(
-    ground: &Ground<'_>,
-    first: usize,
-    parts: &[OutputFit<C>],
-) -> Result<Mat<f64>, IdentError> {
-    let count = parts.len();
-    let mut series = Vec::with_capacity(count);
-    for (i, part) in parts.iter().enumerate() {
-        let mut errors = part.minimum.residuals.iter();
-        let spread = records(ground, i, first)?.iter().flat_map(|r| r.output[first..].to_vec()).collect::<Vec<f64>>();
-        let aligned = |y: f64| if y.is_nan() { f64::NAN } else { errors.next().copied().unwrap_or(f64::NAN) };
-        series.push(spread.into_iter().map(aligned).collect::<Vec<f64>>());
-    }
-    let scale = |i: usize| parts[i].minimum.residuals.len() as f64 / parts[i].remaining();
-    Ok(Mat::from_fn(count, count, |i, j| {
-        let products = series[i].iter().zip(&series[j]).map(|(x, y)| x * y).filter(|p| p.is_finite());
-        let (sum, rows) = products.fold((0.0, 0.0_f64), |(sum, rows), p| (sum + p, rows + 1.0));
-        sum / rows.max(1.0) * (scale(i) * scale(j)).sqrt()
-    }))
 }

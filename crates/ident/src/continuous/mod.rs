@@ -3,7 +3,9 @@
 mod channel;
 mod companion;
 pub(crate) mod estimate;
+mod followed;
 mod initial;
+mod joint;
 mod model;
 pub(crate) mod output_error;
 mod projection;
@@ -56,8 +58,9 @@ impl TransferFunctionMethod {
 /// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
 /// an experiment, where they rest on a guess of the inputs beyond it, are left out.
 /// Instrumental variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated; where a delay is searched, the samples
-/// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance
-/// allows for noise with the autocorrelation of the residuals.
+/// before its upper bound only serve as past inputs. Several outputs are estimated together, by the determinant of the
+/// covariance of their errors, from an estimate of each; each stands by itself where outputs are sampled at different
+/// instants, or with instrumental variables. The covariance allows for noise with the autocorrelation of the residuals.
 ///
 /// # Example
 /// ```
@@ -77,7 +80,7 @@ impl TransferFunctionMethod {
 ///
 /// # Source
 /// Young & Jakeman (1980), Int. J. Control 31 (SRIVC); Garnier & Wang (eds.), *Identification of Continuous-time Models
-/// from Sampled Data*, 2008; Ljung 1999, §10.2 (the minimisation).
+/// from Sampled Data*, 2008; Ljung 1999, §10.2 (the minimisation), (7.89) (several outputs).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContinuousTransferFunction {
     numerator_degree: Vec<usize>,

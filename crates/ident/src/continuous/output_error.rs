@@ -38,24 +38,23 @@ pub(crate) struct OutputError<'a, C> {
 }
 
 /// A channel ready to be run.
-struct Ready {
+pub(super) struct Ready {
     companion: Companion,
-    first_parameter: usize,
     /// Derivatives of numerator, denominator and delay (rows) by the channel's own parameters.
     slopes: Mat<f64>,
 }
 
 impl<C: ContinuousChannel> OutputError<'_, C> {
-    fn ready(&self, theta: &[f64], with_slopes: bool) -> Result<Vec<Ready>, IdentError> {
+    pub(super) fn ready(&self, theta: &[f64], with_slopes: bool) -> Result<Vec<Ready>, IdentError> {
         let model = self.model.with_parameters(theta)?;
         let mut ready = Vec::with_capacity(model.channels().len());
-        for (channel, first_parameter) in model.channels().iter().zip(model.offsets()) {
+        for channel in model.channels() {
             let companion = Companion::new(channel, self.sample_time_s)?;
             if self.stable && !companion.is_stable()? {
                 return Err(StructureError::Unstable(UnstablePart::Model).into());
             }
             let slopes = if with_slopes { slopes(channel)? } else { Mat::zeros(0, 0) };
-            ready.push(Ready { companion, first_parameter, slopes });
+            ready.push(Ready { companion, slopes });
         }
         Ok(ready)
     }
@@ -67,6 +66,11 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
     }
 
     fn basis(&self, ready: &[Ready], record: &Record<'_>) -> Result<Basis, IdentError> {
+        Ok(Basis::new(self.nuisance_columns(ready, record)?))
+    }
+
+    /// Responses to the initial state of each channel, and an offset.
+    pub(super) fn nuisance_columns(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<Vec<f64>>, IdentError> {
         let length = record.output.len() - record.first;
         let mut columns = Vec::new();
         if self.nuisance.initial_state {
@@ -78,11 +82,17 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
             columns.push(vec![1.0; length]);
         }
         columns.iter_mut().for_each(|c| record.keep(c));
-        Ok(Basis::new(columns))
+        Ok(columns)
+    }
+
+    /// Number of [`Self::nuisance_columns`].
+    pub(super) fn nuisance_count(&self, ready: &[Ready]) -> usize {
+        let states = ready.iter().map(|part| part.companion.order()).sum::<usize>();
+        usize::from(self.nuisance.initial_state) * states + usize::from(self.nuisance.offset)
     }
 
     /// The measured output less every forced response.
-    fn forced_error(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<f64>, IdentError> {
+    pub(super) fn forced_error(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<f64>, IdentError> {
         let mut error: Vec<f64> = record.output[record.first..].to_vec();
         for (part, u) in ready.iter().zip(&record.inputs) {
             let sampled = part.companion.sampled(self.intersample)?;
@@ -121,6 +131,25 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         Ok(())
     }
 
+    /// Derivatives of the error by all parameters in turn, from the initial states of the channels.
+    pub(super) fn derivatives(
+        &self,
+        ready: &[Ready],
+        record: &Record<'_>,
+        initial: &[f64],
+    ) -> Result<Vec<Vec<f64>>, IdentError> {
+        let (mut taken, mut all) = (0, Vec::new());
+        for (input, part) in ready.iter().enumerate() {
+            let states = if self.nuisance.initial_state { part.companion.order() } else { 0 };
+            let x0 = initial.get(taken..taken + states).unwrap_or(&[]);
+            taken += states;
+            let mut columns = vec![Vec::with_capacity(record.rows()); part.slopes.ncols()];
+            self.differentiate(part, record, (input, x0), &mut columns)?;
+            all.append(&mut columns);
+        }
+        Ok(all)
+    }
+
     fn evaluate_record(
         &self,
         ready: &[Ready],
@@ -135,18 +164,10 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         let Some(mut jacobian) = jacobian else {
             return Ok(());
         };
-        let mut taken = 0;
-        for (input, part) in ready.iter().enumerate() {
-            let states = if self.nuisance.initial_state { part.companion.order() } else { 0 };
-            let x0 = initial.get(taken..taken + states).unwrap_or(&[]);
-            taken += states;
-            let mut columns = vec![Vec::with_capacity(error.len()); part.slopes.ncols()];
-            self.differentiate(part, record, (input, x0), &mut columns)?;
-            for (j, column) in columns.iter_mut().enumerate() {
-                basis.take_out(column);
-                let into = jacobian.as_mut().col_mut(part.first_parameter + j);
-                into.iter_mut().zip(column.iter()).for_each(|(slot, value)| *slot = *value);
-            }
+        for (j, column) in self.derivatives(ready, record, &initial)?.iter_mut().enumerate() {
+            basis.take_out(column);
+            let into = jacobian.as_mut().col_mut(j);
+            into.iter_mut().zip(column.iter()).for_each(|(slot, value)| *slot = *value);
         }
         Ok(())
     }

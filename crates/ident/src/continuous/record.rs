@@ -30,12 +30,61 @@ impl<'a> Record<'a> {
         series.retain(|_| measured.next().is_some_and(|y| !y.is_nan()));
     }
 
-    /// At most so many samples from the start.
-    pub(crate) fn shortened(&self, most: usize) -> Record<'a> {
-        let end = self.output.len().min(self.first + most);
+    /// At most so many samples: of all stretches that long, the one in which the inputs vary most where the output is
+    /// measured. A rest says nothing of the dynamics, however long it is.
+    pub(crate) fn liveliest(&self, most: usize) -> Record<'a> {
+        let begin = if self.output.len() > self.first + most { self.begin_of_liveliest(most) } else { self.first };
+        let end = self.output.len().min(begin + most);
         let inputs = self.inputs.iter().map(|u| u.iter().map(|column| &column[..end]).collect()).collect();
-        Record { inputs, output: &self.output[..end], first: self.first }
+        Record { inputs, output: &self.output[..end], first: begin }
     }
+
+    /// The first stretch of `length` samples whose sum of the inputs' variances, each over that of the record, is largest.
+    fn begin_of_liveliest(&self, length: usize) -> usize {
+        let running: Vec<Vec<[f64; 3]>> = self.inputs.iter().map(|u| self.running_sums(u[0])).collect();
+        let scatter = |sums: &[[f64; 3]], from: usize, to: usize| {
+            let [count, sum, squares] = [0, 1, 2].map(|k| sums[to][k] - sums[from][k]);
+            if count > 0.0 { squares - sum * sum / count } else { 0.0 }
+        };
+        let all = self.output.len() - self.first;
+        let liveliness = |from: usize| {
+            let part = |sums: &Vec<[f64; 3]>| {
+                let whole = scatter(sums, 0, all);
+                if whole > 0.0 { scatter(sums, from, from + length) / whole } else { 0.0 }
+            };
+            running.iter().map(part).sum::<f64>()
+        };
+        let (mut best, mut most) = (0, f64::NEG_INFINITY);
+        for from in 0..=all - length {
+            let found = liveliness(from);
+            // Later stretches that are as lively but for rounding do not count.
+            if found > most + 1e-9 {
+                (best, most) = (from, found);
+            }
+        }
+        self.first + best
+    }
+
+    /// Numbers, sums and sums of squares about the mean of an input before each sample, where the output is measured.
+    fn running_sums(&self, u: &[f64]) -> Vec<[f64; 3]> {
+        let counted = || u.iter().zip(self.output).skip(self.first);
+        let mean = counted().map(|(u, _)| u).sum::<f64>() / (u.len() - self.first).max(1) as f64;
+        let mut sums = [0.0; 3];
+        let add = |(u, y): (&f64, &f64)| {
+            if !y.is_nan() {
+                let v = u - mean;
+                sums = [sums[0] + 1.0, sums[1] + v, sums[2] + v * v];
+            }
+            sums
+        };
+        std::iter::once([0.0; 3]).chain(counted().map(add).collect::<Vec<_>>()).collect()
+    }
+}
+
+/// Stretches of the records in which the inputs vary most, at most so many samples together.
+pub(crate) fn liveliest<'a>(records: &[Record<'a>], most: usize) -> Vec<Record<'a>> {
+    let each = (most / records.len().max(1)).max(200);
+    records.iter().map(|r| r.liveliest(each)).collect()
 }
 
 /// The records of one output, each from sample `first` on.

@@ -2,7 +2,7 @@
 
 use super::companion::Companion;
 use super::projection::Basis;
-use super::record::Record;
+use super::record::{Record, liveliest};
 use super::srivc::{Estimate, Structure, stable_filter};
 use crate::structure_error::StructureError;
 use crate::{IdentError, Termination};
@@ -16,6 +16,9 @@ const CORNERS: usize = 8;
 
 /// Rounds of instrumental variables.
 const ROUNDS: usize = 12;
+
+/// Rounds where a rough value is enough.
+const QUICK_ROUNDS: usize = 3;
 
 /// Rounds until instrumental variables have settled, at most.
 const SETTLING_ROUNDS: usize = 100;
@@ -37,14 +40,14 @@ pub(crate) struct Candidate {
     pub(crate) cost: f64,
 }
 
-fn shortened<'a>(records: &[Record<'a>], most: usize) -> Vec<Record<'a>> {
-    let each = (most / records.len().max(1)).max(200);
-    records.iter().map(|r| r.shortened(each)).collect()
-}
-
 /// The best starting values at the delays given, best first.
 pub(crate) fn candidates(structure: &Structure<'_>, records: &[Record<'_>]) -> Result<Vec<Candidate>, IdentError> {
-    explore(structure, &shortened(records, SAMPLES), ROUNDS)
+    explore(structure, &liveliest(records, SAMPLES), ROUNDS)
+}
+
+/// The best model after a few rounds over these records.
+pub(crate) fn quick_candidate(structure: &Structure<'_>, records: &[Record<'_>]) -> Result<Candidate, IdentError> {
+    explore(structure, records, QUICK_ROUNDS)?.into_iter().next().ok_or(StructureError::NoStart.into())
 }
 
 fn explore(structure: &Structure<'_>, records: &[Record<'_>], rounds: usize) -> Result<Vec<Candidate>, IdentError> {
@@ -174,7 +177,7 @@ pub(crate) fn candidates_over_delays(
     records: &[Record<'_>],
     bounds: &[(f64, f64)],
 ) -> Result<Vec<Candidate>, IdentError> {
-    let short = shortened(records, SAMPLES_PER_DELAY);
+    let short = liveliest(records, SAMPLES_PER_DELAY);
     let mut delays: Vec<f64> = bounds.iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let mut ranked = Vec::new();
     let sweeps = if bounds.len() > 1 { 2 } else { 1 };
@@ -184,7 +187,7 @@ pub(crate) fn candidates_over_delays(
             for delay in grid(*bound) {
                 delays[k] = delay;
                 let at = Structure { delays: &delays, ..structure.clone() };
-                tried.extend(explore(&at, &short, 3).ok().and_then(|c| c.into_iter().next()));
+                tried.extend(explore(&at, &short, QUICK_ROUNDS).ok().and_then(|c| c.into_iter().next()));
             }
             tried.sort_by(|x: &Candidate, y| x.cost.total_cmp(&y.cost));
             let best = tried.first().ok_or(StructureError::NoStart)?;
@@ -193,7 +196,7 @@ pub(crate) fn candidates_over_delays(
         }
     }
     ranked.truncate(REFINED);
-    let full = shortened(records, SAMPLES);
+    let full = liveliest(records, SAMPLES);
     let mut found = Vec::new();
     for candidate in ranked {
         let at = Structure { delays: &candidate.delays, ..structure.clone() };

@@ -33,8 +33,9 @@ const LAGS: (f64, f64) = (0.01, 10.0);
 /// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and
 /// the delay is a continuous parameter found below a sample. The search starts from the best of a grid of delays and
 /// lags. Initial states are estimated; the samples before the longest delay only serve as past inputs, unless the
-/// system starts from rest. Each output is estimated on its own. The covariance allows for noise with the
-/// autocorrelation of the residuals.
+/// system starts from rest. Several outputs are estimated together, by the determinant of the covariance of their errors,
+/// unless they are sampled at different instants. The covariance allows for noise with the autocorrelation of the
+/// residuals.
 ///
 /// # Example
 /// ```

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::ranges::Ranges;
 use crate::continuous::ProcessSystem;
 use crate::continuous::estimate::{Settings, errors};
-use crate::continuous::record::Record;
+use crate::continuous::record::{Record, liveliest};
 use crate::continuous::start::grid;
 use crate::least_squares::least_squares;
 use crate::structure_error::StructureError;
@@ -33,8 +33,8 @@ pub(super) fn candidates(
     records: &[Record<'_>],
     settings: Settings,
 ) -> Result<Vec<ProcessSystem>, IdentError> {
-    let short: Vec<Record<'_>> =
-        records.iter().map(|r| r.shortened((SAMPLES / records.len().max(1)).max(200))).collect();
+    let short = liveliest(records, SAMPLES);
+    let settings = settings.within(&short, records);
     let t = data.sample_time_s();
     let lags = lags(ranges, t, short.iter().map(Record::rows).max().unwrap_or(1));
     let mut delay_s: Vec<f64> = ranges.delay_s.iter().map(|(low, high)| 0.5 * (low + high)).collect();

@@ -61,5 +61,15 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
             let how = if *simulated { "simulates" } else { "predicts" };
             format!("the model {how} next to nothing of output {}.", output + 1)
         }
+        Doubt::Feedback { output, input } => format!(
+            "input {} follows the residual of output {}, as under feedback, so the estimate is biased.",
+            input + 1,
+            output + 1
+        ),
+        Doubt::FollowsInputs { output, share } => format!(
+            "{} % of what the model leaves of output {} still follows the inputs; true errors are larger than the standard errors.",
+            number((100.0 * share).round()),
+            output + 1
+        ),
     }
 }

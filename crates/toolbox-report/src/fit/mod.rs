@@ -32,6 +32,9 @@ pub struct Estimated {
     pub experiments: usize,
 }
 
+/// A residual of which the inputs explain more than this part is mostly an error of the model.
+const MOSTLY: f64 = 0.5;
+
 /// How much a reason to doubt matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Weight {
@@ -49,6 +52,7 @@ impl Weight {
             Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } | Doubt::DependentOutputs { .. } => {
                 Weight::Grave
             }
+            Doubt::FollowsInputs { share, .. } if *share > MOSTLY => Weight::Grave,
             Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
             _ => Weight::Doubt,
         }
