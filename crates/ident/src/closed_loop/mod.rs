@@ -9,6 +9,7 @@
 //!
 //! | method | needs | biased when |
 //! | --- | --- | --- |
+//! | [`Subspace`](crate::Subspace) with [`Weighting::Ssarx`](crate::Weighting::Ssarx): a state-space model from `u` to `y` | nothing of the loop | the loop has no delay; few samples, as all subspace methods |
 //! | [`direct`]: a model from `u` to `y` | nothing of the loop | the noise model cannot describe `H` (output error with coloured noise, least squares with other than ARX noise): then towards `−1/R`, the more so the smaller `r` is against the noise; the loop has no delay |
 //! | [`Indirect`]: a model from `r` to `y`, solved for `G` | `R`, exactly, and linear | `R` is not what was used, as with saturation; the model from `r` to `y` is of too low order |
 //! | [`TwoStage`]: `r` to `u` at high order, then from the part of `u` that `r` made to `y` | `r` | the first model is of too low order; the noise model is no reason for bias. Errors are larger by the noise that circulates |
@@ -18,6 +19,7 @@
 //! Forssell & Ljung, *Closed-loop identification revisited*, Automatica 35, 1999; Ljung 1999, §13.4 and §13.5; Van den Hof
 //! & Schrama, *An indirect method for transfer function estimation from closed loop data*, Automatica 29, 1993.
 
+pub(crate) mod feedback;
 mod indirect;
 mod joint;
 mod two_stage;

@@ -1,18 +1,21 @@
 //! Subspace identification: state-space models from projections, without a search.
 
 mod hankel;
+mod predictor;
 mod realise;
 mod weighting;
 
 use lti::Innovations;
 use numerics::linalg;
 
+use crate::closed_loop::feedback;
 use crate::data::{Experiment, check_missing};
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
 use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
-use realise::Projection;
+use predictor::PredictorStates;
+use realise::{Projection, Realised};
 pub use weighting::Weighting;
 
 /// Samples of a gap that a straight line fills for a start.
@@ -77,7 +80,7 @@ pub struct Subspace {
 }
 
 impl Subspace {
-    /// Of `order` states, canonical variates, no feed-through, with a noise model.
+    /// Of `order` states, canonical variates (SSARX under feedback), no feed-through, with a noise model.
     #[must_use]
     pub fn new(order: usize) -> Self {
         Self::of(StateOrder::Fixed(order))
@@ -136,26 +139,28 @@ impl Subspace {
     /// The covariance is the one that a prediction-error estimate would have (gathered from stretches spread over long
     /// data); a subspace estimate comes close to it with canonical variates and scatters more with the other
     /// weightings, so [`Doubt::CovarianceIsLowerBound`] is added as a doubt. Refine the estimate by
-    /// [`crate::StateSpacePem`] where intervals matter.
+    /// [`crate::StateSpacePem`] where intervals matter. Under feedback the estimate is biased with any weighting but
+    /// [`Weighting::Ssarx`]; where the residuals show it, [`Doubt::Feedback`] is added.
     ///
     /// # Errors
     /// [`IdentError::Missing`] for a missing sample, [`IdentError::TooFewSamples`], [`IdentError::Constant`] for a
     /// channel that is zero throughout, [`IdentError::RankDeficient`] for inputs that do not excite the order, and
     /// [`IdentError::Structure`] for an order that the horizons cannot hold.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
+        if self.weighting != Weighting::Automatic {
+            return self.fit_weighted(data);
+        }
+        let fit = self.with_weighting(Weighting::Cva).fit_weighted(data)?;
+        let is_fed_back = fit.doubts.iter().any(|d| matches!(d, Doubt::Feedback { .. }));
+        if is_fed_back { self.with_weighting(Weighting::Ssarx).fit_weighted(data) } else { Ok(fit) }
+    }
+
+    fn fit_weighted(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
         let weights = channel_weights(data)?;
         let horizons = self.horizons(data)?;
         let hankel = Hankel::new(data, horizons, &weights);
         let factor = hankel.factor();
-        let mut projection = Projection::new(&hankel, &factor, self.weighting)?;
-        let order = self.choose(&hankel, &factor, &projection)?;
-        // Canonical correlations beyond the order that are one, as of data without noise, rank nothing; sizes do.
-        let is_certain = |correlation: &f64| *correlation > 1.0 - CERTAIN;
-        if self.weighting == Weighting::Cva && projection.singular_values().get(order).is_some_and(is_certain) {
-            projection = Projection::new(&hankel, &factor, Weighting::N4sid)?;
-        }
-        let realised = projection.realise(order, self.stable, self.noise_model)?;
-        let scaled = realised.unscaled(&weights, data)?;
+        let scaled = self.realise(&hankel, &factor)?.unscaled(&weights, data)?;
         self.finish(data, scaled)
     }
 
@@ -174,8 +179,35 @@ impl Subspace {
         Ok(start.or_else(|_| self.fit(&filled(data.samples())?))?.model)
     }
 
+    /// `A`, `C` and the noise in scaled channels.
+    fn realise(&self, hankel: &Hankel<'_>, factor: &HankelFactor) -> Result<Realised, IdentError> {
+        // Canonical correlations beyond the order that are one, as of data without noise, rank nothing; sizes do.
+        let rank_nothing = |correlations: &[f64], order: usize| {
+            correlations.get(order).is_some_and(|correlation| *correlation > 1.0 - CERTAIN)
+        };
+        if self.weighting == Weighting::Ssarx {
+            let states = PredictorStates::new(hankel, factor, self.feedthrough)?;
+            let order = self.choose(hankel, factor, states.correlations())?;
+            if !rank_nothing(states.correlations(), order) {
+                return states.realise(order, self.stable, self.noise_model);
+            }
+            let projection = Projection::new(hankel, factor, Weighting::N4sid)?;
+            return projection.realise(order, self.stable, self.noise_model);
+        }
+        let mut projection = Projection::new(hankel, factor, self.weighting)?;
+        let order = match self.weighting {
+            Weighting::Cva => self.choose(hankel, factor, projection.singular_values())?,
+            _ => self.choose(hankel, factor, Projection::new(hankel, factor, Weighting::Cva)?.singular_values())?,
+        };
+        if self.weighting == Weighting::Cva && rank_nothing(projection.singular_values(), order) {
+            projection = Projection::new(hankel, factor, Weighting::N4sid)?;
+        }
+        projection.realise(order, self.stable, self.noise_model)
+    }
+
     /// The singular values of the weighted projection, largest first: a drop shows the order. Canonical correlations
-    /// with [`Weighting::Cva`]; otherwise in units of scaled outputs per window.
+    /// with [`Weighting::Cva`] and [`Weighting::Ssarx`], those of the former for [`Weighting::Automatic`]; otherwise in units
+    /// of scaled outputs per window.
     ///
     /// # Errors
     /// Those of [`Subspace::fit`].
@@ -183,6 +215,9 @@ impl Subspace {
         let weights = channel_weights(data)?;
         let hankel = Hankel::new(data, self.horizons(data)?, &weights);
         let factor = hankel.factor();
+        if self.weighting == Weighting::Ssarx {
+            return Ok(PredictorStates::new(&hankel, &factor, self.feedthrough)?.correlations().to_vec());
+        }
         Ok(Projection::new(&hankel, &factor, self.weighting)?.singular_values().to_vec())
     }
 
@@ -216,21 +251,10 @@ impl Subspace {
         Ok(horizons)
     }
 
-    fn choose(
-        &self,
-        hankel: &Hankel<'_>,
-        factor: &HankelFactor,
-        projection: &Projection<'_>,
-    ) -> Result<usize, IdentError> {
+    fn choose(&self, hankel: &Hankel<'_>, factor: &HankelFactor, correlations: &[f64]) -> Result<usize, IdentError> {
         let order = match self.order {
             StateOrder::Fixed(order) => order,
-            StateOrder::Auto { largest } => {
-                let correlations = match self.weighting {
-                    Weighting::Cva => projection.singular_values().to_vec(),
-                    _ => Projection::new(hankel, factor, Weighting::Cva)?.singular_values().to_vec(),
-                };
-                significant(&correlations, hankel, factor.windows).clamp(1, largest)
-            }
+            StateOrder::Auto { largest } => significant(correlations, hankel, factor.windows).clamp(1, largest),
         };
         check_excitation(hankel, factor, order)?;
         Ok(order)
@@ -243,8 +267,14 @@ impl Subspace {
         let states = model.system().states();
         let mut fit = estimate(data, &model, regressed.initial_states, states, Information::Sampled)?;
         fit.doubts.push(Doubt::CovarianceIsLowerBound);
+        // Without a noise model nothing holds under feedback.
+        if self.weighting != Weighting::Ssarx || !self.noise_model {
+            let found = feedback::found_in(&fit, data)?;
+            fit.doubts.extend(found.into_iter().map(|(output, input)| Doubt::Feedback { output, input }));
+        }
         let method = match self.weighting {
-            Weighting::Cva => "subspace, canonical variates (CVA)",
+            Weighting::Ssarx => "subspace, SSARX",
+            Weighting::Cva | Weighting::Automatic => "subspace, canonical variates (CVA)",
             Weighting::Moesp => "subspace, MOESP",
             Weighting::N4sid => "subspace, N4SID",
         };

@@ -12,7 +12,7 @@ use crate::dense::{kalman, spectral_radius};
 use crate::{Dataset, IdentError};
 
 /// Singular values below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 /// Standard deviation that an output's innovations have at least, as a part of the output's size: data without noise
 /// would leave the Riccati equation without a solution.
 const LEAST_NOISE: f64 = 1e-9;
@@ -45,7 +45,7 @@ impl<'a> Projection<'a> {
         let (projected, back) = match weighting {
             Weighting::N4sid => (oblique.transpose().to_owned(), Mat::identity(outputs, outputs)),
             Weighting::Moesp => (explained.transpose().to_owned(), Mat::identity(outputs, outputs)),
-            Weighting::Cva => {
+            Weighting::Cva | Weighting::Automatic | Weighting::Ssarx => {
                 let (white, colour) = whiten(free)?;
                 (white.subrows(0, pasts).transpose().to_owned(), colour)
             }
@@ -53,7 +53,8 @@ impl<'a> Projection<'a> {
         let svd = linalg::thin_svd(projected.as_ref())?;
         let values = svd.values;
         let rooted = Mat::from_fn(projected.nrows(), values.len(), |i, j| svd.u[(i, j)] * values[j].max(0.0).sqrt());
-        let scale = if weighting == Weighting::Cva { 1.0 } else { 1.0 / (factor.windows as f64).sqrt() };
+        let is_unscaled = matches!(weighting, Weighting::N4sid | Weighting::Moesp);
+        let scale = if !is_unscaled { 1.0 } else { 1.0 / (factor.windows as f64).sqrt() };
         Ok(Projection {
             hankel,
             factor,
@@ -152,7 +153,7 @@ fn regress(factor: &HankelFactor, regressors: Mat<f64>, targets: Mat<f64>) -> Re
 }
 
 /// Two matrices side by side.
-fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
+pub(super) fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
     let split = left.ncols();
     let entry = |i: usize, j: usize| if j < split { left[(i, j)] } else { right[(i, j - split)] };
     Mat::from_fn(left.nrows(), split + right.ncols(), entry)
@@ -163,7 +164,7 @@ fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
 ///
 /// # Source
 /// Chui & Maciejowski, *Realization of stable models with subspace methods*, Automatica 32(11), 1996.
-fn stable_shift(gamma: MatRef<'_, f64>, p: usize) -> Result<Mat<f64>, IdentError> {
+pub(super) fn stable_shift(gamma: MatRef<'_, f64>, p: usize) -> Result<Mat<f64>, IdentError> {
     let shifted =
         Mat::from_fn(gamma.nrows(), gamma.ncols(), |i, j| if i + p < gamma.nrows() { gamma[(i + p, j)] } else { 0.0 });
     let a = linalg::least_norm(gamma, shifted.as_ref(), ROUNDING)?;
@@ -190,16 +191,16 @@ fn oblique_coefficients(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) 
 }
 
 /// The columns of some channels at some block rows, block row by block row.
-fn columns(hankel: &Hankel<'_>, blocks: Range<usize>, channels: Range<usize>) -> Vec<usize> {
+pub(super) fn columns(hankel: &Hankel<'_>, blocks: Range<usize>, channels: Range<usize>) -> Vec<usize> {
     blocks.flat_map(|b| channels.clone().map(move |c| (b, c))).map(|(b, c)| hankel.column(b, c)).collect()
 }
 
-fn gather(factor: &HankelFactor, list: &[usize]) -> Mat<f64> {
+pub(super) fn gather(factor: &HankelFactor, list: &[usize]) -> Mat<f64> {
     Mat::from_fn(factor.r.nrows(), list.len(), |i, j| factor.r[(i, list[j])])
 }
 
 /// Orthonormal `W` and the matrix `Z` with `M = W Zᵀ`, directions that are rounding left out.
-fn whiten(m: MatRef<'_, f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
+pub(super) fn whiten(m: MatRef<'_, f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
     let svd = linalg::thin_svd(m)?;
     let values = &svd.values;
     let kept = values.iter().filter(|v| **v > ROUNDING * values[0]).count();
@@ -226,7 +227,7 @@ pub(super) struct Realised {
 
 impl Realised {
     /// With the noise that the covariance `[Q S; Sᵀ R]` of the residuals says.
-    fn new(a: Mat<f64>, c: Mat<f64>, joint: &Mat<f64>, noise_model: bool) -> Self {
+    pub(super) fn new(a: Mat<f64>, c: Mat<f64>, joint: &Mat<f64>, noise_model: bool) -> Self {
         let (k, covariance) = noise(&a, &c, joint, noise_model);
         Realised { a, c, k, covariance }
     }

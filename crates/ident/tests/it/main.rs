@@ -45,6 +45,7 @@ mod smoothing;
 mod stand_in;
 mod state_space;
 mod subspace;
+mod subspace_feedback;
 mod suite;
 mod summary;
 mod systems;

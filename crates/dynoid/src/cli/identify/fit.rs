@@ -202,7 +202,7 @@ pub(crate) struct StateSpaceArguments {
     #[arg(long)]
     pub(crate) subspace: bool,
     /// The weighting of the subspace method
-    #[arg(long, value_enum, default_value_t = SubspaceWeighting::Cva)]
+    #[arg(long, value_enum, default_value_t = SubspaceWeighting::Auto)]
     pub(crate) weighting: SubspaceWeighting,
     /// Allow a response within the same sample
     #[arg(long)]
@@ -214,10 +214,14 @@ pub(crate) struct StateSpaceArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SubspaceWeighting {
+    /// Canonical variates; SSARX where the residuals show feedback
+    Auto,
     /// Canonical variates
     Cva,
     /// Van Overschee and De Moor
     N4sid,
     /// Verhaegen
     Moesp,
+    /// Jansson: from a long autoregression; for data under feedback
+    Ssarx,
 }

@@ -141,9 +141,11 @@ fn state_space(
 ) -> Result<Fit<AnyModel>, CliError> {
     let subspace = states(arguments)?.map_or(Subspace::auto(MOST_STATES), Subspace::new);
     let mut subspace = subspace.with_weighting(match arguments.weighting {
+        SubspaceWeighting::Auto => Weighting::Automatic,
         SubspaceWeighting::Cva => Weighting::Cva,
         SubspaceWeighting::N4sid => Weighting::N4sid,
         SubspaceWeighting::Moesp => Weighting::Moesp,
+        SubspaceWeighting::Ssarx => Weighting::Ssarx,
     });
     if arguments.feedthrough {
         subspace = subspace.with_feedthrough();

@@ -1,0 +1,83 @@
+//! Whether inputs follow what a model leaves of the outputs.
+
+use numerics::vector::variation;
+
+use crate::distributions::f_tail;
+use crate::prediction::{InitialState, residuals};
+use crate::regression::{Lagged, Regression, Signals};
+use crate::state_space::StateSpaceModel;
+use crate::{Dataset, Fit, IdentError};
+
+/// Past and future samples looked at, and past samples of an input that its own future is predicted from.
+const LAGS: isize = 10;
+const OWN_LAGS: isize = 20;
+
+/// The probability of finding feedback in data without any, for all channels together.
+const FALSE_ALARMS: f64 = 1e-3;
+
+/// Parts of a residual and of an input below these do not count: the bias is small then, and what a model of a wrong order
+/// leaves under an input that is predictable, such as a multisine, looks like that.
+const OF_RESIDUAL: f64 = 5e-3;
+const OF_INPUT: f64 = 1e-3;
+
+/// The pairs of an output and an input that follows its residual.
+///
+/// Future inputs explain the residual beyond what its own past and present and past inputs do, and the residual explains
+/// the input beyond what the input's own past does. In open loop they cannot, however the inputs are made.
+///
+/// # Errors
+/// Those of [`residuals`].
+///
+/// # Source
+/// Sims, *Money, income, and causality*, Am. Econ. Rev. 62, 1972; Geweke, Meese & Dent, *Comparing alternative tests of
+/// causality in temporal systems*, J. Econometrics 21, 1983.
+pub(crate) fn found_in(fit: &Fit<StateSpaceModel>, data: &Dataset) -> Result<Vec<(usize, usize)>, IdentError> {
+    let errors = residuals(&fit.model, data, &InitialState::Given(fit.initial_states.clone()))?.outputs;
+    let (outputs, inputs) = (data.outputs(), data.inputs());
+    let level = FALSE_ALARMS / (outputs * inputs).max(1) as f64;
+    let mut found = Vec::new();
+    for output in 0..outputs {
+        let records = errors.iter().zip(data.experiments());
+        let signals: Signals<'_> = records
+            .map(|(e, of)| std::iter::once(e.col_as_slice(output)).chain((0..inputs).map(|k| of.input(k))).collect())
+            .collect();
+        found.extend((0..inputs).filter(|k| follows(&signals, inputs, *k + 1, level)).map(|k| (output, k)));
+    }
+    Ok(found)
+}
+
+/// Whether an input, by its place among the signals, follows the first signal.
+fn follows(signals: &Signals<'_>, inputs: usize, input: usize, level: f64) -> bool {
+    let past_and_present = Lagged::each(0, 1..=LAGS).chain((1..=inputs).flat_map(|k| Lagged::each(k, 0..=LAGS)));
+    let future = Lagged::each(input, (1..=LAGS).map(|lead| -lead)).collect();
+    let of_residual = Explained::new(signals, past_and_present.collect(), future, Lagged::new(0, 0));
+    let own = Lagged::each(input, 1..=OWN_LAGS).collect();
+    let of_input = Explained::new(signals, own, Lagged::each(0, 0..=LAGS).collect(), Lagged::new(input, 0));
+    [(of_residual, OF_RESIDUAL), (of_input, OF_INPUT)]
+        .iter()
+        .all(|(explained, least)| explained.as_ref().is_some_and(|e| e.share > *least && e.p_value < level))
+}
+
+/// What some columns explain of a target beyond others.
+struct Explained {
+    /// Of the target's variation.
+    share: f64,
+    p_value: f64,
+}
+
+impl Explained {
+    /// `None` where the rows are too few.
+    fn new(signals: &Signals<'_>, known: Vec<Lagged>, further: Vec<Lagged>, target: Lagged) -> Option<Self> {
+        let (first, last) = (known.len(), known.len() + further.len());
+        let regression = Regression::new(signals, [known, further, vec![target]].concat());
+        if regression.rows < 3 * (last + 1) {
+            return None;
+        }
+        let factor = regression.factor();
+        let explained: f64 = (first..last).map(|i| factor[(i, last)].powi(2)).sum();
+        let (count, freedom) = ((last - first) as f64, (regression.rows - last) as f64);
+        let whole: f64 = signals.iter().filter_map(|record| variation(|| record[target.signal].iter().copied())).sum();
+        let statistic = explained / count / (factor[(last, last)].powi(2) / freedom);
+        Some(Explained { share: explained / whole, p_value: f_tail(statistic, count, freedom) })
+    }
+}
