@@ -85,6 +85,12 @@ pub enum SignalError {
         /// The number of taps given.
         taps: usize,
     },
+    /// The inputs do not repeat after the period given.
+    #[error("the inputs do not repeat after {period} samples")]
+    NotRepeated {
+        /// The period in samples.
+        period: usize,
+    },
     /// The excitation is too weak or one input is a combination of the others: equations cannot be solved.
     #[error("the inputs do not excite the system independently at {freq_hz} Hz")]
     NotExcited {

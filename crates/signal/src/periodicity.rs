@@ -7,7 +7,9 @@ use numerics::search;
 
 use crate::Complex64;
 use crate::correlation::{auto_correlation, is_constant};
-use crate::error::{SignalError, check_at_least, check_finite, check_range, check_sample_time};
+use crate::error::{
+    SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time,
+};
 use crate::series::mean;
 use crate::spectrum::{fft_real, fourier_sum};
 
@@ -394,12 +396,40 @@ pub struct Periodicity {
 /// # Source
 /// de Cheveigné, A. and Kawahara, H. (2002), J. Acoust. Soc. Am. 111(4), 1917–1930, §II (difference function).
 pub fn detect_period(x: &[f64], tolerance: f64) -> Result<Option<Periodicity>, SignalError> {
-    check_at_least(4, x.len())?;
-    check_finite(x)?;
+    detect_common_period(&[x], tolerance)
+}
+
+/// [`detect_period`] of several records at once: the shortest period after which each of them repeats. Of the records the one
+/// that repeats least counts.
+///
+/// # Errors
+/// Those of [`detect_period`], and [`SignalError::LengthMismatch`]; [`SignalError::TooShort`] without a record.
+pub fn detect_common_period(records: &[&[f64]], tolerance: f64) -> Result<Option<Periodicity>, SignalError> {
+    let n = records.first().map_or(0, |x| x.len());
+    check_at_least(4, n)?;
     check_range("tolerance", tolerance, 0.0, 0.5)?;
-    if is_constant(x) {
-        return Err(SignalError::Constant);
+    let mut unrepeated = vec![0.0; n / 2 + 1];
+    for x in records {
+        check_same_length(n, x.len())?;
+        check_finite(x)?;
+        if is_constant(x) {
+            return Err(SignalError::Constant);
+        }
+        unrepeated.iter_mut().zip(changes(x)?).for_each(|(worst, own): (&mut f64, f64)| *worst = worst.max(own));
     }
+    let share = |p: usize| unrepeated[p];
+    let Some(start) = (1..=n / 2).find(|p| share(*p) > 0.5) else { return Ok(None) };
+    let candidates = (start..=n / 2).filter(|&p| share(p) <= share(p - 1) && (p == n / 2 || share(p) <= share(p + 1)));
+    let candidates: Vec<usize> = candidates.collect();
+    let least = candidates.iter().map(|p| share(*p)).fold(f64::INFINITY, f64::min).max(0.0);
+    // Multiples of the period repeat as well, give or take the noise; and rounding must not count.
+    let limit = tolerance.min(1.5 * least + 1e-9);
+    let found = candidates.into_iter().find(|p| share(*p) <= limit.max(1e-12));
+    Ok(found.map(|period| Periodicity { period, periods: n / period, unrepeated: share(period).max(0.0) }))
+}
+
+/// For every lag up to half the record the share of the variance that does not repeat after it.
+fn changes(x: &[f64]) -> Result<Vec<f64>, SignalError> {
     let level = mean(x).unwrap_or(0.0);
     let x: Vec<f64> = x.iter().map(|v| v - level).collect();
     let n = x.len();
@@ -412,12 +442,5 @@ pub fn detect_period(x: &[f64], tolerance: f64) -> Result<Option<Periodicity>, S
         let both = energy[n - p] + energy[n] - energy[p];
         if both > 0.0 { 1.0 - 2.0 * n as f64 * correlation.at(p as i64) / both } else { 0.0 }
     };
-    let Some(start) = (1..=n / 2).find(|p| share(*p) > 0.5) else { return Ok(None) };
-    let candidates = (start..=n / 2).filter(|&p| share(p) <= share(p - 1) && (p == n / 2 || share(p) <= share(p + 1)));
-    let candidates: Vec<usize> = candidates.collect();
-    let least = candidates.iter().map(|p| share(*p)).fold(f64::INFINITY, f64::min).max(0.0);
-    // Multiples of the period repeat as well, give or take the noise; and rounding must not count.
-    let limit = tolerance.min(1.5 * least + 1e-9);
-    let found = candidates.into_iter().find(|p| share(*p) <= limit.max(1e-12));
-    Ok(found.map(|period| Periodicity { period, periods: n / period, unrepeated: share(period).max(0.0) }))
+    Ok((0..=n / 2).map(share).collect())
 }

@@ -3,7 +3,8 @@
 //! | method | for |
 //! | --- | --- |
 //! | [`LocalModel`] | any excitation, resolution and noise level at once; handles leakage |
-//! | [`PeriodicSpectra`], [`periodic_response`] | periodic excitation over several periods: noise from their scatter |
+//! | [`repeated_response`] | periodic excitation: finds period, settled periods and excited lines by itself |
+//! | [`PeriodicSpectra`], [`periodic_response`] | periodic excitation over several known periods: noise from their scatter |
 //! | [`Etfe`] | a quick look; exact for periodic data |
 //! | [`BlackmanTukey`] | smooth responses and noise spectra from random excitation |
 //!
@@ -15,13 +16,20 @@ mod etfe;
 mod least_squares;
 mod local;
 mod periodic;
+mod repeated;
+mod repetition;
+mod resonance;
 
 pub use blackman_tukey::{BlackmanTukey, SpectralAnalysis};
 pub use etfe::Etfe;
 pub use local::{LocalEstimate, LocalKind, LocalModel};
 pub use periodic::{PeriodicResponse, PeriodicSpectra, periodic_response, periodic_spectra};
+pub use repeated::{RepeatedResponse, repeated_response};
+pub use repetition::Repetition;
+pub use resonance::{Estimated, Resonance, resonance};
 
 use crate::Complex64;
+use crate::distributions::{f_quantile, interval};
 use crate::error::{SignalError, check_at_least, check_finite, check_same_length, check_sample_time};
 
 /// A frequency response at discrete frequencies, with its variance.
@@ -62,6 +70,20 @@ impl FrequencyResponse {
     #[must_use]
     pub fn variance_of(&self, output: usize, input: usize) -> Vec<f64> {
         self.pick(&self.variance, output, input)
+    }
+
+    /// The interval that holds the magnitude of [`FrequencyResponse::response_of`] with probability `level`, one a frequency: by
+    /// Student's t from the part of the variance along the gain, which is half of it. Where the gain may be zero, by the F
+    /// test of both parts, the interval begins at zero: along a gain that is all noise there is no direction.
+    #[must_use]
+    pub fn magnitude_interval(&self, output: usize, input: usize, level: f64) -> Vec<(f64, f64)> {
+        let gains = self.response_of(output, input).into_iter().zip(self.variance_of(output, input));
+        let one = |((gain, variance), freedom): ((Complex64, f64), &f64)| {
+            let (low, high) = interval(gain.norm(), (0.5 * variance).sqrt(), *freedom, level);
+            let is_clear = *freedom > 0.0 && gain.norm_sqr() > variance * f_quantile(level, 2.0, *freedom);
+            (if is_clear { low.max(0.0) } else { 0.0 }, high)
+        };
+        gains.zip(&self.degrees_of_freedom).map(one).collect()
     }
 
     fn pick<T: Copy>(&self, values: &[T], output: usize, input: usize) -> Vec<T> {

@@ -62,7 +62,20 @@ pub fn periodic_spectra(
     }
     let harmonics = if harmonics.is_empty() { (1..=highest).collect() } else { harmonics.to_vec() };
     let periods = length / period;
-    // Per period, then channel, then harmonic.
+    let coefficients = period_coefficients(channels, period, &harmonics)?;
+    let freq_hz = harmonics.iter().map(|h| *h as f64 / (period as f64 * sample_time_s)).collect();
+    let (mean, covariance) = moments(&coefficients, harmonics.len(), channels.len(), periods);
+    Ok(PeriodicSpectra { freq_hz, harmonics, channels: channels.len(), periods, mean, covariance })
+}
+
+/// Fourier coefficients of the last whole periods: per period, then channel, then harmonic.
+pub(super) fn period_coefficients(
+    channels: &[&[f64]],
+    period: usize,
+    harmonics: &[usize],
+) -> Result<Vec<Complex64>, SignalError> {
+    let length = channels.first().map_or(0, |x| x.len());
+    let periods = length / period;
     let mut coefficients = Vec::with_capacity(periods * channels.len() * harmonics.len());
     for p in 0..periods {
         let start = length - (periods - p) * period;
@@ -71,9 +84,7 @@ pub fn periodic_spectra(
             coefficients.extend(harmonics.iter().map(|&h| spectrum[h] / period as f64));
         }
     }
-    let freq_hz = harmonics.iter().map(|h| *h as f64 / (period as f64 * sample_time_s)).collect();
-    let (mean, covariance) = moments(&coefficients, harmonics.len(), channels.len(), periods);
-    Ok(PeriodicSpectra { freq_hz, harmonics, channels: channels.len(), periods, mean, covariance })
+    Ok(coefficients)
 }
 
 fn moments(

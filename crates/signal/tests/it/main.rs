@@ -10,6 +10,7 @@ mod fir;
 mod frf;
 mod periodicity;
 mod properties;
+mod repeated;
 mod spectra;
 mod spline;
 
