@@ -38,6 +38,14 @@ impl Coherence {
         }))
     }
 
+    /// Whether at the frequency next to this one the output follows the input no more than by chance; none beyond the
+    /// frequencies known.
+    pub(super) fn is_by_chance(&self, freq_hz: f64) -> Option<bool> {
+        let next = self.freq_hz.partition_point(|f| *f < freq_hz);
+        let value = self.value.get(next).or(self.value.last())?;
+        Some(*value <= self.by_chance)
+    }
+
     pub(super) fn json(&self) -> Value {
         json!({"frequency_hz": self.freq_hz, "coherence": self.value, "interval_95": self.band,
             "chance_exceeds_at_1_in_20": self.by_chance})

@@ -2,21 +2,24 @@
 
 mod coherence;
 mod confidence;
+mod excitation;
+mod lines;
 
-use ident::Dataset;
-use ident::distributions::interval as student_interval;
+use ident::{Dataset, Experiment};
 use page::decimal::{digits, fixed, range};
-use page::{Abscissa, Align, Axis, Blocks, Figure, Layer, Page, Panel, Style, Table, rounded};
+use page::{Abscissa, Align, Axis, Blocks, Figure, Layer, Page, Panel, Style, Table, Tone, rounded};
 use serde_json::{Value, json};
 use signal::SignalError;
-use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
+use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel, repeated_response};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
-use crate::blocks::{heading, line, name};
+use crate::blocks::{finding, heading, line, name};
 use crate::figures::figure;
 use crate::words::ratio_unit;
 use coherence::Coherence;
 use confidence::{FALSE_ALARM, LEVEL};
+use excitation::Excitation;
+use lines::Lines;
 
 /// Decibels by which a peak stands out of what is around it, at least.
 const PROMINENCE_DB: f64 = 6.0;
@@ -41,6 +44,12 @@ pub struct Spectrum {
     lobe: usize,
     /// That of the channels of a response, where there is but one input.
     coherence: Option<Coherence>,
+    /// Of a response to inputs that repeat.
+    lines: Option<Lines>,
+    /// Whether there is a value at each frequency; where there is none the input has next to no power.
+    known: Vec<bool>,
+    /// Whether inputs repeat and their periods are not averaged.
+    leaks: bool,
 }
 
 impl Spectrum {
@@ -58,8 +67,23 @@ impl Spectrum {
     /// Where the top of a peak may lie: what the intervals allow, and what frequencies cannot be separated.
     fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
         let top = top_range(&self.all_hold, peak.index);
+        if self.lines.is_some() {
+            // As far as the lines on either side.
+            let (before, after) = (top.start().saturating_sub(1), (top.end() + 1).min(self.freq_hz.len() - 1));
+            return (self.freq_hz[before], self.freq_hz[after]);
+        }
         let resolution_hz = self.resolution_hz();
         ((self.freq_hz[*top.start()] - resolution_hz).max(0.0), self.freq_hz[*top.end()] + resolution_hz)
+    }
+
+    /// Without values where nothing is known.
+    fn only_where(mut self, known: Vec<bool>) -> Self {
+        for (k, _) in known.iter().enumerate().filter(|(_, known)| !**known) {
+            self.magnitude[k] = f64::NAN;
+            self.phase_deg.iter_mut().for_each(|phase| phase[k] = f64::NAN);
+            (self.band[k], self.all_hold[k]) = ((f64::NAN, f64::NAN), (f64::NAN, f64::NAN));
+        }
+        Spectrum { known, ..self }
     }
 
     fn excess_db(&self, peak: &SpectralPeak) -> f64 {
@@ -82,11 +106,37 @@ pub enum SpectrumMethod {
     Etfe,
 }
 
+impl SpectrumMethod {
+    fn name(self) -> &'static str {
+        match self {
+            SpectrumMethod::Welch => "welch",
+            SpectrumMethod::BlackmanTukey => "blackman-tukey",
+            SpectrumMethod::Lpm => "lpm",
+            SpectrumMethod::Lrm => "lrm",
+            SpectrumMethod::Etfe => "etfe",
+        }
+    }
+}
+
+/// What is done where inputs repeat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Periods {
+    /// Periods are found, and averaged.
+    Found,
+    /// Periods of this length, in seconds, are averaged.
+    Given(f64),
+    /// Nothing.
+    Ignored,
+}
+
 /// The method, and the length of its window where one is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumOptions {
-    /// The method; without inputs it is Welch's.
-    pub method: SpectrumMethod,
+    /// The method; without inputs it is Welch's, and where inputs repeat the mean over periods takes its place. None is the
+    /// local polynomial method.
+    pub method: Option<SpectrumMethod>,
+    /// What is done where inputs repeat.
+    pub periods: Periods,
     /// Samples of a segment or of the lag window; an eighth of the record, 1024 at most, where none is given.
     pub window: Option<usize>,
 }
@@ -116,20 +166,31 @@ pub fn json(spectra: &[Spectrum]) -> Value {
 
 fn numbers(s: &Spectrum) -> Value {
     let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
-    let peak = |p: &SpectralPeak| {
-        json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
+    let peak = |p: &SpectralPeak| match &s.lines {
+        Some(lines) => lines.peak_json(s, p),
+        None => json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
             "resolution_hz": s.resolution_hz(),
-            "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)})
+            "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)}),
     };
     let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
     json!({"channel": s.channel, "unit": s.unit, "frequency_hz": s.freq_hz,
         "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks,
-        "coherence": s.coherence.as_ref().map(Coherence::json)})
+        "coherence": s.coherence.as_ref().map(Coherence::json), "periodic": s.lines.as_ref().map(Lines::json),
+        "without_value_hz": excitation::ranges(&s.freq_hz, &s.known).iter().map(|(a, b)| [*a, *b]).collect::<Vec<_>>()})
 }
 
 fn text(s: &Spectrum) -> Blocks {
     let mut all = Blocks::from(heading(&s.channel));
     all.push(s.coherence.iter().map(|coherence| line(coherence.sentence())).collect::<Blocks>());
+    all.push(s.lines.iter().map(|lines| lines.text(&s.freq_hz)).collect::<Blocks>());
+    all.push(excitation::sentence(&s.freq_hz, &s.known).into_iter().map(line).collect::<Blocks>());
+    if s.leaks {
+        let text = "the input repeats, and this method takes what leaks between its lines for response; leave out --period none";
+        all.push(finding(Tone::Caution, "periodic input", text));
+    }
+    if s.freq_hz.is_empty() {
+        return all;
+    }
     let mut found = s.peaks();
     if found.is_empty() {
         let above = format!("no peak is {PROMINENCE_DB} dB, and more than chance, above its surroundings");
@@ -140,7 +201,10 @@ fn text(s: &Spectrum) -> Blocks {
     found.sort_by(|a, b| b.excess.total_cmp(&a.excess));
     found.truncate(LISTED);
     found.sort_by_key(|peak| peak.index);
-    all.push(table(s, &found));
+    match &s.lines {
+        Some(lines) => all.push(lines.table(s, &found)),
+        None => all.push(table(s, &found)),
+    }
     if count > LISTED {
         all.push(line(format!("the {LISTED} of {count} peaks that stand out most; all with --json")));
     }
@@ -191,6 +255,9 @@ fn powers(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, Si
                 // Half the main lobe of a Hann window.
                 lobe: 2,
                 coherence: None,
+                lines: None,
+                known: Vec::new(),
+                leaks: false,
             });
         }
     }
@@ -210,23 +277,67 @@ fn responses(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>,
     let mut all = Vec::new();
     for experiment in data.experiments() {
         let inputs: Vec<&[f64]> = (0..data.inputs()).map(|k| experiment.input(k)).collect();
-        for (output, label) in data.output_labels().iter().enumerate() {
-            let y = experiment.output(output);
-            let welch = Welch::half_overlapping(window(options, y.len()));
-            let response = response(&inputs, y, data.sample_time_s(), options)?;
-            for (input, input_label) in data.input_labels().iter().enumerate() {
-                let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
-                let unit = ratio_unit(&label.unit, &input_label.unit);
-                let coherence = match inputs[..] {
-                    [u] => Coherence::of(u, y, data.sample_time_s(), welch)?,
-                    _ => None,
-                };
-                let lobe = lobe(options);
-                all.push(Spectrum { lobe, coherence, ..one_response(&response, input, name, unit) });
+        let outputs: Vec<&[f64]> = (0..data.outputs()).map(|k| experiment.output(k)).collect();
+        let period_s = if let Periods::Given(period_s) = options.periods { Some(period_s) } else { None };
+        let shortest = 8.min(experiment.len());
+        let repeated = match experiment.len() > shortest {
+            true => repeated_response(&inputs, &outputs, data.sample_time_s(), period_s)?,
+            false => None,
+        };
+        match repeated {
+            Some(found) if options.periods != Periods::Ignored => {
+                let instead_of = options.method.map(SpectrumMethod::name);
+                all.extend(named(data, experiment, |output, input, name, unit| {
+                    let response = &found.responses[input];
+                    let lines = Lines::new(&found, response, output, experiment, data.sample_time_s(), instead_of);
+                    Ok(Spectrum { lines: Some(lines), ..one_response(response, (output, 0), name, unit) })
+                })?);
             }
+            repeated => all.extend(unrepeated(data, experiment, &inputs, repeated.is_some(), options)?),
         }
     }
     Ok(all)
+}
+
+/// One response from each input to each output, with its name and its unit.
+fn named(
+    data: &Dataset,
+    experiment: &Experiment,
+    one: impl Fn(usize, usize, String, String) -> Result<Spectrum, SignalError>,
+) -> Result<Vec<Spectrum>, SignalError> {
+    let mut all = Vec::new();
+    for (output, label) in data.output_labels().iter().enumerate() {
+        for (input, input_label) in data.input_labels().iter().enumerate() {
+            let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
+            all.push(one(output, input, name, ratio_unit(&label.unit, &input_label.unit))?);
+        }
+    }
+    Ok(all)
+}
+
+/// By a method that takes any input.
+fn unrepeated(
+    data: &Dataset,
+    experiment: &Experiment,
+    inputs: &[&[f64]],
+    leaks: bool,
+    options: &SpectrumOptions,
+) -> Result<Vec<Spectrum>, SignalError> {
+    let sample_time_s = data.sample_time_s();
+    let welch = Welch::half_overlapping(window(options, experiment.len()));
+    let whole: Vec<FrequencyResponse> = (0..data.outputs())
+        .map(|output| response(inputs, experiment.output(output), sample_time_s, options))
+        .collect::<Result<_, _>>()?;
+    named(data, experiment, |output, input, name, unit| {
+        let coherence = match inputs {
+            [u] => Coherence::of(u, experiment.output(output), sample_time_s, welch)?,
+            _ => None,
+        };
+        let excitation = Excitation::of(inputs[input], sample_time_s, welch)?;
+        let known = excitation.known(&whole[output].freq_hz, coherence.as_ref());
+        let one = Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], (0, input), name, unit) };
+        Ok(one.only_where(known))
+    })
 }
 
 fn response(
@@ -236,7 +347,7 @@ fn response(
     options: &SpectrumOptions,
 ) -> Result<FrequencyResponse, SignalError> {
     let samples = window(options, y.len());
-    match options.method {
+    match options.method.unwrap_or(SpectrumMethod::Lpm) {
         SpectrumMethod::Lpm => {
             Ok(LocalModel::polynomial(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
         }
@@ -260,7 +371,7 @@ fn response(
 
 /// Frequencies to either side from which a method takes what it says of one.
 fn lobe(options: &SpectrumOptions) -> usize {
-    match options.method {
+    match options.method.unwrap_or(SpectrumMethod::Lpm) {
         SpectrumMethod::Welch | SpectrumMethod::BlackmanTukey => 2,
         SpectrumMethod::Lpm => LocalModel::polynomial(2, 1).half_width,
         SpectrumMethod::Lrm => LocalModel::rational(2, 1).half_width,
@@ -268,16 +379,13 @@ fn lobe(options: &SpectrumOptions) -> usize {
     }
 }
 
-fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: String) -> Spectrum {
-    let (gains, variance) = (whole.response_of(0, input), whole.variance_of(0, input));
-    // The part of the variance along the gain is half of it.
-    let interval = |level: f64| {
-        let ends = gains.iter().zip(&variance).zip(&whole.degrees_of_freedom).map(|((g, v), freedom)| {
-            let (low, high) = student_interval(g.norm(), (0.5 * v).sqrt(), *freedom, level);
-            (low.max(0.0), high)
-        });
-        ends.collect::<Vec<_>>()
-    };
+fn one_response(
+    whole: &FrequencyResponse,
+    (output, input): (usize, usize),
+    channel: String,
+    unit: String,
+) -> Spectrum {
+    let gains = whole.response_of(output, input);
     Spectrum {
         channel,
         unit,
@@ -286,10 +394,13 @@ fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: 
         decibels: 20.0,
         // Not unwrapped: through noise that goes astray by many turns.
         phase_deg: Some(gains.iter().map(|g| g.arg().to_degrees()).collect()),
-        band: interval(LEVEL),
-        all_hold: interval(1.0 - 2.0 * FALSE_ALARM / gains.len().max(1) as f64),
+        band: whole.magnitude_interval(output, input, LEVEL),
+        all_hold: whole.magnitude_interval(output, input, 1.0 - 2.0 * FALSE_ALARM / gains.len().max(1) as f64),
         lobe: 1,
         coherence: None,
+        lines: None,
+        known: Vec::new(),
+        leaks: false,
     }
 }
 
@@ -297,15 +408,23 @@ fn drawn(spectrum: &Spectrum) -> Figure {
     let style = Style::Modelled;
     let first = spectrum.freq_hz.iter().position(|f| *f > 0.0).unwrap_or(0);
     let x = &spectrum.freq_hz[first..];
-    let (low, high): (Vec<f64>, Vec<f64>) = spectrum.band[first..].iter().copied().unzip();
-    let name = "estimate".to_owned();
-    let band = Layer::Band { name, style, x: Abscissa::Values(rounded(x)), low: rounded(&low), high: rounded(&high) };
-    let curve = Layer::curve("estimate", style, x, &spectrum.magnitude[first..]);
-    let mut panels = vec![Panel::new(Axis::log("magnitude", &spectrum.unit), 200, vec![band, curve])];
+    let layers = match &spectrum.lines {
+        Some(_) => lines::layers(spectrum),
+        None => curve(spectrum, first),
+    };
+    let mut panels = vec![Panel::new(Axis::log("magnitude", &spectrum.unit), 200, layers)];
     if let Some(phase) = &spectrum.phase_deg {
         let dots = Layer::dots("estimate", style, x, &phase[first..]);
         panels.push(Panel::new(Axis::angle("phase").within(-190.0, 190.0), 130, vec![dots]));
     }
     panels.extend(spectrum.coherence.as_ref().map(Coherence::panel));
     figure(&spectrum.channel, Axis::frequency(), panels)
+}
+
+fn curve(spectrum: &Spectrum, first: usize) -> Vec<Layer> {
+    let (style, x) = (Style::Modelled, &spectrum.freq_hz[first..]);
+    let (low, high): (Vec<f64>, Vec<f64>) = spectrum.band[first..].iter().copied().unzip();
+    let name = "estimate".to_owned();
+    let band = Layer::Band { name, style, x: Abscissa::Values(rounded(x)), low: rounded(&low), high: rounded(&high) };
+    vec![band, Layer::curve("estimate", style, x, &spectrum.magnitude[first..])]
 }

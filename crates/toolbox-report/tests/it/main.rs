@@ -1,6 +1,8 @@
 //! Integration tests of `toolbox-report`: what a result holds is in its page and in its JSON.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod periodic;
+
 use ident::validate::judge;
 use ident::{AnyModel, Arx, Dataset, EstimateRecord, Fit, InitialState, ModelDocument};
 use page::{Page, Screen, terminal};
@@ -10,7 +12,7 @@ use toolbox_report::fit::{Estimated, Verdict};
 use toolbox_report::models::{Detail, Model, bode, poles, step};
 use toolbox_report::order::Orders;
 use toolbox_report::response::Responded;
-use toolbox_report::spectrum::{self, SpectrumMethod, SpectrumOptions, spectra};
+use toolbox_report::spectrum::{self, Periods, SpectrumMethod, SpectrumOptions, spectra};
 
 fn data() -> Dataset {
     let mut random = Random::new(1);
@@ -79,7 +81,7 @@ fn snap_models_on_recordings() {
 #[test]
 fn snap_data_before_a_model() {
     let data = data();
-    let options = SpectrumOptions { method: SpectrumMethod::Welch, window: None };
+    let options = SpectrumOptions { method: Some(SpectrumMethod::Welch), periods: Periods::Found, window: None };
     let found = spectra(&data, &options).unwrap();
     assert_says(&spectrum::page(&found), &["coherence: median"]);
     let ranges = [1..=3, 1..=2, 1..=2];

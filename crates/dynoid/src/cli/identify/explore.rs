@@ -19,17 +19,34 @@ pub(crate) enum SpectrumMethod {
     Etfe,
 }
 
+/// The period of inputs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Period {
+    None,
+    Seconds(f64),
+}
+
+fn period(text: &str) -> Result<Period, String> {
+    if text == "none" { Ok(Period::None) } else { number::positive(text).map(Period::Seconds) }
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   dynoid data spectrum run.mf4 -y N_dyno --plot spectrum.html
-  dynoid data spectrum run.mf4 -u T_demand -y N_dyno --plot response.html")]
+  dynoid data spectrum run.mf4 -u T_demand -y N_dyno --plot response.html
+  dynoid data spectrum multisine.mf4 -u T_demand -y N_dyno --period 1
+
+Where the inputs repeat, the response is the mean over periods, at the excited lines only. Its noise is that between periods, and periods in which the outputs have not settled are left out.")]
 pub(crate) struct SpectrumArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
-    /// The method; without an input, Welch's power spectrum
-    #[arg(long, value_enum, default_value_t = SpectrumMethod::Lpm)]
-    pub(crate) method: SpectrumMethod,
+    /// The method where the inputs do not repeat; without an input, Welch's power spectrum [default: lpm]
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<SpectrumMethod>,
+    /// The period of the inputs in seconds; `none` uses --method even if the inputs repeat [default: found in the data]
+    #[arg(long, value_name = "SECONDS", value_parser = period)]
+    pub(crate) period: Option<Period>,
     /// Length of Welch's segments or of the lag window, in samples: longer resolves closer peaks, shorter reduces variance
     /// [default: an eighth of the record, 1024 at most]
     #[arg(long, value_name = "SAMPLES", value_parser = number::count)]

@@ -12,7 +12,7 @@ use clap::Subcommand;
 
 pub(crate) use convert::{ModelConvertArguments, Representation, Sampling};
 pub(crate) use data::{Between, DataArguments, Detrend, FitArguments, ResultArguments, Window};
-pub(crate) use explore::{DelayArguments, OrderArguments, SpectrumArguments, SpectrumMethod};
+pub(crate) use explore::{DelayArguments, OrderArguments, Period, SpectrumArguments, SpectrumMethod};
 pub(crate) use fit::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments, TransferFunctionBy,

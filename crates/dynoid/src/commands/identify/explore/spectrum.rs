@@ -2,10 +2,11 @@
 
 use dataset::CommonClock;
 use ident::Dataset;
-use toolbox_report::spectrum::{SpectrumMethod, SpectrumOptions, json, page, spectra};
+use signal::SignalError;
+use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, json, page, spectra};
 
 use super::super::data::{Gaps, Loaded, check_movement, load_on};
-use crate::cli::identify::{SpectrumArguments, SpectrumMethod as Method};
+use crate::cli::identify::{Period, SpectrumArguments, SpectrumMethod as Method};
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -21,11 +22,31 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -
     let data = without_gaps(loaded, terminal)?;
     check_window(arguments, &data)?;
     check_method(arguments, data.inputs())?;
-    let options = SpectrumOptions { method: method(arguments.method), window: arguments.window };
-    let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
+    let periods = match arguments.period {
+        None => Periods::Found,
+        Some(Period::None) => Periods::Ignored,
+        Some(Period::Seconds(period_s)) => Periods::Given(period_s),
+    };
+    let options = SpectrumOptions { method: arguments.method.map(method), periods, window: arguments.window };
+    let failed = |source: SignalError| wrong_period(arguments, &source).unwrap_or_else(|| not_found(source));
     let found = spectra(&data, &options).map_err(failed)?;
     show(&arguments.result, || page(&found), || json(&found), terminal)?;
     Ok(Outcome::Done)
+}
+
+fn not_found(source: SignalError) -> CliError {
+    CliError::identify("the spectrum", source.into())
+}
+
+/// Refuses a period given after which the inputs do not repeat, or that does not fit into the recording twice.
+fn wrong_period(arguments: &SpectrumArguments, source: &SignalError) -> Option<CliError> {
+    let Some(Period::Seconds(period_s)) = arguments.period else { return None };
+    let why = match source {
+        SignalError::NotRepeated { .. } => "the inputs do not repeat after this time",
+        SignalError::Parameter { name: "period in samples", .. } => "the data do not hold two such periods",
+        _ => return None,
+    };
+    Some(CliError::Usage { what: format!("--period {period_s}: {why}; leave it out, and the period is found") })
 }
 
 /// Of each recording the longest stretch in which nothing is missing.
@@ -50,7 +71,7 @@ fn without_gaps(loaded: Loaded, terminal: &mut Terminal) -> Result<Dataset, CliE
 /// Refuses several inputs where a method knows but one: it would take what the others do for noise.
 fn check_method(arguments: &SpectrumArguments, inputs: usize) -> Result<(), CliError> {
     match arguments.method {
-        Method::Welch | Method::Etfe if inputs > 1 => Err(CliError::Usage {
+        Some(Method::Welch | Method::Etfe) if inputs > 1 => Err(CliError::Usage {
             what: "--method welch and etfe take one input; lpm, lrm and blackman-tukey take several".into(),
         }),
         _ => Ok(()),
