@@ -7,9 +7,7 @@ use numerics::search;
 
 use crate::Complex64;
 use crate::correlation::{auto_correlation, is_constant};
-use crate::error::{
-    SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time,
-};
+use crate::error::{SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time};
 use crate::series::mean;
 use crate::spectrum::{fft_real, fourier_sum};
 

@@ -244,7 +244,9 @@ impl Task<'_> {
         start: &[f64],
         search: NonlinearOptions,
     ) -> Result<Lowest, IdentError> {
-        descend(&mut Evaluator::new(self.orders, all, aim, self.estimate_states), start, &self.bounds, search)
+        let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
+        let start = self.held(evaluator.within_the_edge(start));
+        descend(&mut evaluator, &start, &self.bounds, search)
     }
 
     /// Some way down, to compare starting values.

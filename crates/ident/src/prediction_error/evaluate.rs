@@ -6,7 +6,7 @@
 
 use faer::Mat;
 
-use super::line::{BLOCK, is_stable};
+use super::line::{BLOCK, is_stable, stabilised};
 use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::{Aim, Block, Column, Lines, Polynomials, columns};
@@ -73,6 +73,19 @@ impl<'a> Evaluator<'a> {
         theta.iter().all(|v| v.is_finite())
             && is_stable(c, if self.aim == Aim::Simulation { self.largest_radius } else { 1.0 })
             && p.f.iter().all(|f| is_stable(f, self.largest_radius))
+    }
+
+    /// θ with the roots outside the unit circle mirrored into it, where one lies beyond the edge. A start that was found on a part of
+    /// the data may lie there, as shorter data let through a faster growth.
+    pub(super) fn within_the_edge(&self, theta: &[f64]) -> Vec<f64> {
+        let mut theta = theta.to_vec();
+        let denominators = (0..self.orders.inputs()).map(|k| self.orders.f(k));
+        let simulated = (self.aim == Aim::Simulation).then(|| self.orders.a());
+        for range in denominators.chain(simulated) {
+            let inside = stabilised(&theta[range.clone()], self.largest_radius);
+            theta[range].copy_from_slice(&inside);
+        }
+        theta
     }
 
     fn check(&self, theta: &[f64]) -> Result<(), IdentError> {

@@ -60,3 +60,19 @@ proptest! {
         }
     }
 }
+
+/// On 16 384 of 20 000 rows a root may lie farther out than on all; such a start once ended the estimate.
+#[test]
+fn regress_a_start_found_on_a_part_of_the_data_is_pulled_within_the_edge_of_all() {
+    let orders = Orders { na: 0, nb: vec![1, 1], nc: 0, nd: 0, nf: vec![1, 2], nk: vec![1, 1] };
+    let root = 1.0 + 1.0 / 18_000.0;
+    let start = [1.0, 1.0, -root, -0.9, 0.2];
+    let (part, all) = ([segment(16_384, 1)], [segment(20_000, 1)]);
+    assert!(Evaluator::new(&orders, &part, Aim::Simulation, true).is_stable(&start));
+    let mut whole = Evaluator::new(&orders, &all, Aim::Simulation, true);
+    assert!(whole.cost(&start).is_err());
+    let inside = whole.within_the_edge(&start);
+    assert!(whole.cost(&inside).is_ok());
+    assert!((inside[2] + 1.0).abs() < 2e-3, "{inside:?}");
+    assert_eq!((&inside[..2], &inside[3..]), (&start[..2], &start[3..]));
+}

@@ -192,12 +192,7 @@ fn given(inputs: &[&[f64]], period: f64) -> Result<(usize, usize, usize), Signal
 
 /// The longest run in which each block of a period is followed by one that differs from it by no more than `limit` of the
 /// variance of the part in which the period was found; without a limit, by no more than noise as in half of the blocks.
-fn repeating(
-    inputs: &[&[f64]],
-    period: usize,
-    part: (usize, usize),
-    limit: Option<f64>,
-) -> Option<(usize, usize)> {
+fn repeating(inputs: &[&[f64]], period: usize, part: (usize, usize), limit: Option<f64>) -> Option<(usize, usize)> {
     let length = inputs.first()?.len();
     let blocks = (length + 1).checked_sub(2 * period)?;
     // Of the input that changes most.

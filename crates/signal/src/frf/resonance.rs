@@ -117,7 +117,8 @@ impl Local {
         for _ in 0..ROUNDS {
             let weight: Vec<Complex64> = self.x.iter().map(|x| 1.0 / (1.0 + theta[3] * *x)).collect();
             let column = |j: usize| {
-                let of = move |k: usize| if j < 3 { self.x[k].powi(j as i32).into() } else { -self.gain[k] * self.x[k] };
+                let of =
+                    move |k: usize| if j < 3 { self.x[k].powi(j as i32).into() } else { -self.gain[k] * self.x[k] };
                 let weight = &weight;
                 (0..self.x.len()).map(move |k| weight[k] * of(k))
             };
@@ -146,7 +147,8 @@ impl Local {
             let variance = self.variance * scale * variance_of(theta, &influence, of)?;
             Some((of(theta)? * factor, variance.sqrt() * factor))
         };
-        let number = |(value, standard_error): (f64, f64)| Estimated { value, standard_error, degrees_of_freedom: freedom };
+        let number =
+            |(value, standard_error): (f64, f64)| Estimated { value, standard_error, degrees_of_freedom: freedom };
         // The top moves with the parameters, and stays where they move by little.
         let near = (top - 0.5 * (to - from), top + 0.5 * (to - from));
         let place = |t: &[Complex64; UNKNOWNS]| self::top(t, near);
@@ -168,7 +170,8 @@ impl Local {
         let unit = |k: usize| {
             let mut right = vec![Complex64::ZERO; self.x.len()];
             right[k].re = 1.0;
-            solved((0..UNKNOWNS).map(|j| self.x.iter().map(move |x| slope(theta, *x, j))), &mut right).unwrap_or_default()
+            solved((0..UNKNOWNS).map(|j| self.x.iter().map(move |x| slope(theta, *x, j))), &mut right)
+                .unwrap_or_default()
         };
         (0..self.x.len()).map(unit).collect()
     }
@@ -239,6 +242,7 @@ fn variance_of(
         };
         *slot = 0.5 * Complex64::new(change(Complex64::ONE)?, -change(Complex64::I)?);
     }
-    let along = |column: &Vec<Complex64>| column.iter().zip(&gradient).map(|(c, g)| c * g).sum::<Complex64>().norm_sqr();
+    let along =
+        |column: &Vec<Complex64>| column.iter().zip(&gradient).map(|(c, g)| c * g).sum::<Complex64>().norm_sqr();
     Some(2.0 * influence.iter().map(along).sum::<f64>())
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use signal::excitation::Random;
 use signal::filter::Section;
-use signal::frf::{Repetition, RepeatedResponse, repeated_response, resonance};
+use signal::frf::{RepeatedResponse, Repetition, repeated_response, resonance};
 use signal::resample::{Interpolation, interpolate_at};
 use signal::{Complex64, Signal, SignalError, Sos};
 

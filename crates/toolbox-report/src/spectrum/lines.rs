@@ -91,7 +91,8 @@ impl Lines {
         let mut all = Blocks::from(line(self.averaged()));
         all.push(line(excited(freq_hz)));
         if self.still_settling {
-            let text = "the output still changes from period to period; record longer, or leave out the start with --from";
+            let text =
+                "the output still changes from period to period; record longer, or leave out the start with --from";
             all.push(finding(Tone::Caution, "not settled", text));
         }
         if let (Some(first), Some(last)) = (self.shared_hz.first(), self.shared_hz.last()) {

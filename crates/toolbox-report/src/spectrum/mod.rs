@@ -335,7 +335,8 @@ fn unrepeated(
         };
         let excitation = Excitation::of(inputs[input], sample_time_s, welch)?;
         let known = excitation.known(&whole[output].freq_hz, coherence.as_ref());
-        let one = Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], (0, input), name, unit) };
+        let one =
+            Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], (0, input), name, unit) };
         Ok(one.only_where(known))
     })
 }
@@ -379,12 +380,7 @@ fn lobe(options: &SpectrumOptions) -> usize {
     }
 }
 
-fn one_response(
-    whole: &FrequencyResponse,
-    (output, input): (usize, usize),
-    channel: String,
-    unit: String,
-) -> Spectrum {
+fn one_response(whole: &FrequencyResponse, (output, input): (usize, usize), channel: String, unit: String) -> Spectrum {
     let gains = whole.response_of(output, input);
     Spectrum {
         channel,
