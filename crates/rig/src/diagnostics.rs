@@ -4,6 +4,7 @@ use recording::RecordingError;
 use serde::Serialize;
 
 use crate::Role;
+use crate::experiment::ExperimentLabel;
 use crate::results::{Part, Quantity, write_symbol};
 use crate::words::write_words;
 
@@ -39,6 +40,37 @@ pub struct Diagnostic {
     pub place: Place,
     /// What it is.
     pub finding: Finding,
+}
+
+/// What a torque with a wrong gain may hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LikelyUnit {
+    /// Per cent of the drive's torque limit.
+    PercentOfLimit,
+    /// lbf ft, labelled Nm.
+    PoundFoot,
+    /// kNm, labelled Nm.
+    KiloNewtonMetre,
+}
+
+/// What a recording shows that its label excludes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "seen", rename_all = "snake_case")]
+pub enum SeenInstead {
+    /// T_d* answers to every change of N_d: the dynamometer controls speed.
+    SpeedControl,
+    /// T_d* rests from sample to sample while N_d changes: the dynamometer controls torque.
+    TorqueControl,
+    /// The engine turns as the dynamometer does: the shaft is on.
+    ShaftOn,
+    /// T_d moves an inertia that is so many times J_d.
+    LargerInertia {
+        /// The ratio.
+        ratio: f64,
+    },
+    /// N_d* changes where the torque should be excited at a constant speed.
+    SpeedDemandChanges,
 }
 
 /// What can be found.
@@ -85,6 +117,37 @@ pub enum Finding {
         /// Whether they were few enough to be interpolated.
         mended: bool,
     },
+    /// A slow channel was held or interpolated up to a faster raster; only its own samples are used.
+    SamplesRaised {
+        /// It has a value of its own every so many samples.
+        every: usize,
+        /// Whether the others lie on straight lines between these, rather than repeat the one before.
+        interpolated: bool,
+    },
+    /// Samples repeat the one before at irregular instants; they are left out.
+    SamplesRepeated {
+        /// Their share, 0…1.
+        share: f64,
+        /// How long the longest run of them lasts, s.
+        longest_s: f64,
+    },
+    /// Samples lie on straight lines between instants that are no samples: their own values are lost.
+    SamplesStraightened {
+        /// Their share, 0…1.
+        share: f64,
+    },
+    /// Single samples far beside those about them; they are left out.
+    Spikes {
+        /// How many.
+        count: usize,
+        /// The farthest value in SI.
+        farthest: f64,
+    },
+    /// The noise of a signal falls towards half its sample rate, as behind a low-pass filter.
+    SamplesFiltered {
+        /// By how much, as a ratio of powers.
+        ratio: f64,
+    },
     /// Time stamps are missing for a while.
     Gap {
         /// Length, s.
@@ -116,6 +179,13 @@ pub enum Finding {
         largest_s: f64,
         /// Sample time, s.
         sample_time_s: f64,
+    },
+    /// N_d is recorded more slowly than a controller acts.
+    SlowRaster {
+        /// Its sample time, s.
+        sample_time_s: f64,
+        /// Whether it is so long that the time stamps seem to be in ms.
+        is_in_ms: bool,
     },
     /// The time stamps of a raster begin and end equally far from those of another.
     ClockOffset {
@@ -162,6 +232,52 @@ pub enum Finding {
         role: Role,
         /// Its mean over that of the dynamometer speed. 9.55 or 0.105 betrays rpm against rad/s.
         ratio_to_dyno_speed: f64,
+    },
+    /// Two torques of the dynamometer that should be equal but for noise and delay are not: a wrong unit, channel, gain or zero.
+    TorquesDisagree {
+        /// The torque that is compared with T_d,calc.
+        role: Role,
+        /// Its changes over those of T_d,calc.
+        gain: f64,
+        /// What it is more than the gain times T_d,calc, Nm.
+        offset_nm: f64,
+        /// Which of both has values in what other unit, if that explains the gain.
+        looks_like: Option<(Role, LikelyUnit)>,
+    },
+    /// The recording is not what its label says.
+    LabelContradicted {
+        /// The label.
+        label: ExperimentLabel,
+        /// What speaks against it.
+        seen: SeenInstead,
+    },
+    /// The orders of the engine's speed are those of another number of cylinders or strokes.
+    FiringOrderDisagrees {
+        /// Firings a turn by the bench file.
+        stated: f64,
+        /// Firings a turn that the speeds show.
+        found: f64,
+    },
+    /// The engine's pulses come more or less often than its speed and the time stamps say.
+    PulsesOffSpeed {
+        /// Pulses over those expected.
+        ratio: f64,
+    },
+    /// The ripple of the drive is beside twice the mains in all recordings: their clock is wrong.
+    ClockRate {
+        /// Where the ripple is, Hz.
+        found_hz: f64,
+        /// Twice the mains, Hz.
+        mains_hz: f64,
+    },
+    /// The shaft's equation dates a signal far from where its time stamps do.
+    LateSignal {
+        /// Its role.
+        role: Role,
+        /// By how much it is late against N_d, s; negative where it is early.
+        late_s: f64,
+        /// Standard error, s.
+        standard_error_s: f64,
     },
     /// The equation of the shaft holds far better with N_d and N_e exchanged: their channels are mixed up.
     SpeedsExchanged {

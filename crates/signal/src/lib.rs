@@ -20,6 +20,7 @@ mod series;
 mod sinc;
 pub mod spectrum;
 pub mod spline;
+pub mod updates;
 pub mod window;
 pub mod zero_phase;
 

@@ -23,6 +23,7 @@ use crate::Progress;
 use crate::findings::Findings;
 use crate::folded_pulses::Folded;
 use crate::whole::{self, Pieces, Whole};
+use crate::{firing, ripple_clock};
 
 /// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
 /// named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and 9.
@@ -33,6 +34,9 @@ const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 const APART: f64 = 4.0;
 /// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
 const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.02), (Quantity::Damping, 0.1)];
+/// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two clocks of a
+/// bench are apart by 1.5 ms at most.
+const LATE: (f64, f64) = (2e-3, 5.0);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
@@ -106,6 +110,8 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         findings.note_use(choice);
     }
     doubt_controllers(findings, &fits);
+    firing::doubt(findings);
+    ripple_clock::doubt(findings);
     doubt_exchange(findings, parts);
     let timing = timing(findings, parts);
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
@@ -235,12 +241,25 @@ fn doubt_shaft(
             findings.doubt(file, if is_large { Severity::Warning } else { Severity::Note }, finding);
         }
     }
+    doubt_late_signals(findings, experiment, shaft);
     doubt_inertias(findings, experiment, shaft, inertia)
 }
 
 /// Whether two values of one quantity are further apart than their errors explain.
 fn contradict(own: &Parameter, other: &Parameter) -> bool {
     (own.value - other.value).abs() > APART * own.standard_error.hypot(other.standard_error)
+}
+
+/// Doubts signals that the shaft's equation dates far from where their time stamps do.
+fn doubt_late_signals(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft) {
+    let skews = [(Role::EngineSpeed, Quantity::EngineSpeedSkew), (Role::AirGapTorque, Quantity::AirGapTorqueSkew)];
+    for (role, quantity) in skews {
+        let Some(skew) = shaft.estimate.parameter(quantity) else { continue };
+        let (late_s, standard_error_s) = (skew.value, skew.standard_error);
+        if late_s.abs() > LATE.0.max(LATE.1 * standard_error_s) {
+            findings.doubt_channel(&experiment.file, role, Finding::LateSignal { role, late_s, standard_error_s });
+        }
+    }
 }
 
 /// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d or T_d* and

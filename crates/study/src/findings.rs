@@ -2,7 +2,7 @@
 
 use rig::experiment::{Choice, Sought, Test};
 use rig::results::{Part, Validation};
-use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Role, Severity};
 
 use crate::Progress;
 
@@ -51,6 +51,13 @@ impl<'a> Findings<'a> {
     pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
         let place = Place { file: Some(file.to_owned()), ..Place::default() };
         self.diagnostics.push(Diagnostic { severity, place, finding });
+    }
+
+    /// Warns of what was found in the channel of a role.
+    pub(super) fn doubt_channel(&mut self, file: &str, role: Role, finding: Finding) {
+        let channel = self.bench.channels.get(&role).map(|mapping| mapping.name.clone());
+        let place = Place { file: Some(file.to_owned()), channel, ..Place::default() };
+        self.diagnostics.push(Diagnostic { severity: Severity::Warning, place, finding });
     }
 
     /// Doubts a part whose residuals depend on its input on the held-out stretch.

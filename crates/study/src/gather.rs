@@ -107,9 +107,9 @@ pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, 
         return Err(refused(source, Finding::NoLabel));
     };
     prepare(&source.file, recording, bench, label).map_err(|error| match error {
-        PrepareError::NothingUsable { diagnostics, .. } | PrepareError::NoCommonStretch { diagnostics, .. } => {
-            diagnostics
-        }
+        PrepareError::NothingUsable { diagnostics, .. }
+        | PrepareError::NoCommonStretch { diagnostics, .. }
+        | PrepareError::Mislabelled { diagnostics, .. } => diagnostics,
     })
 }
 

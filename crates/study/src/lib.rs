@@ -4,6 +4,7 @@ mod analyses;
 mod assemble;
 mod estimates;
 mod findings;
+mod firing;
 mod folded_pulses;
 mod gather;
 mod next;
@@ -11,6 +12,7 @@ pub mod noise_test;
 mod progress;
 mod recorded;
 mod result;
+mod ripple_clock;
 mod run;
 mod whole;
 

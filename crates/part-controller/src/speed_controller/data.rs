@@ -17,6 +17,8 @@ const CUTOFF_ORDER: usize = 4;
 const COARSE: f64 = 0.4;
 /// Rounding that reaches this part of it may look like some of the gate.
 const NOTICEABLE: f64 = 0.1;
+/// Time stamps within this part of a sample are of one instant.
+const SAME_INSTANT: f64 = 1e-3;
 
 /// One stretch of a recording with the signals the controller sees.
 #[derive(Clone)]
@@ -37,7 +39,8 @@ impl Data {
         let speed = need(experiment, Role::DynoSpeed)?;
         let (from, to) = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
         let phase = phase_of(speed);
-        Ok(Data::cut(&experiment.file, (demand, reference, speed), &phase, (from, to)))
+        let reference = held_on_the_clock_of(demand, reference);
+        Ok(Data::cut(&experiment.file, (demand, &reference, speed), &phase, (from, to)))
     }
 
     fn cut(
@@ -129,6 +132,16 @@ fn resolution(values: &[f64]) -> f64 {
     let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * span);
     let smallest = steps.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }
+}
+
+/// A demand at the samples of another, each held until its next: both may be recorded on rasters of their own.
+fn held_on_the_clock_of(other: &Signal, demand: &Signal) -> Signal {
+    let last = demand.len().saturating_sub(1);
+    let value = |k: usize| {
+        let place = (other.time_s(k) - demand.start_s) / demand.sample_time_s;
+        demand.samples.get(((place + SAME_INSTANT).max(0.0) as usize).min(last)).copied().unwrap_or_default()
+    };
+    other.with_samples((0..other.len()).map(value).collect())
 }
 
 /// Shaft angle turned by the end of each sample's gate, zero before the first.

@@ -1,10 +1,10 @@
 //! Each finding in plain words: what was found, and what to do about it.
 
 use rig::results::Quantity;
-use rig::{Diagnostic, Finding};
+use rig::{ControlMode, Diagnostic, Finding, LikelyUnit, Role, SeenInstead};
 
 use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
-use super::{join, part, place, role, severity};
+use super::{join, mode_short, part, place, role, severity};
 
 /// A diagnostic on one line: severity, place, what was found, what to do.
 pub fn diagnostic(found: &Diagnostic) -> String {
@@ -40,6 +40,53 @@ pub fn finding(finding: &Finding) -> String {
                 time(*from),
                 time(*to)
             )
+        }
+        Finding::SamplesRaised { every, interpolated } => raised(*every, *interpolated),
+        Finding::SamplesRepeated { share: of, longest_s } => format!(
+            "{} of the samples repeat the one before, for up to {}, although the values are in finer steps.",
+            share(*of),
+            duration(*longest_s)
+        ),
+        Finding::SamplesStraightened { share: of } => format!(
+            "{} of the samples lie on straight lines between others: the recording system has interpolated a slower channel.",
+            share(*of)
+        ),
+        Finding::Spikes { count, farthest } => {
+            let what =
+                if *count == 1 { "One sample is a spike".to_owned() } else { format!("{count} samples are spikes") };
+            format!("{what}, up to {} (SI); left out.", si(*farthest))
+        }
+        Finding::SamplesFiltered { ratio } => format!(
+            "Its noise falls towards half the sample rate, to {} of its power: a low-pass filter has acted on it.",
+            share(*ratio)
+        ),
+        Finding::TorquesDisagree { role: of, gain, offset_nm, looks_like } => {
+            torques(&role(*of), *gain, *offset_nm, *looks_like)
+        }
+        Finding::LabelContradicted { label, seen } => format!("The recording is no {label}: {}.", seen_instead(*seen)),
+        Finding::FiringOrderDisagrees { stated, found } => firing_order(*stated, *found),
+        Finding::PulsesOffSpeed { ratio } => {
+            let percent = significant(100.0 * (1.0 / ratio - 1.0).abs(), 2);
+            let (speeds, stamps) = if *ratio < 1.0 { ("high", "much") } else { ("low", "little") };
+            format!(
+                "The engine fires {} times as often as its speed says. The speeds are {percent} % too {speeds}, or the time stamps count {percent} % too {stamps}.",
+                significant(*ratio, 4)
+            )
+        }
+        Finding::ClockRate { found_hz, mains_hz } => {
+            let percent = significant(100.0 * (mains_hz / found_hz - 1.0), 2);
+            let (found, mains) = (significant(*found_hz, 5), significant(*mains_hz, 3));
+            format!(
+                "The ripple of the drive is at {found} Hz in all recordings. If it is at {mains} Hz, twice the mains, the time stamps count {percent} % too much."
+            )
+        }
+        Finding::LateSignal { role: of, late_s, standard_error_s } => {
+            let late = plus_minus(1e3 * late_s, 2e3 * standard_error_s, "ms");
+            format!("The shaft’s equation dates the {} {late} later than N_d.", role(*of))
+        }
+        Finding::SlowRaster { sample_time_s, is_in_ms } => {
+            let hint = if *is_in_ms { " The time stamps seem to be in ms." } else { "" };
+            format!("N_d is recorded every {} only.{hint}", duration(*sample_time_s))
         }
         Finding::ImplausibleMagnitude { role: of, largest, looks_like } => {
             let hint = looks_like.as_ref().map(|unit| format!(" They look like {unit}.")).unwrap_or_default();
@@ -102,6 +149,9 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(*submodel), *share_outside),
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(*submodel)),
+        Finding::CoarseResolution { role: of @ (Role::DynoSpeed | Role::EngineSpeed), step } => {
+            format!("The {} is recorded in steps of {} (SI), coarser than its noise should be.", role(*of), si(*step))
+        }
         Finding::CoarseResolution { role: of, step } => {
             format!(
                 "The {} is recorded in steps of {} (SI), too coarse compared with the noise to show the encoder’s gate.",
@@ -147,6 +197,46 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
         Finding::ShortGaps { .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
         Finding::Cut { .. } => "Record again without interruption to use the whole recording.",
+        Finding::SamplesRaised { .. } => {
+            "Only its own samples are used. Export the channel with its own time stamps: the skew of the repeated ones is not known."
+        }
+        Finding::SamplesRepeated { .. } => {
+            "These samples were left out and interpolated. Check the load of the measuring system, and record again."
+        }
+        Finding::SamplesStraightened { .. } => {
+            "Do not trust what is estimated from this channel. Export it with its own time stamps, without interpolation."
+        }
+        Finding::Spikes { .. } => "They were interpolated. Check sensor and cable.",
+        Finding::SamplesFiltered { .. } => {
+            "Delays contain that of the filter, and damping and gains are biased. Record without the filter."
+        }
+        Finding::TorquesDisagree { .. } => {
+            "Check unit, channel and zero of both torques in the bench file; until then do not use what is estimated from this channel."
+        }
+        Finding::LabelContradicted { seen: SeenInstead::LargerInertia { .. }, .. } => {
+            "If the shaft is on, correct the label; else check J_d and the torque’s unit."
+        }
+        Finding::LabelContradicted { seen: SeenInstead::SpeedDemandChanges, .. } => {
+            "Correct the label in the file name or in [[recordings.label]]; feed-forward biases the controller’s gains here."
+        }
+        Finding::LabelContradicted { .. } => {
+            "It was not used. Correct the label in the file name or in [[recordings.label]] of the bench file."
+        }
+        Finding::FiringOrderDisagrees { .. } => "Correct cylinders and strokes in the bench file.",
+        Finding::PulsesOffSpeed { .. } => {
+            "Check the number of lines of the encoders in the measuring system, and its clock."
+        }
+        Finding::ClockRate { .. } => {
+            "Check the clock of the measuring system: every time, frequency and inertia is wrong by as much."
+        }
+        Finding::LateSignal { role: Role::AirGapTorque, .. } => {
+            "The delay of torque control contains this. Check the trigger, the filters and the time stamps of the channel."
+        }
+        Finding::LateSignal { .. } => "Check the trigger, the filters and the time stamps of the channel.",
+        Finding::SlowRaster { is_in_ms: true, .. } => "State times in s.",
+        Finding::SlowRaster { .. } => {
+            "Record it every millisecond: delays and feed-forward of the controller cannot be trusted."
+        }
         Finding::ImplausibleMagnitude { .. } => {
             "State the true unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }."
         }
@@ -184,6 +274,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
+        Finding::CoarseResolution { role: Role::DynoSpeed | Role::EngineSpeed, .. } => {
+            "Delays, damping and feed-forward are less certain than their intervals. Record the speed with finer steps."
+        }
         Finding::CoarseResolution { .. } => {
             "The controller’s delay is less certain for it. Record the signal with finer steps."
         }
@@ -211,6 +304,41 @@ fn missing_channel(role: &str, closest: &[String]) -> String {
 fn not_a_number(count: usize, mended: bool) -> String {
     let what = if count == 1 { "One sample is".to_owned() } else { format!("{count} samples are") };
     format!("{what} not a number; {}.", if mended { "interpolated" } else { "too many to interpolate" })
+}
+
+fn raised(every: usize, interpolated: bool) -> String {
+    let others = if interpolated { "lie on straight lines between these" } else { "repeat the one before" };
+    format!("Only one sample in {every} is measured; the others {others}: the recording system has raised the rate.")
+}
+
+fn torques(of: &str, gain: f64, offset_nm: f64, looks_like: Option<(Role, LikelyUnit)>) -> String {
+    let unit = |unit: LikelyUnit| match unit {
+        LikelyUnit::PercentOfLimit => "% of the torque limit",
+        LikelyUnit::PoundFoot => "lbf ft",
+        LikelyUnit::KiloNewtonMetre => "kNm",
+    };
+    let hint = looks_like.map(|(wrong, in_unit)| format!(" {} looks like {}.", wrong.symbol(), unit(in_unit)));
+    let (gain, offset) = (significant(gain, 3), measure(offset_nm, "Nm"));
+    format!("The {of} is {gain} times T_d,calc, and {offset} more.{}", hint.unwrap_or_default())
+}
+
+fn seen_instead(seen: SeenInstead) -> String {
+    match seen {
+        SeenInstead::SpeedControl => format!("T_d* answers to N_d, as in {}", mode_short(ControlMode::Nt)),
+        SeenInstead::TorqueControl => format!("T_d* does not answer to N_d, as in {}", mode_short(ControlMode::Tn)),
+        SeenInstead::ShaftOn => "the engine turns with the dynamometer, so the shaft is on".to_owned(),
+        SeenInstead::LargerInertia { ratio } => {
+            format!("T_d moves {} times the inertia J_d, as if the shaft were on", significant(ratio, 2))
+        }
+        SeenInstead::SpeedDemandChanges => "N_d* changes, which it does not where the torque is excited".to_owned(),
+    }
+}
+
+fn firing_order(stated: f64, found: f64) -> String {
+    let (stated, found, cylinders) = (significant(stated, 2), significant(found, 2), significant(2.0 * found, 2));
+    format!(
+        "The engine fires {found} times a turn, as its speed shows; the bench file says {stated}. An engine of four strokes and {cylinders} cylinders does so."
+    )
 }
 
 fn short_gaps(count: usize, longest_s: f64, of: f64) -> String {

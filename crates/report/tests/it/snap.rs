@@ -5,9 +5,13 @@ use recording::RecordingError;
 use report::wording::{self, number};
 use rig::estimation::EstimateError;
 use rig::results::{Notation, Part, Quantity, Reason, WrittenParameter};
-use rig::{Diagnostic, ExperimentLabel, Finding, Place, Role, Severity};
+use rig::{Diagnostic, ExperimentLabel, Finding, LikelyUnit, Place, Role, SeenInstead, Severity};
 
 use crate::fixture;
+
+fn no_shaft() -> ExperimentLabel {
+    "NoShaft_N_NT".parse().unwrap()
+}
 
 fn findings() -> Vec<Finding> {
     vec![
@@ -25,6 +29,34 @@ fn findings() -> Vec<Finding> {
         Finding::ShortGaps { count: 7, longest_s: 0.012, share: 0.0004 },
         Finding::Cut { kept_s: (4.0, 31.5), lost_s: 12.25 },
         Finding::TimeNotIncreasing,
+        Finding::SamplesRaised { every: 2, interpolated: false },
+        Finding::SamplesRaised { every: 4, interpolated: true },
+        Finding::SamplesRepeated { share: 0.3, longest_s: 0.004 },
+        Finding::SamplesStraightened { share: 0.4 },
+        Finding::Spikes { count: 1, farthest: 400.0 },
+        Finding::Spikes { count: 12, farthest: 0.0 },
+        Finding::SamplesFiltered { ratio: 0.0012 },
+        Finding::TorquesDisagree {
+            role: Role::DynoTorqueDemand,
+            gain: 0.25,
+            offset_nm: 0.04,
+            looks_like: Some((Role::DynoTorqueDemand, LikelyUnit::PercentOfLimit)),
+        },
+        Finding::TorquesDisagree { role: Role::LoadCellTorque, gain: 1.002, offset_nm: 10.1, looks_like: None },
+        Finding::LabelContradicted { label: ExperimentLabel::BS_T_NT, seen: SeenInstead::TorqueControl },
+        Finding::LabelContradicted { label: ExperimentLabel::WHITE_NOISE_T_TN, seen: SeenInstead::SpeedControl },
+        Finding::LabelContradicted { label: ExperimentLabel::BS_T_NT, seen: SeenInstead::SpeedDemandChanges },
+        Finding::LabelContradicted { label: no_shaft(), seen: SeenInstead::ShaftOn },
+        Finding::LabelContradicted { label: no_shaft(), seen: SeenInstead::LargerInertia { ratio: 1.47 } },
+        Finding::FiringOrderDisagrees { stated: 3.0, found: 2.0 },
+        Finding::PulsesOffSpeed { ratio: 1.0 / 1.01 },
+        Finding::PulsesOffSpeed { ratio: 1.005 },
+        Finding::ClockRate { found_hz: 99.01, mains_hz: 100.0 },
+        Finding::LateSignal { role: Role::AirGapTorque, late_s: 0.008, standard_error_s: 4e-5 },
+        Finding::LateSignal { role: Role::EngineSpeed, late_s: -0.0035, standard_error_s: 2e-5 },
+        Finding::SlowRaster { sample_time_s: 0.01, is_in_ms: false },
+        Finding::SlowRaster { sample_time_s: 1.0, is_in_ms: true },
+        Finding::CoarseResolution { role: Role::DynoSpeed, step: 0.1047 },
         Finding::Jitter { largest_s: 0.00031, sample_time_s: 0.001 },
         Finding::Constant { value: -0.0 },
         Finding::Clipped { value: 400.04, share: 0.0312 },

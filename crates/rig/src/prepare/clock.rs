@@ -22,8 +22,8 @@ const JITTER_SHARE: f64 = 0.1;
 const EXACT_SHARE: f64 = 1e-6;
 
 /// The channel on a uniform clock, in SI, or `None` if it is refused.
-pub(super) fn uniform_stretches(source: &Source<'_>, log: &mut Log) -> Option<Stretches> {
-    let (time_s, mut values) = numbers(source, log)?;
+pub(super) fn uniform_stretches(source: &Source<'_>, left_out: &[bool], log: &mut Log) -> Option<Stretches> {
+    let (time_s, mut values) = numbers(source, left_out, log)?;
     let check = checked(source, &time_s, log)?;
     let is_angle = source.unit.quantity == Quantity::Angle;
     if is_angle {
@@ -66,13 +66,14 @@ fn rate(angle: &Signal) -> Option<Signal> {
     Signal::new(angle.start_s + step_s, step_s, speeds).ok()
 }
 
-/// Time stamps and values in SI of the samples that are numbers; the others are treated as missing.
-fn numbers(source: &Source<'_>, log: &mut Log) -> Option<(Vec<f64>, Vec<f64>)> {
+/// Time stamps and values in SI of the samples that are numbers and not left out; the others are treated as missing.
+fn numbers(source: &Source<'_>, left_out: &[bool], log: &mut Log) -> Option<(Vec<f64>, Vec<f64>)> {
     let pairs = source.time_s.iter().zip(source.samples);
     let total = pairs.len();
-    let kept = pairs.filter(|(_, value)| value.is_finite()).map(|(time, value)| (*time, value * source.factor));
-    let (time_s, values): (Vec<f64>, Vec<f64>) = kept.unzip();
-    let count = total - values.len();
+    let count = source.samples[..total].iter().filter(|value| !value.is_finite()).count();
+    let is_left_out = |i: usize| left_out.get(i).copied().unwrap_or(false);
+    let kept = pairs.enumerate().filter(|(i, (_, value))| value.is_finite() && !is_left_out(*i));
+    let (time_s, values): (Vec<f64>, Vec<f64>) = kept.map(|(_, (time, value))| (*time, value * source.factor)).unzip();
     if count == 0 && total >= 2 {
         return Some((time_s, values));
     }

@@ -2,6 +2,9 @@
 
 mod clock;
 mod cut;
+mod filtered;
+mod label;
+mod left_out;
 mod log;
 mod map;
 mod physics;
@@ -9,6 +12,7 @@ mod rasters;
 mod samples;
 mod sign;
 mod source;
+mod torques;
 
 use std::collections::BTreeMap;
 
@@ -32,6 +36,14 @@ pub enum PrepareError {
         /// Why each channel cannot be used.
         diagnostics: Vec<Diagnostic>,
     },
+    /// The recording is not what its label says.
+    #[error("{file}: the recording is not what its label says")]
+    Mislabelled {
+        /// The file.
+        file: String,
+        /// What speaks against the label, and what else was found.
+        diagnostics: Vec<Diagnostic>,
+    },
     /// Gaps leave no time that all channels share.
     #[error("{file}: the channels share no uninterrupted stretch of time")]
     NoCommonStretch {
@@ -46,6 +58,7 @@ pub enum PrepareError {
 ///
 /// Each role of the bench file whose channel is there and usable becomes a signal in SI, with the sign of the role's
 /// convention, on the uniform clock that its time stamps describe (rasters that start at different times stay so).
+/// Samples that only repeat or interpolate others, and spikes, are left out.
 /// Gaps and runs of NaN of at most 20 ms or five samples are interpolated; longer ones leave the longest stretch that is
 /// uninterrupted in every signal. What was refused, mended, cut or looks wrong is in the diagnostics.
 ///
@@ -77,7 +90,8 @@ pub fn prepare(
     let sources = map::sources(recording, bench_file, &label, &mut log);
     let mut mended = BTreeMap::new();
     for source in &sources {
-        if let Some(stretches) = clock::uniform_stretches(source, &mut log)
+        let left_out = left_out::samples(source, &sources, &label, &mut log);
+        if let Some(stretches) = clock::uniform_stretches(source, &left_out, &mut log)
             && samples::are_usable(source, &stretches, &label, bench_file, &mut log)
         {
             mended.insert(source.role, stretches);
@@ -92,5 +106,10 @@ pub fn prepare(
     rasters::check(&sources, &signals, &mut log);
     let experiment = Experiment { file: file.to_owned(), label, signals };
     physics::check(&experiment, bench_file, &mut log);
+    filtered::check(&experiment, bench_file, &mut log);
+    torques::check(&experiment, bench_file, &mut log);
+    if label::contradicts(&experiment, bench_file, &mut log) {
+        return Err(PrepareError::Mislabelled { file: file.to_owned(), diagnostics: log.diagnostics });
+    }
     Ok((experiment, log.diagnostics))
 }

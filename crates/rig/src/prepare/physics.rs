@@ -8,8 +8,8 @@ use crate::experiment::{ControlMode, Experiment};
 use crate::prepare::log::Log;
 use crate::role::Role;
 
-/// Relative difference of mean speeds above which they disagree.
-const SPEED_TOLERANCE: f64 = 0.02;
+/// Relative difference of mean speeds above which they disagree: of N_e, since what both ends of a shaft turn is counted, and of N_d*.
+const SPEED_TOLERANCES: (f64, f64) = (0.005, 0.02);
 /// Mean speed below which no ratio is formed, rad/s.
 const STANDSTILL_RAD_S: f64 = 1.0;
 /// A demand this close to the limit, as a share of it, is at the limit.
@@ -73,7 +73,8 @@ fn compare_speeds(experiment: &Experiment, bench_file: &BenchFile, role: Role, l
     let Some((start_s, end_s)) = common_window(experiment, &[Role::DynoSpeed, role]) else { return };
     let mean = |role| experiment.signal(role).and_then(|signal| cut(signal, start_s, end_s).mean());
     let (Some(dyno), Some(other)) = (mean(Role::DynoSpeed), mean(role)) else { return };
-    if dyno.abs() < STANDSTILL_RAD_S || (other / dyno - 1.0).abs() <= SPEED_TOLERANCE {
+    let tolerance = if role == Role::EngineSpeed { SPEED_TOLERANCES.0 } else { SPEED_TOLERANCES.1 };
+    if dyno.abs() < STANDSTILL_RAD_S || (other / dyno - 1.0).abs() <= tolerance {
         return;
     }
     let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());

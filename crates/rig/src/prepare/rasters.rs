@@ -14,6 +14,8 @@ use crate::role::Role;
 const OFFSET_S: f64 = 0.1;
 /// An offset and a difference in length are separated by this ratio.
 const OFFSET_OVER_STRETCH: f64 = 10.0;
+/// Rasters whose lengths differ by more than this may have clocks that run apart by as much: small drifts are searched for anyway.
+const STRETCHED: f64 = 1.5e-3;
 /// A drift must exceed its standard error by this factor.
 const SIGNIFICANCE: f64 = 5.0;
 /// A drift must add up to this share of the fastest sample time over the recording; time stamps are not trusted further.
@@ -47,13 +49,30 @@ fn ends(time_s: &[f64]) -> Option<(f64, f64)> {
     Some((*time_s.first()?, *time_s.last()?))
 }
 
+/// The drift of a signal against a reference: a small one, or one that makes both rasters equally long, if the signals confirm it.
+fn drift(reference: &Signal, signal: &Signal) -> Option<Drift> {
+    let stretch = signal.duration_s() / reference.duration_s();
+    let as_stamped = relative_drift(reference, signal).ok();
+    if (stretch - 1.0).abs() < STRETCHED {
+        return as_stamped;
+    }
+    let step_s = signal.sample_time_s / stretch;
+    let start_s = reference.start_s + (signal.start_s - reference.start_s) / stretch;
+    let shrunk = Signal { start_s, sample_time_s: step_s, samples: signal.samples.clone() };
+    let of_shrunk = relative_drift(reference, &shrunk).ok().map(|Drift { rate, standard_error }| Drift {
+        rate: (1.0 + rate) * stretch - 1.0,
+        standard_error: standard_error * stretch,
+    });
+    as_stamped.into_iter().chain(of_shrunk).min_by(|a, b| a.standard_error.total_cmp(&b.standard_error))
+}
+
 /// A clock that runs apart, by the channel of the raster that shows it best.
 fn check_drift(first: &Source<'_>, raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
     let reference = &signals[&first.role];
     let drifts = raster.iter().filter_map(|source| {
         let signal = &signals[&source.role];
         let duration_s = signal.end_s().min(reference.end_s()) - signal.start_s.max(reference.start_s);
-        Some((source, relative_drift(reference, signal).ok()?, duration_s))
+        Some((source, drift(reference, signal)?, duration_s))
     });
     let Some((source, drift, duration_s)) = drifts.min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))
     else {

@@ -2,6 +2,7 @@
 
 use signal::Signal;
 use signal::quality::{QualityOptions, check_quality};
+use signal::updates::resolution;
 use units::{self, Quantity, Unit};
 
 use crate::bench_file::BenchFile;
@@ -15,6 +16,11 @@ use crate::role::Role;
 const FAST_RAD_S: f64 = 700.0;
 /// A value this many times a limit of the bench file is not believed.
 const BEYOND_LIMIT: f64 = 2.0;
+/// Steps of a measured speed beyond this are coarse, rad/s: 0.3 rpm. In steps of 1 rpm, k was estimated 30 % wrong.
+const COARSE_RAD_S: f64 = 0.03;
+/// N_d is slow beyond the first, s: every 2 ms, the skew of T_d,calc was estimated 3 ms wrong and K by 1.3 %. Beyond the second its stamps
+/// are in ms.
+const SLOW_S: (f64, f64) = (0.0015, 0.2);
 /// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
 const CLIPPED_SHARE: f64 = 0.005;
 
@@ -34,6 +40,7 @@ pub(super) fn are_usable(
     if !is_plausible(source, signal, bench_file, log) {
         return false;
     }
+    note_steps(source, signal, log);
     for runs in [&quality.clipped_low, &quality.clipped_high] {
         let count: usize = runs.iter().map(|run| run.len()).sum();
         let share = count as f64 / signal.len() as f64;
@@ -45,7 +52,24 @@ pub(super) fn are_usable(
     true
 }
 
-fn is_measured(role: Role) -> bool {
+/// Notes a measured speed in coarse steps, and N_d at a slow rate.
+fn note_steps(source: &Source<'_>, signal: &Signal, log: &mut Log) {
+    if !source.role.may_be_angle() {
+        return;
+    }
+    if let Some(step) = resolution(&signal.samples).filter(|step| *step > COARSE_RAD_S) {
+        let finding = Finding::CoarseResolution { role: source.role, step };
+        log.channel(Severity::Warning, source.channel, None, finding);
+    }
+    let sample_time_s = signal.sample_time_s;
+    if source.role == Role::DynoSpeed && sample_time_s > SLOW_S.0 {
+        let is_in_ms = sample_time_s > SLOW_S.1;
+        let severity = if is_in_ms { Severity::Error } else { Severity::Warning };
+        log.channel(severity, source.channel, None, Finding::SlowRaster { sample_time_s, is_in_ms });
+    }
+}
+
+pub(super) fn is_measured(role: Role) -> bool {
     !role.is_demand() && role != Role::Throttle
 }
 

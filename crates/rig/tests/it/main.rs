@@ -6,6 +6,7 @@
 mod align;
 mod bench_file;
 mod channels;
+mod damaged;
 mod experiment;
 mod prepare;
 mod recorded;

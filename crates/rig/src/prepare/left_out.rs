@@ -1,0 +1,92 @@
+//! Samples that are treated as missing: those that hold no value of their own, and spikes.
+
+use std::ops::Range;
+
+use signal::quality::{QualityOptions, check_quality};
+use signal::updates::{Stale, Staleness, find_stale};
+
+use crate::diagnostics::{Finding, Severity};
+use crate::experiment::{ControlMode, ExperimentLabel};
+use crate::prepare::log::Log;
+use crate::prepare::samples::is_measured;
+use crate::prepare::source::Source;
+use crate::role::Role;
+
+/// Probability that a series of Gaussian values shows a spike: a campaign has tens of series.
+const SPIKE_FALSE_ALARM: f64 = 1e-6;
+/// A slower controller's demand rests for more of its samples.
+const MINORITY: f64 = 0.5;
+/// A torque this part of the demanded range beyond that range was not demanded: a drive overshoots less.
+const BEYOND_DEMAND: f64 = 0.5;
+
+/// Which samples of a channel are left out, one entry a sample, or none at all. Why is noted. A demand may be held: only a T_d*
+/// of a speed controller that rests for a minority of its samples does not.
+pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &ExperimentLabel, log: &mut Log) -> Vec<bool> {
+    let is_computed = source.role == Role::DynoTorqueDemand && label.mode == ControlMode::Nt;
+    if !is_measured(source.role) && !is_computed {
+        return Vec::new();
+    }
+    match find_stale(source.samples) {
+        Some(stale) if !is_computed || is_repeated_at_times(&stale) => stale_samples(source, stale, log),
+        None if !is_computed => spikes(source, all, log),
+        _ => Vec::new(),
+    }
+}
+
+fn is_repeated_at_times(stale: &Stale) -> bool {
+    matches!(stale.how, Staleness::Repeated { .. }) && stale.share() < MINORITY
+}
+
+fn stale_samples(source: &Source<'_>, stale: Stale, log: &mut Log) -> Vec<bool> {
+    let first = stale.samples.iter().position(|is_stale| *is_stale);
+    let share = stale.share();
+    let (finding, severity) = match stale.how {
+        Staleness::Held { every } => (Finding::SamplesRaised { every, interpolated: false }, Severity::Warning),
+        Staleness::Interpolated { every } => (Finding::SamplesRaised { every, interpolated: true }, Severity::Warning),
+        Staleness::Straightened => (Finding::SamplesStraightened { share }, Severity::Error),
+        Staleness::Repeated { longest: Range { start, end } } => {
+            let time_s = |i: usize| source.time_s.get(i).copied().unwrap_or(f64::NAN);
+            let longest_s = time_s(end - 1) - time_s(start.saturating_sub(1));
+            (Finding::SamplesRepeated { share, longest_s }, Severity::Warning)
+        }
+    };
+    let is_lost = matches!(finding, Finding::SamplesStraightened { .. });
+    let time_s = first.and_then(|i| source.time_s.get(i).copied());
+    log.channel(severity, source.channel, time_s, finding);
+    if is_lost { Vec::new() } else { stale.samples }
+}
+
+fn spikes(source: &Source<'_>, all: &[Source<'_>], log: &mut Log) -> Vec<bool> {
+    let options = QualityOptions { spike_false_alarm: SPIKE_FALSE_ALARM, ..QualityOptions::default() };
+    let Ok(quality) = check_quality(source.samples, &options) else { return Vec::new() };
+    let possible = demanded(source.role, all);
+    let si = |i: &usize| source.factor * source.samples[*i];
+    let is_impossible = |i: &usize| possible.as_ref().is_none_or(|range| !range.contains(&si(i)));
+    let found: Vec<usize> = quality.spikes.into_iter().filter(is_impossible).collect();
+    let Some(first) = found.first() else { return Vec::new() };
+    let usual = numerics::order::lower_median_streamed(|| source.samples.iter().copied().filter(|v| v.is_finite()));
+    let from_usual = |i: &usize| (source.samples[*i] - usual.unwrap_or(0.0)).abs();
+    let farthest = found.iter().max_by(|a, b| from_usual(a).total_cmp(&from_usual(b))).map_or(0.0, si);
+    let time_s = source.time_s.get(*first).copied();
+    log.channel(Severity::Warning, source.channel, time_s, Finding::Spikes { count: found.len(), farthest });
+    let mut left_out = vec![false; source.samples.len()];
+    found.into_iter().for_each(|i| left_out[i] = true);
+    left_out
+}
+
+/// The range that a torque of the dynamometer can have by its demand, Nm: what the drive does in one sample may look like a spike.
+/// Any value is possible for a torque without a recorded demand; none of a speed beside its neighbours is.
+fn demanded(role: Role, all: &[Source<'_>]) -> Option<Range<f64>> {
+    match role {
+        Role::DynoSpeed | Role::EngineSpeed => return None,
+        Role::AirGapTorque | Role::LoadCellTorque => {}
+        _ => return Some(f64::NEG_INFINITY..f64::INFINITY),
+    }
+    let Some(demand) = all.iter().find(|source| source.role == Role::DynoTorqueDemand) else {
+        return Some(f64::NEG_INFINITY..f64::INFINITY);
+    };
+    let values = demand.samples.iter().map(|x| demand.factor * x).filter(|x| x.is_finite());
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let beyond = BEYOND_DEMAND * (high - low);
+    Some(low - beyond..high + beyond)
+}
