@@ -7,6 +7,7 @@ use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, LikelyUnit, Severity};
 use crate::experiment::Experiment;
 use crate::prepare::log::Log;
+use crate::prepare::sign::wrong_sign;
 use crate::role::Role;
 
 /// Means over so long hardly see delays and what a sensor does beyond being late, s.
@@ -32,11 +33,14 @@ const POUND_FOOT_NM: f64 = 1.355_817_948;
 
 /// Notes each torque that is not what T_d,calc is. Without the shaft torques are short peaks, whose means depend on when they are read.
 pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) {
-    if experiment.label.is_without_shaft() {
+    if experiment.label.is_without_shaft() || wrong_sign(experiment, Role::AirGapTorque).is_some() {
         return;
     }
     let limit_nm = bench_file.limits.torque_nm;
     for role in [Role::DynoTorqueDemand, Role::LoadCellTorque] {
+        if wrong_sign(experiment, role).is_some() {
+            continue;
+        }
         let Some((gain, offset_nm)) = disagreement(experiment, role, limit_nm) else { continue };
         let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
         let looks_like = likely_unit(role, gain, limit_nm);
@@ -66,6 +70,10 @@ fn disagreement(experiment: &Experiment, role: Role, limit_nm: Option<f64>) -> O
         x.iter().zip(y).map(|(x, y)| (x - x_mean) * (y - y_mean)).sum::<f64>() / x.len() as f64
     };
     let (aa, bb, ab) = (product(&a, &a), product(&b, &b), product(&a, &b));
+    // A torque that never changes is named as such.
+    if aa == 0.0 {
+        return None;
+    }
     let correlation = ab / (aa * bb).sqrt();
     let by_changes = if correlation.abs() > RELATED { (aa / bb).sqrt().copysign(ab) } else { ab / bb };
     let (changes, size) = (aa.max(bb).sqrt(), mean_a.abs().max(mean_b.abs()));
