@@ -4,6 +4,7 @@ use ident::prediction::{InitialState, Response};
 use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
 use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError, StructureError};
 
+use super::repeated::{Repeated, repeated};
 use crate::figures::{Shown, comparison};
 use crate::residuals::{self, REGION};
 
@@ -29,19 +30,28 @@ pub(super) struct Judged {
     pub(super) experiments: Vec<String>,
     pub(super) predicted: Result<Judgement, IdentError>,
     pub(super) simulated: Result<Judgement, IdentError>,
+    /// By the mean over periods, where inputs repeat.
+    pub(super) repeated: Vec<Repeated>,
+}
+
+impl Judged {
+    fn new(name: &'static str, fit: &Fit<AnyModel>, data: &Dataset) -> Self {
+        let simulated = judge(&fit.model, data, None, &InitialState::Estimated);
+        Judged {
+            name,
+            experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
+            predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
+            repeated: simulated.as_ref().map_or_else(|_| Vec::new(), |judged| repeated(data, &judged.response)),
+            simulated,
+        }
+    }
 }
 
 impl Verdict {
     /// On the data of the estimate, and on others with what they are to it.
     pub fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<(&Dataset, TestData)>) -> Self {
-        let judged = |name, data: &Dataset| Judged {
-            name,
-            experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
-            predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
-            simulated: judge(&fit.model, data, None, &InitialState::Estimated),
-        };
-        let estimation = judged("estimation", data);
-        let unseen_judged = unseen.map(|(unseen, _)| judged("unseen", unseen));
+        let estimation = Judged::new("estimation", fit, data);
+        let unseen_judged = unseen.map(|(unseen, _)| Judged::new("unseen", fit, unseen));
         let (tested, which) = unseen.unwrap_or((data, TestData::Own));
         let test = ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() };
         Verdict {

@@ -2,6 +2,7 @@
 
 mod derived;
 mod judged;
+mod repeated;
 mod table;
 
 use ident::uncertainty::Dynamics;
@@ -16,6 +17,7 @@ use crate::models::poles;
 use crate::residuals::{self, REGION};
 use crate::words;
 use judged::{Judged, is_singular};
+use repeated::Repeated;
 use table::{INTERVAL, Known, estimate, estimates};
 
 pub use judged::Verdict;
@@ -126,6 +128,7 @@ impl Estimated {
         all.push(self.model());
         all.push(derived::blocks(&self.fit).into_iter().collect::<Blocks>());
         all.push(self.fits());
+        all.push(self.repeated());
         all.push(self.tests());
         all.push(findings(others));
         all
@@ -240,6 +243,16 @@ impl Estimated {
         }
         table
     }
+
+    fn repeated(&self) -> Blocks {
+        let of = |judged: &Judged| {
+            let several = judged.experiments.len() > 1;
+            let text =
+                |r: &Repeated| line(format!("{} data: {}", judged.name, r.sentence(&self.document.outputs, several)));
+            judged.repeated.iter().map(text).collect::<Vec<_>>()
+        };
+        self.verdict.judged.iter().flat_map(of).collect()
+    }
 }
 
 fn judged_json(judged: &Judged) -> Value {
@@ -252,5 +265,6 @@ fn judged_json(judged: &Judged) -> Value {
         "fit_percent_predicted": fit(&judged.predicted),
         "error_simulated": error(&judged.simulated),
         "error_predicted": error(&judged.predicted),
+        "repeated": judged.repeated.iter().map(Repeated::json).collect::<Vec<_>>(),
     })
 }

@@ -23,10 +23,13 @@ fn data() -> Dataset {
 }
 
 fn estimated(data: &Dataset) -> Estimated {
-    let fit: Fit<AnyModel> = Arx::new(2, 1, 1).fit(data).unwrap().map(AnyModel::from);
+    estimated_as(Arx::new(2, 1, 1).fit(data).unwrap().map(AnyModel::from), data)
+}
+
+fn estimated_as(fit: Fit<AnyModel>, data: &Dataset) -> Estimated {
     let (inputs, outputs) = (data.input_labels().to_vec(), data.output_labels().to_vec());
     let mut document = ModelDocument::new(fit.model.clone(), inputs, outputs, data.sample_time_s());
-    document.estimate = Some(EstimateRecord::new(&fit, "ARX na 2 nb 1 nk 1".to_owned(), Vec::new()));
+    document.estimate = Some(EstimateRecord::new(&fit, "a method".to_owned(), Vec::new()));
     let verdict = Verdict::new(&fit, data, None);
     Estimated { document, fit, verdict, experiments: 1 }
 }

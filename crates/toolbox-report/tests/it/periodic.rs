@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use ident::Dataset;
+use ident::{AnyModel, ContinuousTransferFunction, Dataset};
 use signal::Sos;
 use signal::excitation::Random;
 use signal::filter::Section;
@@ -111,4 +111,21 @@ fn regress_there_is_no_value_where_an_input_has_no_power() {
         assert!(lines(&page(&found)).contains("next to no power at"), "{method:?}");
         assert_eq!(numbers["periodic"], serde_json::Value::Null);
     }
+}
+
+/// Noise far beside the lines once left a fit of 24 % for a perfect model, and nothing else to judge it by.
+#[test]
+fn snap_a_fit_on_inputs_that_repeat_is_also_that_of_the_mean_period() {
+    let clean = multisine(0);
+    let mut random = Random::new(7);
+    let whole = &clean.experiments()[0];
+    let y: Vec<f64> = whole.output(0).iter().map(|y| y + 1.5 * random.normal()).collect();
+    let data = Dataset::siso(T, whole.input(0), &y).unwrap();
+    let found =
+        super::estimated_as(ContinuousTransferFunction::new(0, 2).fit(&data).unwrap().map(AnyModel::from), &data);
+    let json = &found.json(&["none"])["judged"][0];
+    let [whole, repeated] = [&json["fit_percent_simulated"][0][0], &json["repeated"][0]["fit_percent_simulated"][0]];
+    assert!(whole.as_f64().unwrap() < 50.0 && repeated.as_f64().unwrap() > 70.0, "{whole} {repeated}");
+    let text = lines(&found.page(&data)).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("the inputs repeat every 1 s; over the mean of"), "{text}");
 }

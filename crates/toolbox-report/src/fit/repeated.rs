@@ -1,0 +1,76 @@
+//! How well a model simulates what repeats in the outputs, where the inputs repeat: noise between the lines that the inputs
+//! excite says nothing about the dynamics, and lowers the fit of a perfect model.
+
+use ident::prediction::Response;
+use ident::validate::fit_percent;
+use ident::{Dataset, Experiment};
+use page::decimal::{digits, percent};
+use serde_json::{Value, json};
+use signal::frf::repeated_response;
+
+use crate::words::counted;
+
+/// A period this close to a whole number of samples is one.
+const WHOLE: f64 = 1e-3;
+/// Shortest record in which periods are looked for, samples.
+const FEWEST: usize = 9;
+
+/// One experiment, by the mean over its periods.
+pub(super) struct Repeated {
+    experiment: String,
+    period_s: f64,
+    periods: usize,
+    /// Of each output.
+    fit_percent: Vec<f64>,
+}
+
+/// Of each experiment whose inputs repeat.
+pub(super) fn repeated(data: &Dataset, simulated: &Response) -> Vec<Repeated> {
+    data.experiments().iter().zip(&simulated.outputs).filter_map(|(e, modelled)| one(data, e, modelled)).collect()
+}
+
+fn one(data: &Dataset, experiment: &Experiment, modelled: &faer::Mat<f64>) -> Option<Repeated> {
+    if data.inputs() == 0 || experiment.len() < FEWEST {
+        return None;
+    }
+    let inputs: Vec<&[f64]> = (0..data.inputs()).map(|k| experiment.input(k)).collect();
+    let outputs: Vec<&[f64]> = (0..data.outputs()).map(|k| experiment.output(k)).collect();
+    let found = repeated_response(&inputs, &outputs, data.sample_time_s(), None).ok()??.repetition;
+    let period = found.period_samples.round();
+    if (found.period_samples - period).abs() > WHOLE {
+        return None;
+    }
+    let mean = |x: &[f64]| {
+        let mut sums = vec![0.0; period as usize];
+        let used = x.iter().skip(found.first).take(found.periods * sums.len());
+        used.enumerate().for_each(|(t, x)| sums[t % period as usize] += x / found.periods as f64);
+        sums
+    };
+    let fit = |(k, y): (usize, &&[f64])| fit_percent(&mean(y), &mean(modelled.col_as_slice(k))).unwrap_or(f64::NAN);
+    Some(Repeated {
+        experiment: experiment.name.clone(),
+        period_s: period * data.sample_time_s(),
+        periods: found.periods,
+        fit_percent: outputs.iter().enumerate().map(fit).collect(),
+    })
+}
+
+impl Repeated {
+    /// In words; `is_one_of_several` experiments, it is named.
+    pub(super) fn sentence(&self, outputs: &[ident::Label], is_one_of_several: bool) -> String {
+        let experiment = if is_one_of_several { format!("{}: ", self.experiment) } else { String::new() };
+        let fit = |(label, fit): (&ident::Label, &f64)| format!("{} {}", label.name, percent(*fit));
+        let fits: Vec<String> = outputs.iter().zip(&self.fit_percent).map(fit).collect();
+        format!(
+            "{experiment}the inputs repeat every {} s; over the mean of {}, the simulated fit is {}",
+            digits(self.period_s, 4),
+            counted(self.periods, "period"),
+            fits.join(", ")
+        )
+    }
+
+    pub(super) fn json(&self) -> Value {
+        json!({"experiment": self.experiment, "period_s": self.period_s, "periods": self.periods,
+            "fit_percent_simulated": self.fit_percent})
+    }
+}
