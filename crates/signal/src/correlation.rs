@@ -2,12 +2,11 @@
 
 use numerics::search;
 use numerics::vector::mean_square;
-use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_at_least, check_finite, check_same_length, check_sample_time};
 use crate::series::mean;
-use crate::sinc;
+use crate::{plans, sinc};
 
 /// A correlation at the lags `−max_lag ..= max_lag`.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,8 +55,7 @@ pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correla
     check_finite(y)?;
     let n = (x.len() + max_lag).next_power_of_two().max(2);
     let failed = |_| SignalError::Transform { length: n };
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let (forward, inverse) = (plans::forward(n), plans::inverse(n));
     let transform = |v: &[f64]| {
         let mut padded = vec![0.0; n];
         padded[..v.len()].copy_from_slice(v);

@@ -13,6 +13,7 @@ mod extend;
 pub mod filter;
 pub mod frf;
 pub mod periodicity;
+mod plans;
 pub mod quality;
 pub mod resample;
 mod runs;

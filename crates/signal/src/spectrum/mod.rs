@@ -12,10 +12,9 @@ pub use welch::{CrossSpectrum, PowerSpectrum, Welch, cross_spectrum, power_spect
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
-
 use crate::Complex64;
 use crate::error::{SignalError, check_at_least, check_finite, check_sample_time};
+use crate::plans;
 
 /// One-sided discrete Fourier transform, `X[k] = Σ_t x[t] e^{−j2πkt/N}`, `k = 0 ..= N/2`.
 ///
@@ -32,7 +31,7 @@ use crate::error::{SignalError, check_at_least, check_finite, check_sample_time}
 /// ```
 pub fn fft_real(x: &[f64]) -> Result<Vec<Complex64>, SignalError> {
     check_at_least(1, x.len())?;
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
+    let plan = plans::forward(x.len());
     let mut input = x.to_vec();
     let mut output = plan.make_output_vec();
     plan.process(&mut input, &mut output).map_err(|_| SignalError::Transform { length: x.len() })?;
@@ -86,7 +85,7 @@ pub(crate) fn fourier_sum(x: &[f64], angle: f64) -> Complex64 {
 /// ```
 pub fn inverse_fft_real(mut spectrum: Vec<Complex64>, length: usize) -> Result<Vec<f64>, SignalError> {
     check_at_least(1, length)?;
-    let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
+    let plan = plans::inverse(length);
     // The transform of a real signal is real at zero and at the Nyquist frequency; rounding may say otherwise.
     if let Some(first) = spectrum.first_mut() {
         first.im = 0.0;

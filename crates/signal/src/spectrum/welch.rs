@@ -1,12 +1,12 @@
 //! Averaged spectra over segments, and the certainty of such averages.
 
-use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
 use super::fft_frequencies_hz;
 use crate::Complex64;
 use crate::distributions::chi_squared_quantile;
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time};
+use crate::plans;
 use crate::series::mean;
 use crate::window::Window;
 
@@ -190,7 +190,7 @@ pub(crate) struct SegmentTransform<'a> {
 
 impl<'a> SegmentTransform<'a> {
     pub(crate) fn new(window: &'a [f64]) -> Self {
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(window.len());
+        let plan = plans::forward(window.len());
         let (input, output, scratch) = (plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec());
         Self { window, plan, input, output, scratch }
     }
