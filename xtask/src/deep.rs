@@ -14,31 +14,36 @@ use crate::{folder, python};
 /// The page that a person commits.
 const PAGE: &str = "docs/deep-check.md";
 
-/// Runs every ignored test, suite by suite, and writes the page; of suites whose name contains `filter` alone, no page.
+/// Runs every ignored test, suite by suite, and writes the page after each of them, so that a run that is stopped leaves what it
+/// found; of suites whose name contains `filter` alone, no page.
 pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
+    let heading = heading()?;
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;
     let skipped = Skipped::start()?;
-    let mut results = Vec::new();
+    let mut chosen = Vec::new();
     for program in &programs {
-        for suite in program.suites()? {
-            let chosen = filter.is_none_or(|filter| suite.name.contains(filter));
-            if chosen {
-                results.push(suite.run(program, python.as_deref(), &skipped)?);
-            }
+        let suites = program.suites()?.into_iter();
+        chosen.extend(suites.filter(|s| filter.is_none_or(|f| s.name.contains(f))).map(|suite| (program, suite)));
+    }
+    let (all, mut results, mut text) = (chosen.len(), Vec::new(), String::new());
+    for (program, suite) in chosen {
+        results.push(suite.run(program, python.as_deref(), &skipped)?);
+        text = page(&heading, (&results, all), &skipped.summary());
+        if filter.is_none() {
+            write(&text)?;
         }
     }
     let failed: Vec<&str> =
         results.iter().filter(|result| !result.passed()).map(|result| result.suite.as_str()).collect();
-    let text = page(&heading()?, &results, &skipped.summary());
-    if filter.is_none() {
-        let file = folder::root().join(PAGE);
-        std::fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
-        println!("{PAGE} is written");
-    } else {
-        println!("{text}");
-    }
+    println!("{}", if filter.is_none() { format!("{PAGE} is written") } else { text });
     if failed.is_empty() { Ok(()) } else { Err(format!("these suites failed: {}", failed.join(", "))) }
+}
+
+fn write(text: &str) -> Result<(), String> {
+    let (file, new) = (folder::root().join(PAGE), folder::root().join(format!("{PAGE}.new")));
+    let written = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, &file));
+    written.map_err(|error| format!("{}: {error}", file.display()))
 }
 
 /// A program of tests, and the folder of its crate, in which it runs.
@@ -185,10 +190,14 @@ fn date(mut days: u64) -> String {
     format!("{year}-{month:02}-{:02}", days + 1)
 }
 
-fn page(heading: &str, results: &[Outcome], skipped: &str) -> String {
+fn page(heading: &str, (results, all): (&[Outcome], usize), skipped: &str) -> String {
+    let stopped = match all - results.len() {
+        0 => String::new(),
+        missing => format!(" The run was stopped before {missing} of {all} suites."),
+    };
     let mut text = format!(
         "# The deep check\n\n`cargo xtask deep` runs the slow statistical suites and writes this page. It is run before every \
-         release. This is its last result.\n\nRun: {heading}.\n\n\
+         release. This is its last result.\n\nRun: {heading}.{stopped}\n\n\
          | suite | tests | failed | time, s |\n| --- | --- | --- | --- |\n"
     );
     for result in results {
@@ -236,7 +245,8 @@ mod tests {
             time_s: 1.6,
             figures: String::from("a::t\n  94.8 %\n"),
         };
-        let text = page("2026-11-24, commit abc", &[suite("x::a", 0), suite("x::b", 1)], "skipped: no test");
+        let text = page("2026-11-24, commit abc", (&[suite("x::a", 0), suite("x::b", 1)], 3), "skipped: no test");
+        assert!(text.contains("stopped before 1 of 3 suites"), "{text}");
         assert!(text.contains("| x::a | 2 | 0 | 2 |\n| x::b | 2 | 1 | 2 |\n| all | 4 | 1 | 3 |\n"), "{text}");
         assert!(text.contains("### x::a\n\n```text\na::t\n  94.8 %\n```\n"), "{text}");
     }
