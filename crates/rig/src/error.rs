@@ -61,6 +61,18 @@ pub enum EstimateError {
         /// File.
         file: String,
     },
+    /// A fit ended at the limit of what is possible, so the recording does not show the number.
+    #[error(
+        "{file}: the recording does not show {}: the best fit is at the limit of the search. Check units, channels and clocks \
+         of the signals",
+        .quantity.notation().symbol
+    )]
+    AtLimit {
+        /// File.
+        file: String,
+        /// What ended at a limit.
+        quantity: Quantity,
+    },
     /// Sampling folds pulses of the engine onto most of the frequencies that show the shaft.
     #[error(
         "{file}: the engine's pulses fold onto most frequencies that show the shaft, as the rate of N_d or N_e is too low at \
@@ -122,6 +134,7 @@ impl EstimateError {
             | EstimateError::Saturated { file, .. }
             | EstimateError::WrongSign { file, .. }
             | EstimateError::Inseparable { file }
+            | EstimateError::AtLimit { file, .. }
             | EstimateError::FoldedPulses { file }
             | EstimateError::Contradiction { file, .. }
             | EstimateError::Unsuitable { file, .. }

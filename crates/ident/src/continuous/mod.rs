@@ -1,6 +1,7 @@
 //! Continuous-time transfer functions from sampled data.
 
 mod channel;
+pub(crate) mod combine;
 mod companion;
 pub(crate) mod estimate;
 mod followed;
@@ -24,7 +25,8 @@ pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctio
 use crate::band_limited::Ground;
 use crate::structure_error::{RefinedLimit, StructureError};
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
-use estimate::{OutputFit, Settings, combine, fit_output, judge_at};
+use combine::combine;
+use estimate::{OutputFit, Settings, fit_output, judge_at};
 use output_error::Nuisance;
 use record::{Record, records};
 use start::Candidate;

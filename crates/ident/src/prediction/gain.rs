@@ -206,7 +206,7 @@ impl<'a> Gain<'a> {
     }
 
     /// `P` before the sample, relative to [`Gain::noise`].
-    pub(crate) fn covariance(&self) -> &Mat<f64> {
+    pub(crate) fn covariance_before(&self) -> &Mat<f64> {
         &self.before
     }
 

@@ -8,7 +8,8 @@ use lti::ProcessModel;
 
 use self::ranges::{Asked, Ranges, Usual};
 use crate::band_limited::Ground;
-use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
+use crate::continuous::combine::combine;
+use crate::continuous::estimate::{OutputFit, Settings, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::record::{Record, records};
 use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};

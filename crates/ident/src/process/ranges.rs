@@ -34,7 +34,7 @@ impl Kind {
     /// What is wrong with bounds of such a parameter.
     fn fault(self, bounds: Bounds) -> Option<BoundsFault> {
         let Bounds { lower, upper } = bounds;
-        if !(lower <= upper) {
+        if lower.is_nan() || upper.is_nan() || lower > upper {
             return Some(BoundsFault::Order);
         }
         let (is_wrong, fault) = match self {

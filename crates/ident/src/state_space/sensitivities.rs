@@ -49,7 +49,7 @@ impl Direction {
             return;
         }
         let (system, there) = (of.form.model.system(), gain.present());
-        let (a, p, noise) = (system.a(), gain.covariance(), gain.noise());
+        let (a, p, noise) = (system.a(), gain.covariance_before(), gain.noise());
         let rows = |m: MatRef<'_, f64>| Mat::from_fn(there.len(), m.ncols(), |i, j| m[(there[i], j)]);
         let columns = |m: MatRef<'_, f64>| Mat::from_fn(m.nrows(), there.len(), |i, j| m[(i, there[j])]);
         let (c, dc, l) = (rows(system.c()), rows(self.c.as_ref()), columns(gain.gain().as_ref()));

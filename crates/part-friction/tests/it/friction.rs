@@ -272,8 +272,8 @@ fn regress_friction_that_no_dynamometer_has_is_refused() {
     // A recording with the engine on that is labelled as one without shaft.
     let plan = ExperimentPlan::bs_t_nt(1200.0, 15.0);
     let recording = simulate(&BenchParameters::default(), &plan, 3).unwrap();
-    let label = "NoShaft_N_NT".parse().unwrap();
-    let mislabelled = prepare("bs.mf4", &recording, &default_bench(), label).unwrap().0;
+    let mut mislabelled = prepare("bs.mf4", &recording, &default_bench(), "BS_T_NT".parse().unwrap()).unwrap().0;
+    mislabelled.label = "NoShaft_N_NT".parse().unwrap();
     let text = estimate(&[&mislabelled], OPTIONS).unwrap_err().to_string();
     assert!(text.contains("shaft on") && text.contains("label"), "{text}");
 }

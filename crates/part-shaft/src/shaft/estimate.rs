@@ -290,7 +290,9 @@ impl Solution {
             _ => {
                 let theta = &first.fit.fit.parameters;
                 let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
-                Self::dated(inputs, stretch, unknowns, again)
+                let found = Self::dated(inputs, stretch, unknowns, again)?;
+                let at_limit = EstimateError::AtLimit { file: inputs.file.to_owned(), quantity: Quantity::Stiffness };
+                if found.fit.fit.at_bound[places::K] { Err(at_limit) } else { Ok(found) }
             }
         }
     }

@@ -176,9 +176,12 @@ mod tests {
     /// K and B are proportional to J_d where nothing else shows it.
     const BY_INERTIA: [f64; 2] = [4000.0, 10.0];
 
+    /// K and B of a recording, their covariance, and the error they share with other recordings.
+    type Recorded = ([f64; 2], [[f64; 2]; 2], SharedError);
+
     /// Estimates of the recordings of one bench: `of_noise` is the standard deviation of K and B by a recording's own noise, as
     /// parts of K and B.
-    fn campaign(random: &mut Random, recordings: usize, of_noise: f64) -> Vec<([f64; 2], [[f64; 2]; 2], SharedError)> {
+    fn campaign(random: &mut Random, recordings: usize, of_noise: f64) -> Vec<Recorded> {
         let inertia_error = INERTIA_UNCERTAINTY * random.normal();
         let own = [of_noise * TRUTH[0], of_noise * TRUTH[1]];
         let model = model_errors(TRUTH[0], TRUTH[1]);
@@ -199,10 +202,8 @@ mod tests {
             .collect()
     }
 
-    fn joined(campaign: &[([f64; 2], [[f64; 2]; 2], SharedError)]) -> Together {
-        let shown = |(values, covariance, shared): &'_ ([f64; 2], [[f64; 2]; 2], SharedError)| {
-            (*values, *covariance, [*shared])
-        };
+    fn joined(campaign: &[Recorded]) -> Together {
+        let shown = |(values, covariance, shared): &Recorded| (*values, *covariance, [*shared]);
         let owned: Vec<_> = campaign.iter().map(shown).collect();
         let all: Vec<Shown<'_>> = owned
             .iter()

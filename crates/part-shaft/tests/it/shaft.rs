@@ -119,3 +119,24 @@ fn regress_records_that_do_not_overlap_are_refused() {
     let still = estimate(&inputs(&speeds, record, Some((INERTIA, 0.0))));
     assert!(still.is_err(), "{:?}", still.map(|s| s.estimate));
 }
+
+/// The stiffness once came out as zero, without uncertainty, where another channel was taken for the torque.
+#[test]
+fn regress_no_stiffness_is_without_uncertainty() {
+    let run = run();
+    let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    let mut at_limit = 0;
+    for seed in 0..8 {
+        let mut random = Random::new(seed);
+        let noise = run.hidden.shaft_torque_nm.iter().map(|_| 0.05 * random.normal()).collect();
+        let record = NoisyTorque::new(Signal::new(0.0, run.hidden.sample_time_s, noise).unwrap(), 0.05);
+        match estimate(&inputs(&speeds, record, None)) {
+            Ok(shaft) => assert!(shaft.estimate.parameter(Quantity::Stiffness).unwrap().standard_error > 0.0),
+            Err(error) => {
+                assert!(matches!(error, EstimateError::AtLimit { quantity: Quantity::Stiffness, .. }), "{error}");
+                at_limit += 1;
+            }
+        }
+    }
+    assert!((1..8).contains(&at_limit), "{at_limit}");
+}

@@ -124,6 +124,9 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     if has_no_lag || !is_separated {
         return Err(EstimateError::Inseparable { file: experiment.file.clone() });
     }
+    if let Some(quantity) = lagged.slow_limit() {
+        return Err(EstimateError::AtLimit { file: experiment.file.clone(), quantity });
+    }
     let stretch = stretch_of(experiment, torque, 0..split);
     let mut delay_and_lag = lagged.estimate(&stretch);
     let (mut pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
@@ -325,6 +328,15 @@ impl Lagged {
         let ([delay, lag], model) = (self.beside_gain, &self.model);
         let moves = [delay - model.delay_s, lag - model.lag_rad_s];
         [moves[0], moves[1], moves[0] + 1.0 / lag - 1.0 / model.lag_rad_s]
+    }
+
+    /// What ended at the slow limit of the search, where no drive is.
+    fn slow_limit(&self) -> Option<Quantity> {
+        let [delay, lag] = [0, 1].map(|at| self.fit.at_bound[at]);
+        if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.0 {
+            return Some(Quantity::TorqueControlBandwidth);
+        }
+        (delay && self.model.delay_s > 0.5 * LONGEST_DELAY_S).then_some(Quantity::TorqueControlDelay)
     }
 
     /// Standard error of τ, s; none where τ is at a bound.

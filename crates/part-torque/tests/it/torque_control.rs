@@ -179,3 +179,18 @@ fn regress_white_noise_is_preferred() {
     assert!(choose(&[&step]).unwrap().is_test(&Test::Step));
     assert!(choose(&[]).is_none());
 }
+
+/// Delay and bandwidth once came out as the limits of the search.
+#[test]
+fn regress_a_torque_that_no_drive_makes_is_not_estimated() {
+    let mut slow = white_noise(TRUTH, 1);
+    let torque = slow.signals.get_mut(&Role::AirGapTorque).unwrap();
+    let (mut state, part) = (torque.samples[0], 5.0 * torque.sample_time_s);
+    torque.samples.iter_mut().for_each(|t| {
+        state += part * (*t - state);
+        *t = state;
+    });
+    let found = estimate(&slow, None);
+    let is_at_limit = matches!(found, Err(EstimateError::AtLimit { quantity: Quantity::TorqueControlBandwidth, .. }));
+    assert!(is_at_limit, "{:?}", found.map(|fit| fit.result.delay_and_lag));
+}

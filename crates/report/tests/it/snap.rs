@@ -1,4 +1,5 @@
 //! Wording and structure, word for word.
+#![allow(clippy::unwrap_used)]
 
 use design::safety::Proportion;
 use recording::RecordingError;

@@ -71,7 +71,7 @@ pub enum PrepareError {
 /// ```
 /// # let bench: rig::BenchFile = "[bench]\nname = \"x\"\nvariant = \"load-cell\"\ncylinders = 4\ndynamometer_inertia = 0.6
 /// # engine_inertia = 0.2\n[channels]\ndyno_speed = \"n\"\nengine_speed = \"ne\"\nair_gap_torque = \"t\"".parse()?;
-/// let text = b"time [s],n [rpm]\n0,1200\n0.1,1201\n0.2,1200\n0.3,1202\n";
+/// let text = b"time [s],n [rpm]\n0,1200\n0.001,1200.1\n0.002,1200\n0.003,1200.2\n";
 /// let recording = recording::decode("BS_T_NT.csv", text, &recording::Selection::All)?;
 /// let (experiment, diagnostics) = rig::prepare("BS_T_NT.csv", &recording, &bench, "BS_T_NT".parse()?)?;
 /// let speed = experiment.signal(rig::Role::DynoSpeed).map(|signal| signal.samples[0]);

@@ -1,4 +1,5 @@
 //! Responses to inputs that repeat: which lines, which periods, how sure.
+#![allow(clippy::print_stdout, reason = "what was found is for whoever reads the test run")]
 
 use std::f64::consts::TAU;
 

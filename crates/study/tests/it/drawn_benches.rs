@@ -216,13 +216,14 @@ impl Tally {
 /// Studies with a warning or error of each kind.
 fn alarms(rows: &[(Drawn, Study)]) -> BTreeMap<String, usize> {
     let mut alarms: BTreeMap<String, usize> = BTreeMap::new();
-    for (_, study) in rows {
-        let raised = study.diagnostics.iter().filter(|found| found.severity != Severity::Note);
+    for (bench, (_, study)) in rows.iter().enumerate() {
+        let raised: Vec<_> = study.diagnostics.iter().filter(|found| found.severity != Severity::Note).collect();
+        raised.iter().for_each(|found| println!("bench {bench}: {:?}", found.finding));
         let kind = |found: &rig::Diagnostic| {
             let words = format!("{:?}", found.finding);
             words.split([' ', '{', '(']).next().unwrap_or_default().to_owned()
         };
-        let kinds: std::collections::BTreeSet<String> = raised.map(kind).collect();
+        let kinds: std::collections::BTreeSet<String> = raised.into_iter().map(kind).collect();
         kinds.into_iter().for_each(|kind| *alarms.entry(kind).or_default() += 1);
     }
     alarms

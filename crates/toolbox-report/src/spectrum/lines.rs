@@ -6,9 +6,8 @@ use page::{Align, Blocks, Layer, Style, Table, Tone, rounded};
 use serde_json::{Value, json};
 use signal::Complex64;
 use signal::frf::{Estimated, FrequencyResponse, RepeatedResponse, Resonance, resonance};
-use signal::spectrum::SpectralPeak;
+use signal::spectrum::{SpectralPeak, top_range};
 
-use super::Spectrum;
 use super::confidence::LEVEL;
 use crate::blocks::{finding, line, name};
 use crate::words::counted;
@@ -27,6 +26,26 @@ pub(super) struct Lines {
     shared_hz: Vec<f64>,
     /// The method that was asked for, in whose place periods are averaged.
     instead_of: Option<&'static str>,
+}
+
+/// The curve that the lines belong to.
+#[derive(Clone, Copy)]
+pub(super) struct Curve<'a> {
+    pub(super) freq_hz: &'a [f64],
+    pub(super) magnitude: &'a [f64],
+    pub(super) band: &'a [(f64, f64)],
+    /// Intervals so wide that chance hardly leaves the truth outside of any.
+    pub(super) all_hold: &'a [(f64, f64)],
+    pub(super) unit: &'a str,
+}
+
+impl Curve<'_> {
+    /// Where the top of a peak may lie: as far as the lines on either side.
+    fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
+        let top = top_range(self.all_hold, peak.index);
+        let (before, after) = (top.start().saturating_sub(1), (top.end() + 1).min(self.freq_hz.len() - 1));
+        (self.freq_hz[before], self.freq_hz[after])
+    }
 }
 
 /// A peak among lines: between them, where one pole on a smooth background describes it.
@@ -67,8 +86,8 @@ impl Lines {
         resonance(freq_hz, &self.response, &self.variance, self.freedom, peak.index)
     }
 
-    fn top(&self, s: &Spectrum, peak: &SpectralPeak) -> Top {
-        match self.resonance(&s.freq_hz, peak) {
+    fn top(&self, s: Curve<'_>, peak: &SpectralPeak) -> Top {
+        match self.resonance(s.freq_hz, peak) {
             Some(found) => Top {
                 freq_hz: found.freq_hz.value,
                 freq_range_hz: found.freq_hz.interval(LEVEL),
@@ -126,7 +145,7 @@ impl Lines {
         text
     }
 
-    pub(super) fn table(&self, s: &Spectrum, peaks: &[SpectralPeak]) -> Blocks {
+    pub(super) fn table(&self, s: Curve<'_>, peaks: &[SpectralPeak]) -> Blocks {
         let mut table = Table::new(&[
             ("resonance at", Align::Right),
             ("95 % interval", Align::Left),
@@ -166,7 +185,7 @@ impl Lines {
             "lines_shared_by_inputs_hz": self.shared_hz})
     }
 
-    pub(super) fn peak_json(&self, s: &Spectrum, peak: &SpectralPeak) -> Value {
+    pub(super) fn peak_json(&self, s: Curve<'_>, peak: &SpectralPeak, excess_db: f64) -> Value {
         let top = self.top(s, peak);
         let width = top.bandwidth_hz;
         json!({"frequency_hz": top.freq_hz, "frequency_interval_95_hz": <[f64; 2]>::from(top.freq_range_hz),
@@ -175,7 +194,7 @@ impl Lines {
             "interval_95": <[f64; 2]>::from(top.magnitude_range.unwrap_or(s.band[peak.index])),
             "bandwidth_hz": width.map(|w| w.value),
             "bandwidth_interval_95_hz": width.map(|w| <[f64; 2]>::from(w.interval(LEVEL))),
-            "excess_db": s.excess_db(peak)})
+            "excess_db": excess_db})
     }
 }
 
@@ -195,9 +214,9 @@ fn excited(freq_hz: &[f64]) -> String {
 }
 
 /// Dots with error bars.
-pub(super) fn layers(s: &Spectrum) -> Vec<Layer> {
+pub(super) fn layers(s: Curve<'_>) -> Vec<Layer> {
     let (low, high): (Vec<f64>, Vec<f64>) = s.band.iter().copied().unzip();
-    let dots = Layer::dots("estimate", Style::Modelled, &s.freq_hz, &s.magnitude);
+    let dots = Layer::dots("estimate", Style::Modelled, s.freq_hz, s.magnitude);
     match dots {
         Layer::Points { name, style, x, y, .. } => {
             vec![Layer::Points { name, style, x, y, low: Some(rounded(&low)), high: Some(rounded(&high)) }]

@@ -19,7 +19,7 @@ use crate::words::ratio_unit;
 use coherence::Coherence;
 use confidence::{FALSE_ALARM, LEVEL};
 use excitation::Excitation;
-use lines::Lines;
+use lines::{Curve, Lines};
 
 /// Decibels by which a peak stands out of what is around it, at least.
 const PROMINENCE_DB: f64 = 6.0;
@@ -67,13 +67,13 @@ impl Spectrum {
     /// Where the top of a peak may lie: what the intervals allow, and what frequencies cannot be separated.
     fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
         let top = top_range(&self.all_hold, peak.index);
-        if self.lines.is_some() {
-            // As far as the lines on either side.
-            let (before, after) = (top.start().saturating_sub(1), (top.end() + 1).min(self.freq_hz.len() - 1));
-            return (self.freq_hz[before], self.freq_hz[after]);
-        }
         let resolution_hz = self.resolution_hz();
         ((self.freq_hz[*top.start()] - resolution_hz).max(0.0), self.freq_hz[*top.end()] + resolution_hz)
+    }
+
+    fn curve(&self) -> Curve<'_> {
+        let Spectrum { freq_hz, magnitude, band, all_hold, unit, .. } = self;
+        Curve { freq_hz, magnitude, band, all_hold, unit }
     }
 
     /// Without values where nothing is known.
@@ -167,7 +167,7 @@ pub fn json(spectra: &[Spectrum]) -> Value {
 fn numbers(s: &Spectrum) -> Value {
     let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
     let peak = |p: &SpectralPeak| match &s.lines {
-        Some(lines) => lines.peak_json(s, p),
+        Some(lines) => lines.peak_json(s.curve(), p, s.excess_db(p)),
         None => json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
             "resolution_hz": s.resolution_hz(),
             "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)}),
@@ -202,7 +202,7 @@ fn text(s: &Spectrum) -> Blocks {
     found.truncate(LISTED);
     found.sort_by_key(|peak| peak.index);
     match &s.lines {
-        Some(lines) => all.push(lines.table(s, &found)),
+        Some(lines) => all.push(lines.table(s.curve(), &found)),
         None => all.push(table(s, &found)),
     }
     if count > LISTED {
@@ -405,7 +405,7 @@ fn drawn(spectrum: &Spectrum) -> Figure {
     let first = spectrum.freq_hz.iter().position(|f| *f > 0.0).unwrap_or(0);
     let x = &spectrum.freq_hz[first..];
     let layers = match &spectrum.lines {
-        Some(_) => lines::layers(spectrum),
+        Some(_) => lines::layers(spectrum.curve()),
         None => curve(spectrum, first),
     };
     let mut panels = vec![Panel::new(Axis::log("magnitude", &spectrum.unit), 200, layers)];
