@@ -5,7 +5,6 @@ use rig::experiment::UPDATE_S;
 
 use super::PredictionInputs;
 use crate::intake::demanded_torque_nm;
-use crate::simulate::Response;
 
 /// What is demanded of the bench, on one clock.
 pub(super) struct Demanded {
@@ -35,27 +34,6 @@ impl Demanded {
             speed_rad_s,
             engine_torque_nm,
         }
-    }
-
-    /// The torque that the engine's pulses are parts of, where this is how it turns.
-    pub(super) fn engine_level_nm(
-        &self,
-        inputs: &PredictionInputs<'_>,
-        mean: &Response,
-        sample_time_s: f64,
-    ) -> Vec<f64> {
-        if inputs.plan.label.mode == ControlMode::Nt {
-            return self.engine_torque_nm.clone();
-        }
-        let engine = inputs.engine;
-        let mut integral_nm = self.mean_engine_torque_nm;
-        let level = |(demand, speed): (&f64, &f64)| {
-            let error_rad_s = demand - speed;
-            let level_nm = engine.speed_control_proportional_nm_s_per_rad * error_rad_s + integral_nm;
-            integral_nm += engine.speed_control_integral_nm_per_rad * sample_time_s * error_rad_s;
-            level_nm
-        };
-        self.speed_rad_s.iter().zip(&mean.engine_speed_rad_s).map(level).collect()
     }
 
     /// The same after so many samples of the first demands.

@@ -13,7 +13,7 @@ mod pulses;
 use std::cell::RefCell;
 
 use rig::ControlMode;
-use rig::experiment::{TorqueTarget, UPDATE_S};
+use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
@@ -100,15 +100,18 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let demanded = Demanded::of(inputs, sample_time_s);
     let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
     let mean = run(inputs, model, &demanded, &start)?;
-    let is_fired = plan.has_shaft && !plan.is_motored;
-    let Some(seed) = inputs.firing_seed.filter(|_| is_fired) else { return Ok(mean) };
+    let Some(seed) = inputs.firing_seed.filter(|_| is_fired(plan)) else { return Ok(mean) };
     // The bench is recorded once its answer to the first pulses has died away.
     let settling = (plan.settling_s / sample_time_s).round() as usize;
-    let level = demanded.engine_level_nm(inputs, &mean, sample_time_s);
-    let (level, turning) = (held_before(settling, &level), held_before(settling, &mean.engine_speed_rad_s));
+    let (level, turning) =
+        (held_before(settling, &mean.engine_torque_nm), held_before(settling, &mean.engine_speed_rad_s));
     let pulses = pulses::of((inputs.engine, seed), &level, &turning, sample_time_s);
     let response = run(inputs, model, &demanded.after(settling).with(&pulses), &start)?;
     Ok(response.without_first(settling, model.torque_limit_nm))
+}
+
+fn is_fired(plan: &ExperimentPlan) -> bool {
+    plan.has_shaft && !plan.is_motored
 }
 
 fn is_bounded(response: &Response) -> bool {
@@ -126,10 +129,9 @@ fn run(
     let PredictionInputs { plan, engine, .. } = *inputs;
     let (sample_time_s, engine_torque_nm) = (sample_time_s(inputs), demanded.engine_torque_nm.as_slice());
     let of = |dyno| Inputs { sample_time_s, engine_torque_nm, dyno };
-    let is_governed = plan.label.mode == ControlMode::Tn && plan.has_shaft && !plan.is_motored;
     let response = match plan.label.mode {
         ControlMode::Nt => simulate(model, &of(DynoInput::SpeedDemand(&demanded.speed_rad_s)), start)?,
-        ControlMode::Tn if !is_governed => {
+        ControlMode::Tn if !is_fired(plan) => {
             simulate(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), start)?
         }
         ControlMode::Tn => {

@@ -35,6 +35,8 @@ pub struct Response {
     pub shaft_torque_nm: Vec<f64>,
     /// T_d*, Nm, limited; empty when the air-gap torque was given.
     pub torque_demand_nm: Vec<f64>,
+    /// The engine's torque, Nm: the one given, and that of its speed control.
+    pub engine_torque_nm: Vec<f64>,
     /// Share of the samples at which T_d* rests at its limit, 0…1.
     pub limited_share: f64,
 }
@@ -167,6 +169,7 @@ fn run(
         response.shaft_torque_nm.push(plant.shaft_torque_nm());
         plant.advance(inputs, &streams, k);
     }
+    response.engine_torque_nm = engine_torque_nm.into_owned();
     response.limited_share = response.share_at(model.torque_limit_nm);
     Ok(response)
 }
@@ -180,6 +183,7 @@ impl Response {
             &mut self.air_gap_torque_nm,
             &mut self.shaft_torque_nm,
             &mut self.torque_demand_nm,
+            &mut self.engine_torque_nm,
         ];
         for series in all {
             series.drain(..first.min(series.len()));
@@ -203,6 +207,7 @@ impl Response {
             air_gap_torque_nm: series(),
             shaft_torque_nm: series(),
             torque_demand_nm: series(),
+            engine_torque_nm: Vec::new(),
             limited_share: 0.0,
         }
     }

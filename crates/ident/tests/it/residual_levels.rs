@@ -1,4 +1,5 @@
 //! How often the residual tests of estimates fail where there is nothing to find, and where there is.
+#![allow(clippy::print_stdout, reason = "sizes of tests are for whoever reads the deep check")]
 
 use faer::Mat;
 use ident::validate::{ResidualTest, TestData};
@@ -38,6 +39,9 @@ pub(crate) fn record(samples: usize, disturbance: Disturbance, noise: &mut Noise
     }
     Dataset::siso(0.1, &u, &y).unwrap()
 }
+
+/// Draws of short records.
+const RUNS: u64 = 1000;
 
 /// Failures of `dynamics` and `feedback` at 1 % and at 5 %, and lags outside their region at 99 %.
 #[derive(Debug, Default, Clone, Copy)]
@@ -122,11 +126,12 @@ fn check(name: &str, alarms: [Alarms; 2], runs: u64, exact: bool) {
         // Lags move together where the input is not white.
         good &= (found.outside as f64) < 0.03 * found.lags as f64;
     }
+    println!("{report}");
     assert!(good, "{report}");
 }
 
 fn holds_its_level(name: &str, estimate: Estimator, disturbance: Disturbance, exact: bool) {
-    check(name, alarms(estimate, disturbance, 300, 300), 300, exact);
+    check(name, alarms(estimate, disturbance, 300, RUNS), RUNS, exact);
 }
 
 #[test]
@@ -183,8 +188,8 @@ fn stat_state_space_holds_its_level() {
 fn stat_estimates_that_are_no_minimum_hold_their_level() {
     holds_its_level("instruments", instruments, Disturbance::Equation(0.0), true);
     // A subspace estimate from few data is too far from the minimum for a step to be linear: unseen data alone.
-    let [_, unseen] = alarms(subspace, Disturbance::Equation(0.7), 300, 300);
-    check("subspace", [unseen, unseen], 300, false);
+    let [_, unseen] = alarms(subspace, Disturbance::Equation(0.7), 300, RUNS);
+    check("subspace", [unseen, unseen], RUNS, false);
 }
 
 /// A delay that is a sample too long, and a pole too few, show in every record.

@@ -1,4 +1,5 @@
 //! How often the tests of whiteness fail where the residuals are white, and where they are not.
+#![allow(clippy::print_stdout, reason = "sizes of tests are for whoever reads the deep check")]
 
 use ident::validate::{ResidualTest, TestData};
 use ident::{Arx, BoxJenkins, Dataset, StateSpacePem};
@@ -48,13 +49,14 @@ fn holds_its_level(name: &str, estimate: Estimator, disturbance: Disturbance, sa
         let share = found.outside as f64 / found.lags as f64;
         good &= (0.005..0.017).contains(&share);
     }
+    println!("{report}");
     assert!(good, "{report}");
 }
 
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_equation_errors_holds_its_level() {
-    for (samples, runs) in [(300, 400), (3000, 200)] {
+    for (samples, runs) in [(300, 1000), (3000, 200)] {
         holds_its_level("arx", arx, Disturbance::Equation(0.0), samples, runs);
     }
 }
@@ -62,7 +64,7 @@ fn stat_whiteness_of_equation_errors_holds_its_level() {
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_moving_averages_holds_its_level() {
-    for (samples, runs) in [(300, 400), (3000, 150)] {
+    for (samples, runs) in [(300, 1000), (3000, 150)] {
         holds_its_level("armax", armax, Disturbance::Equation(0.7), samples, runs);
     }
 }
@@ -70,7 +72,7 @@ fn stat_whiteness_of_moving_averages_holds_its_level() {
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_box_jenkins_holds_its_level() {
-    for (samples, runs) in [(300, 300), (3000, 100)] {
+    for (samples, runs) in [(300, 1000), (3000, 100)] {
         holds_its_level("bj", bj, Disturbance::Output(0.8), samples, runs);
     }
 }
@@ -78,7 +80,7 @@ fn stat_whiteness_of_box_jenkins_holds_its_level() {
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_state_space_holds_its_level() {
-    for (samples, runs) in [(300, 300), (3000, 100)] {
+    for (samples, runs) in [(300, 1000), (3000, 100)] {
         holds_its_level("state space", state_space, Disturbance::Equation(0.7), samples, runs);
     }
 }
@@ -88,7 +90,7 @@ fn stat_whiteness_of_state_space_holds_its_level() {
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_output_errors_holds_its_level_under_white_noise() {
-    holds_its_level("oe", oe, Disturbance::Output(0.0), 300, 300);
+    holds_its_level("oe", oe, Disturbance::Output(0.0), 300, 1000);
 }
 
 /// Noise that remembers itself, for which the model has nothing or too little.

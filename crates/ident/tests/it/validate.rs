@@ -1,3 +1,5 @@
+#![allow(clippy::print_stdout, reason = "sizes of tests are for whoever reads the deep check")]
+
 use faer::Mat;
 use ident::prediction::InitialState;
 use ident::validate::{ResidualTest, TestData, compare_with, fit_percent, judge, rms_error};
@@ -68,7 +70,7 @@ fn regress_constant_signals_are_refused() {
 #[ignore = "slow"]
 fn stat_residual_tests_raise_one_false_alarm_in_a_hundred() {
     let test = ResidualTest::default();
-    let runs = 400;
+    let runs = 2000;
     let (mut alarms, mut outside) = ([0; 4], 0);
     for seed in 0..runs {
         let data = system::experiments(&system::armax().unwrap(), 0.1, &[700, 500], 1.0, seed).unwrap();
@@ -80,8 +82,9 @@ fn stat_residual_tests_raise_one_false_alarm_in_a_hundred() {
         }
         outside += independence.cross.iter().zip(&independence.bounds).filter(|(c, bound)| c.abs() > **bound).count();
     }
+    println!("alarms of {runs} at 1 %: {alarms:?}");
     // Four standard deviations of a binomial count about 1 %.
-    assert!(alarms.iter().all(|count| *count <= 12), "{alarms:?}");
+    assert!(alarms.iter().all(|count| (3..=37).contains(count)), "{alarms:?}");
     let share = outside as f64 / (51.0 * runs as f64);
     assert!((0.006..0.014).contains(&share), "{share}");
 }
@@ -101,7 +104,7 @@ fn stat_joint_tests_are_uniform_for_coloured_residuals_and_inputs() {
     // A static gain of zero: the residual is the output.
     let model = PolynomialModel::siso(1.0, 0, PolynomialEquation { b: vec![vec![0.0]], ..Default::default() }).unwrap();
     let mut noise = Noise::new(77);
-    let (mut below_five, mut below_half, runs) = (0, 0, 400);
+    let (mut below_five, mut below_half, runs) = (0, 0, 1000);
     for _ in 0..runs {
         let (u, y) = (colour(0.9, noise.normals(2000)), colour(0.7, noise.normals(2000)));
         let report = test.run_known(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
@@ -110,8 +113,10 @@ fn stat_joint_tests_are_uniform_for_coloured_residuals_and_inputs() {
         below_half += usize::from(p < 0.5);
         assert!(!report.whiteness[0].joint.passes(0.99));
     }
-    assert!((5..40).contains(&below_five), "{below_five}");
-    assert!((140..250).contains(&below_half), "{below_half}");
+    println!("of {runs}: {below_five} below 5 %, {below_half} below a half");
+    // Four standard deviations of binomial counts.
+    assert!((22..=78).contains(&below_five), "{below_five}");
+    assert!((437..=563).contains(&below_half), "{below_half}");
 }
 
 #[test]
