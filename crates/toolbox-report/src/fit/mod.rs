@@ -189,6 +189,9 @@ impl Estimated {
         };
         let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().map(word).collect();
         all.extend(first.map(|text| (Weight::Doubt, text)));
+        let repeated = self.verdict.judged.first().into_iter().flat_map(|own| &own.repeated);
+        let missed = repeated.flat_map(|one| one.doubts(&self.document.outputs));
+        all.extend(missed.map(|text| (Weight::Grave, text)));
         all.sort_by_key(|(weight, _)| *weight);
         all
     }

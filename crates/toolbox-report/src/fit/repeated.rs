@@ -12,6 +12,8 @@ use crate::words::counted;
 
 /// A period this close to a whole number of samples is one.
 const WHOLE: f64 = 1e-3;
+/// A fit this far below what the noise allows misses most of what repeats, percent.
+const MISSED: f64 = 30.0;
 /// Shortest record in which periods are looked for, samples.
 const FEWEST: usize = 9;
 
@@ -22,6 +24,8 @@ pub(super) struct Repeated {
     periods: usize,
     /// Of each output.
     fit_percent: Vec<f64>,
+    /// What the noise left in the mean of each output would let a perfect model reach.
+    attainable_percent: Vec<f64>,
 }
 
 /// Of each experiment whose inputs repeat.
@@ -46,12 +50,23 @@ fn one(data: &Dataset, experiment: &Experiment, modelled: &faer::Mat<f64>) -> Op
         used.enumerate().for_each(|(t, x)| sums[t % period as usize] += x / found.periods as f64);
         sums
     };
+    let attainable = |y: &&[f64]| {
+        let (mean, used) = (mean(y), found.periods * period as usize);
+        let level = mean.iter().sum::<f64>() / period;
+        let repeated: f64 = mean.iter().map(|m| (m - level).powi(2)).sum::<f64>() / period;
+        let apart = y.iter().skip(found.first).take(used).enumerate();
+        let noise: f64 = apart.map(|(t, y)| (y - mean[t % period as usize]).powi(2)).sum();
+        // The noise between periods, and what of it is left in their mean.
+        let left = noise / (used as f64 - period).max(1.0) / found.periods as f64;
+        100.0 * (1.0 - (left / repeated).sqrt())
+    };
     let fit = |(k, y): (usize, &&[f64])| fit_percent(&mean(y), &mean(modelled.col_as_slice(k))).unwrap_or(f64::NAN);
     Some(Repeated {
         experiment: experiment.name.clone(),
         period_s: period * data.sample_time_s(),
         periods: found.periods,
         fit_percent: outputs.iter().enumerate().map(fit).collect(),
+        attainable_percent: outputs.iter().map(attainable).collect(),
     })
 }
 
@@ -69,8 +84,24 @@ impl Repeated {
         )
     }
 
+    /// Outputs of whose mean period the model misses most, in words.
+    pub(super) fn doubts(&self, outputs: &[ident::Label]) -> Vec<String> {
+        let all = outputs.iter().zip(self.fit_percent.iter().zip(&self.attainable_percent));
+        let missed = all.filter(|(_, (fit, attainable))| **fit < **attainable - MISSED);
+        let text = |(label, (fit, attainable)): (&ident::Label, (&f64, &f64))| {
+            format!(
+                "the model misses most of what repeats in {}: its fit over the mean period is {}, and the noise allows {}; noise \
+                 beside the lines of the input governs the estimate: remove drift, or take `fit oe --band`",
+                label.name,
+                percent(*fit),
+                percent(*attainable)
+            )
+        };
+        missed.map(text).collect()
+    }
+
     pub(super) fn json(&self) -> Value {
         json!({"experiment": self.experiment, "period_s": self.period_s, "periods": self.periods,
-            "fit_percent_simulated": self.fit_percent})
+            "fit_percent_simulated": self.fit_percent, "fit_percent_attainable": self.attainable_percent})
     }
 }

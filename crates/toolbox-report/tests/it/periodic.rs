@@ -129,3 +129,24 @@ fn snap_a_fit_on_inputs_that_repeat_is_also_that_of_the_mean_period() {
     let text = lines(&found.page(&data)).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("the inputs repeat every 1 s; over the mean of"), "{text}");
 }
+
+/// Drift beside the lines once gave a wrong resonance with a narrow interval, and no doubt.
+#[test]
+fn regress_a_model_that_misses_what_repeats_is_doubted() {
+    let clean = multisine(0);
+    let (mut random, mut drift) = (Random::new(7), 0.0);
+    let whole = &clean.experiments()[0];
+    let drifting = whole.output(0).iter().map(|y| {
+        drift = 0.999 * drift + 0.2 * random.normal();
+        y + drift
+    });
+    let data = Dataset::siso(T, whole.input(0), &drifting.collect::<Vec<f64>>()).unwrap();
+    let found =
+        super::estimated_as(ContinuousTransferFunction::new(0, 2).fit(&data).unwrap().map(AnyModel::from), &data);
+    let doubts = found.json(&["none"])["doubts"].to_string();
+    assert!(doubts.contains("misses most of what repeats in"), "{doubts}");
+    let repeated = &found.json(&["none"])["judged"][0]["repeated"][0];
+    let [fit, attainable] =
+        ["simulated", "attainable"].map(|of| repeated[format!("fit_percent_{of}")][0].as_f64().unwrap());
+    assert!(fit < attainable - 30.0, "{repeated}");
+}
