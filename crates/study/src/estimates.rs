@@ -32,8 +32,9 @@ const EXCHANGED: f64 = 3.0;
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Two values this many standard errors of their difference apart contradict each other.
 const APART: f64 = 4.0;
-/// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
-const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.02), (Quantity::Damping, 0.1)];
+/// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted. Slow rasters may
+/// make each recording wrong by half of it.
+const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.04), (Quantity::Damping, 0.2)];
 /// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two clocks of a
 /// bench are apart by 1.5 ms at most.
 const LATE: (f64, f64) = (2e-3, 5.0);
