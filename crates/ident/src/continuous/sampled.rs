@@ -7,6 +7,9 @@ use numerics::vector::dot;
 use crate::Intersample;
 use crate::band_limited::COEFFICIENTS;
 
+/// States of a discrete system, one for each sample of a delay: its matrix takes 800 MB.
+const MOST_STATES: usize = 10_000;
+
 /// A delay this close to a whole number of samples counts as whole, as in [`lti::DelayedStateSpace`].
 const WHOLE: f64 = 1e-9;
 
@@ -194,6 +197,9 @@ impl Sampled {
             return Err(LtiError::DelayPresent { delay_s: self.whole as f64 * sample_time_s });
         }
         let total = n + reach;
+        if total > MOST_STATES {
+            return Err(LtiError::Delay { delay_s: self.whole as f64 * sample_time_s });
+        }
         let (mut a, mut b) = (Mat::zeros(total, total), Mat::zeros(total, self.width));
         let (mut out, mut direct) = (Mat::zeros(1, total), Mat::zeros(1, self.width));
         for (i, j) in (0..n * n).map(|i| (i / n, i % n)) {

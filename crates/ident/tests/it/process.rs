@@ -248,3 +248,10 @@ fn regress_bad_names_and_data_are_refused() {
     assert!(ProcessFit::named("P0D").unwrap().fit(&constant).is_err());
     assert!(ProcessFit::named("P0Z").unwrap().fit(&constant).is_err());
 }
+
+/// A delay with a wide interval, a standard deviation further on, once asked for more memory than there is.
+#[test]
+fn regress_a_delay_of_too_many_samples_is_refused() {
+    let model = ProcessModel::new(1.0).unwrap().with_lags(vec![0.5]).unwrap().with_delay(8.6e5).unwrap();
+    assert!(system(vec![model]).innovations(0.01, Intersample::ZeroOrderHold).is_err());
+}
