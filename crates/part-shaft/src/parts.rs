@@ -99,8 +99,8 @@ impl<'a> Parts<'a> {
         let torque = self
             .shafts
             .torques
-            .get(experiment, || shaft_torque(experiment, self.bench, self.torque_controls.best()))?;
-        let torque_control = self.torque_controls.best();
+            .get(experiment, || shaft_torque(experiment, self.bench, self.torque_controls.between_samples()))?;
+        let torque_control = self.torque_controls.between_samples();
         shaft_inputs(experiment, self.bench, self.controllers.best(), torque.as_ref().clone(), torque_control)
     }
 

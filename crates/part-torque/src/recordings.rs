@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::torque_control::{TorqueControlFit, estimate};
+use crate::torque_control::{TorqueControlFit, estimate, estimate_unseparated};
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
 use rig::prepare::believable;
@@ -17,6 +17,7 @@ pub struct TorqueControls<'a> {
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, TorqueControlFit>,
     chosen: OnceLock<Result<Chosen<'a, TorqueControlFit>, Vec<Reason>>>,
+    unseparated: OnceLock<Option<TorqueControlFit>>,
 }
 
 impl<'a> TorqueControls<'a> {
@@ -27,6 +28,7 @@ impl<'a> TorqueControls<'a> {
             torque_limit_nm,
             fits: OncePerRecording::new(experiments),
             chosen: OnceLock::new(),
+            unseparated: OnceLock::new(),
         }
     }
 
@@ -57,6 +59,16 @@ impl<'a> TorqueControls<'a> {
     /// What would be needed.
     pub fn chosen(&self) -> Result<&Chosen<'a, TorqueControlFit>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
+    }
+
+    /// What gives T_d between the samples of T_d,calc: the chosen torque control, or one whose delay and lag the recordings cannot
+    /// separate.
+    pub fn between_samples(&self) -> Option<&TorqueControlFit> {
+        let unseparated = || {
+            let candidates = Sought::TorqueControl.candidates(&self.experiments);
+            candidates.into_iter().find_map(|e| Some(estimate_unseparated(e, self.torque_limit_nm).ok()?.0))
+        };
+        self.best().or_else(|| self.unseparated.get_or_init(unseparated).as_ref())
     }
 
     /// The chosen torque control, if there is one.

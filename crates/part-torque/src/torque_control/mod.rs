@@ -57,6 +57,10 @@ const WEAK_LAG: f64 = 0.02;
 const RIVAL_LAGS: [f64; 3] = [0.5, 2.0, 4.0];
 /// Samples of T_d,calc this far apart, s, may miss what separates delay and lag.
 const COARSE_S: f64 = 5e-3;
+/// Delay, s, and bandwidth, rad/s, in the middle of what drives of test benches have.
+const USUAL: [f64; 2] = [1.25e-3, 600.0];
+/// Residuals larger by less than this factor are as good.
+const AS_GOOD: f64 = 1.1;
 /// How far beside a delay its uncertainty is looked at, in samples of the demand.
 const BESIDE: f64 = 0.02;
 /// Level at which the gain is tested against one.
@@ -111,6 +115,19 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// # Source
 /// Glans & Kärnell 2018, §6.3.4; Ljung 1999, ch. 7 and 9 (prediction error, robust covariance).
 pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<TorqueControlFit, EstimateError> {
+    let (fit, is_separated) = estimate_unseparated(experiment, torque_limit_nm)?;
+    if is_separated { Ok(fit) } else { Err(EstimateError::Inseparable { file: experiment.file.clone() }) }
+}
+
+/// As [`estimate`], and whether delay and lag were separated. Where not, the torque at the samples is still that of the model, but
+/// neither number is worth anything by itself.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_unseparated(
+    experiment: &Experiment,
+    torque_limit_nm: Option<f64>,
+) -> Result<(TorqueControlFit, bool), EstimateError> {
     let (demand, torque) = signals(experiment)?;
     let usable = usable_samples(demand, torque, torque_limit_nm);
     let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
@@ -118,14 +135,18 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let mut diagnostics = check_saturation(experiment, torque_limit_nm, &usable)?;
     let held = HeldDemand::new(demand, torque_limit_nm);
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
-    let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
+    let mut lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
     let has_no_lag = lagged.fit.at_bound[1] && torque.sample_time_s > COARSE_S;
     let is_separated = lagged.delay_error_s() <= LONGEST_DELAY_S && !lagged.covariance[(1, 1)].is_nan();
-    if has_no_lag || !is_separated {
-        return Err(EstimateError::Inseparable { file: experiment.file.clone() });
-    }
+    let is_separated = is_separated && !has_no_lag;
     if let Some(quantity) = lagged.slow_limit() {
-        return Err(EstimateError::AtLimit { file: experiment.file.clone(), quantity });
+        let file = experiment.file.clone();
+        let at_limit = EstimateError::AtLimit { file: file.clone(), quantity };
+        return Err(if is_separated { at_limit } else { EstimateError::Inseparable { file } });
+    }
+    if !is_separated {
+        let usual = usual_drive(&held, &observed, &lagged.model);
+        lagged.model = usual.ok_or_else(|| EstimateError::Inseparable { file: experiment.file.clone() })?;
     }
     let stretch = stretch_of(experiment, torque, 0..split);
     let mut delay_and_lag = lagged.estimate(&stretch);
@@ -149,12 +170,13 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let floor = timing_floor_s(demand.sample_time_s);
     delay_and_lag.add_systematic(&[Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay], floor);
     pure_delay.add_systematic(&[Quantity::TorqueControlDelay], floor);
-    Ok(TorqueControlFit {
+    let fit = TorqueControlFit {
         result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
         model: lagged.model,
         gain: lagged.gain,
         diagnostics,
-    })
+    };
+    Ok((fit, is_separated))
 }
 
 /// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is found.
@@ -265,6 +287,18 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let covariance =
         Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
     Ok(Lagged { model, covariance, freedom, gain, beside_gain, fit })
+}
+
+/// A usual drive, where it explains the samples as well as the one found: among delays and lags that the samples cannot separate,
+/// the one found is any.
+fn usual_drive(held: &HeldDemand, observed: &Observed, found: &AirGapTorqueModel) -> Option<AirGapTorqueModel> {
+    let mut model = RippledModel::new(DelayAndLag::new(held), observed);
+    let fit = fit_with_ripple(&mut model, &[USUAL.to_vec()], &USUAL.map(|value| Bounds::new(value, value))).ok()?;
+    let residual = model::statistics(&fit.residuals, observed).ok()?;
+    let is_as_good = residual.standard_deviation_nm < AS_GOOD * found.residual.standard_deviation_nm;
+    let [delay_s, lag_rad_s] = USUAL;
+    let ripple = model.ripple(&fit.parameters);
+    is_as_good.then_some(AirGapTorqueModel { delay_s, lag_rad_s, ripple, residual, ..found.clone() })
 }
 
 /// The covariance, wider where the cost about the minimum is flatter than its slopes say.
