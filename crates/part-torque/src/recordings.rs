@@ -17,7 +17,7 @@ pub struct TorqueControls<'a> {
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, TorqueControlFit>,
     chosen: OnceLock<Result<Chosen<'a, TorqueControlFit>, Vec<Reason>>>,
-    unseparated: OnceLock<Option<TorqueControlFit>>,
+    unseparated: OnceLock<Option<Arc<TorqueControlFit>>>,
 }
 
 impl<'a> TorqueControls<'a> {
@@ -61,14 +61,27 @@ impl<'a> TorqueControls<'a> {
         once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
     }
 
+    /// [`TorqueControls::fit`], also where delay and lag cannot be separated: the model is then right at the samples alone.
+    ///
+    /// # Errors
+    /// Those of [`TorqueControls::fit`], but for delay and lag that cannot be separated.
+    pub fn fit_unseparated(&self, experiment: &Experiment) -> Result<Arc<TorqueControlFit>, EstimateError> {
+        self.fit(experiment).or_else(|error| match error {
+            EstimateError::Inseparable { .. } => {
+                estimate_unseparated(experiment, self.torque_limit_nm).map(|(fit, _)| Arc::new(fit))
+            }
+            other => Err(other),
+        })
+    }
+
     /// What gives T_d between the samples of T_d,calc: the chosen torque control, or one whose delay and lag the recordings cannot
     /// separate.
     pub fn between_samples(&self) -> Option<&TorqueControlFit> {
         let unseparated = || {
             let candidates = Sought::TorqueControl.candidates(&self.experiments);
-            candidates.into_iter().find_map(|e| Some(estimate_unseparated(e, self.torque_limit_nm).ok()?.0))
+            candidates.into_iter().find_map(|e| self.fit_unseparated(e).ok())
         };
-        self.best().or_else(|| self.unseparated.get_or_init(unseparated).as_ref())
+        self.best().or_else(|| self.unseparated.get_or_init(unseparated).as_deref())
     }
 
     /// The chosen torque control, if there is one.

@@ -47,7 +47,7 @@ impl Record {
         controls: &TorqueControls<'_>,
         limit_nm: Option<f64>,
     ) -> Result<Self, EstimateError> {
-        let control = controls.fit(experiment)?;
+        let control = controls.fit_unseparated(experiment)?;
         let demand = need(experiment, Role::DynoTorqueDemand)?;
         let torque = need(experiment, Role::AirGapTorque)?;
         let held = HeldDemand::new(demand, limit_nm);

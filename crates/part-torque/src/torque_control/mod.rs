@@ -144,9 +144,8 @@ pub fn estimate_unseparated(
         let at_limit = EstimateError::AtLimit { file: file.clone(), quantity };
         return Err(if is_separated { at_limit } else { EstimateError::Inseparable { file } });
     }
-    if !is_separated {
-        let usual = usual_drive(&held, &observed, &lagged.model);
-        lagged.model = usual.ok_or_else(|| EstimateError::Inseparable { file: experiment.file.clone() })?;
+    if !is_separated && let Some(usual) = usual_drive(&held, &observed, &lagged.model) {
+        lagged.model = usual;
     }
     let stretch = stretch_of(experiment, torque, 0..split);
     let mut delay_and_lag = lagged.estimate(&stretch);

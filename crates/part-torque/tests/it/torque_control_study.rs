@@ -200,7 +200,7 @@ fn stat_current_control_is_separated_from_a_lag_where_that_was_predicted() {
     let demand = whole.signal(Role::DynoTorqueDemand).unwrap();
     let test = |rate_hz: f64, noise_nm: f64, seed: u64| {
         let experiment = sampled(&run.hidden.air_gap_torque_nm, demand, (rate_hz, noise_nm), seed);
-        let fit = torque_control::estimate(&experiment, None).unwrap();
+        let fit = torque_control::estimate_unseparated(&experiment, None).unwrap().0;
         torque_control::second_order(&experiment, &fit, None).unwrap()
     };
     for (rate_hz, distances, runs) in [(250.0, vec![4.5, 2.6, 0.5], 12), (1000.0, vec![2.6], 8)] {

@@ -159,7 +159,8 @@ fn stat_the_shaft_of_200_benches_whose_clocks_are_apart() {
     {
         let judged = Judged::of(quantity, &rows, relative);
         assert!(judged.within(tolerance) >= 0.95, "{quantity}: {:?}", judged.errors);
-        assert!((0.9..=0.98).contains(&judged.coverage()), "{quantity}: {}", judged.coverage());
+        // What the model of the signals lacks is in every interval; on benches that lack little they hold a little more.
+        assert!((0.9..=0.995).contains(&judged.coverage()), "{quantity}: {}", judged.coverage());
     }
 }
 
