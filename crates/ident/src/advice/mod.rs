@@ -4,6 +4,7 @@ mod dynamics;
 
 use std::fmt;
 
+use signal::frf::{RepeatedResponse, repeated_response};
 use signal::quality::{QualityOptions, check_quality};
 
 use self::dynamics::{Dynamics, look_for_dynamics};
@@ -25,6 +26,9 @@ const SAME: f64 = 1e-6;
 
 /// Orders of excitation below this leave little to estimate.
 const ORDER: usize = 6;
+
+/// Part of the power of an input that may differ from period to period by rounding.
+const UNREPEATED: f64 = 1e-6;
 
 /// A share of equal neighbours above this, away from the extremes, is that of a held signal, not of a clipped one.
 const HELD: f64 = 0.2;
@@ -416,6 +420,20 @@ fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), fo
     }
 }
 
+/// Whether an input repeats period by period without noise. Under feedback it cannot, for the noise does not repeat; but its
+/// future is known from its past, and a regression with too short a past uses that.
+fn repeats_exactly(data: &Dataset, input: usize) -> bool {
+    data.experiments().iter().all(|experiment| {
+        let u = experiment.input(input);
+        let found = repeated_response(&[u], &[u], data.sample_time_s(), None);
+        let Ok(Some(RepeatedResponse { repetition, .. })) = found else { return false };
+        let period = repetition.period_samples.round() as usize;
+        let used = &u[repetition.first..u.len().min(repetition.first + repetition.periods * period)];
+        let changed: f64 = used.iter().zip(&used[period..]).map(|(a, b)| (a - b).powi(2)).sum();
+        changed <= UNREPEATED * used.iter().map(|u| u * u).sum::<f64>()
+    })
+}
+
 fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found: &mut Vec<Advice>) {
     let mut needed = 50 * (inputs.len() + 1);
     for output in outputs {
@@ -423,10 +441,12 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
         else {
             continue;
         };
-        for (channel, input) in channels.iter().zip(inputs) {
+        for (k, (channel, input)) in channels.iter().zip(inputs).enumerate() {
             let (input, output) = (*input, *output);
             if channel.ahead > threshold_ahead {
-                found.push(Advice::Feedback { input, output, statistic: channel.ahead, threshold: threshold_ahead });
+                if !repeats_exactly(centred, k) {
+                    found.push(Advice::Feedback { input, output, statistic: channel.ahead, threshold: threshold_ahead });
+                }
                 // What the output does to the input reads like a response to it.
                 continue;
             }

@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use faer::Mat;
 use ident::{Advice, Channel, Dataset, SampleIndex, advise};
 
@@ -47,6 +49,27 @@ fn stat_what_drives_the_input_is_not_said_to_follow_it() {
             of_rate || matches!(a, Advice::Feedthrough { .. } | Advice::Integrating { .. })
         };
         assert!(!found.iter().any(is_response), "{found:?}");
+    }
+}
+
+/// Noise of the output hides a lightly damped mode from a short regression, which then reads a smooth input ahead.
+#[test]
+fn stat_an_input_that_repeats_exactly_is_not_said_to_follow() {
+    for seed in 0..10 {
+        let mut noise = Noise::new(seed);
+        let phases: Vec<f64> = (0..60).map(|_| TAU * noise.normal()).collect();
+        let sine = |t: usize, k: usize| (TAU * (k + 1) as f64 * t as f64 / 400.0 + phases[k]).cos();
+        let u: Vec<f64> = (0..8000).map(|t| (0..60).map(|k| sine(t, k)).sum()).collect();
+        let (mut x, mut before) = (vec![0.0; u.len()], 0.0);
+        for t in 1..u.len() {
+            let next = 1.86 * x[t - 1] - 0.95 * before + 0.1 * u[t - 1];
+            before = x[t - 1];
+            x[t] = next;
+        }
+        let spread = (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
+        let y: Vec<f64> = x.iter().map(|x| x + 2.0 * spread * noise.normal()).collect();
+        let found = advise(&Dataset::siso(0.001, &u, &y).unwrap());
+        assert!(!found.iter().any(|a| matches!(a, Advice::Feedback { .. })), "{found:?}");
     }
 }
 

@@ -72,6 +72,10 @@ impl Verdict {
             let is_little = |judged: &Result<Judgement, IdentError>| {
                 judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
             };
+            // Noise that does not repeat with the inputs hides no model.
+            if own.repeated.len() == data.experiments().len() && own.repeated.iter().all(|one| one.explains(output)) {
+                continue;
+            }
             // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
             let predicted = is_little(&own.predicted);
             if predicted || (data.inputs() > 0 && is_little(&own.simulated)) {

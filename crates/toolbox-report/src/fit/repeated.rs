@@ -84,6 +84,11 @@ impl Repeated {
         )
     }
 
+    /// Whether the model explains most of what the noise lets show in the mean period of an output.
+    pub(super) fn explains(&self, output: usize) -> bool {
+        self.fit_percent[output] >= self.attainable_percent[output] - MISSED
+    }
+
     /// Outputs of whose mean period the model misses most, in words.
     pub(super) fn doubts(&self, outputs: &[ident::Label]) -> Vec<String> {
         let all = outputs.iter().zip(self.fit_percent.iter().zip(&self.attainable_percent));
