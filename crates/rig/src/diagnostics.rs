@@ -308,6 +308,16 @@ pub enum Finding {
         /// Standard error, kg m².
         standard_error_kg_m2: f64,
     },
+    /// A recording would give the bench an inertia or a skew that it cannot have, so that its K and B check nothing.
+    NoCheckOfShaft {
+        /// Which: J_d or a skew.
+        #[serde(rename = "symbol", serialize_with = "write_symbol")]
+        quantity: Quantity,
+        /// What the recording alone would give, SI.
+        value: f64,
+        /// Standard error, SI.
+        standard_error: f64,
+    },
     /// Torque or demand is at the drive's limit; these stretches are left out of the estimates.
     Saturated {
         /// Share of the samples, 0…1.

@@ -15,7 +15,7 @@ use rig::estimation::first;
 use rig::experiment::{Choice, Sought};
 use rig::facts::StatedInertia;
 use rig::results::{
-    FeedForward, Outcome, Parameter, Part, Quantity, Reason, Shaft, SpeedController, Timing, TorqueControl,
+    Estimate, FeedForward, Outcome, Parameter, Part, Quantity, Reason, Shaft, SpeedController, Timing, TorqueControl,
 };
 use rig::{Experiment, Finding, Role, Severity};
 
@@ -38,6 +38,9 @@ const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.04), (Quantity::D
 /// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two clocks of a
 /// bench are apart by 1.5 ms at most.
 const LATE: (f64, f64) = (2e-3, 5.0);
+/// A recording that moves J_d by more than this many of its stated standard uncertainties checks no other one. In speed control T_d
+/// follows N_d, and noise on a slow T_d,calc then bends all of J_d, K and the skews together.
+const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
@@ -185,14 +188,28 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experimen
     others.retain(|other| other.file != experiment.file);
     let estimates = map(&others, |other| parts.shaft_of_whole(other).ok());
     for (other, estimate) in others.into_iter().zip(estimates) {
-        if let Some(estimate) = estimate {
-            shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone()));
-            doubt_pulses(findings, other);
+        let Some(estimate) = estimate else { continue };
+        doubt_pulses(findings, other);
+        match impossible(&estimate, findings.bench.dynamometer_inertia()) {
+            Some(found) => findings.doubt(&other.file, Severity::Note, no_check(found)),
+            None => shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone())),
         }
     }
     let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::estimate_inertia(&inputs));
     let of_inertia = doubt_shaft(findings, experiment, shaft, inertia.ok().flatten());
     cover_contradictions(shaft, of_inertia.max(torque_error(parts)));
+}
+
+/// What a recording would give the bench that it cannot have: a skew, or another inertia than the stated one.
+fn impossible(estimate: &Estimate, stated: StatedInertia) -> Option<&Parameter> {
+    let is_moved = |j: &&Parameter| (j.value - stated.kg_m2).abs() > MOVED * stated.standard_uncertainty_kg_m2();
+    let moved = || estimate.parameter(Quantity::DynoInertia).filter(is_moved);
+    late(estimate).next().map(|(_, skew)| skew).or_else(moved)
+}
+
+fn no_check(found: &Parameter) -> Finding {
+    let Parameter { quantity, value, standard_error, .. } = *found;
+    Finding::NoCheckOfShaft { quantity, value, standard_error }
 }
 
 /// By how large a part of itself T_d differs from what T_d* demands, where that is worth a warning. K and B are proportional to T_d.
@@ -253,14 +270,17 @@ fn contradict(own: &Parameter, other: &Parameter) -> bool {
 
 /// Doubts signals that the shaft's equation dates far from where their time stamps do.
 fn doubt_late_signals(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft) {
-    let skews = [(Role::EngineSpeed, Quantity::EngineSpeedSkew), (Role::AirGapTorque, Quantity::AirGapTorqueSkew)];
-    for (role, quantity) in skews {
-        let Some(skew) = shaft.estimate.parameter(quantity) else { continue };
+    for (role, skew) in late(&shaft.estimate) {
         let (late_s, standard_error_s) = (skew.value, skew.standard_error);
-        if late_s.abs() > LATE.0.max(LATE.1 * standard_error_s) {
-            findings.doubt_channel(&experiment.file, role, Finding::LateSignal { role, late_s, standard_error_s });
-        }
+        findings.doubt_channel(&experiment.file, role, Finding::LateSignal { role, late_s, standard_error_s });
     }
+}
+
+/// Signals dated far from where their time stamps do, with their skew.
+fn late(estimate: &Estimate) -> impl Iterator<Item = (Role, &Parameter)> {
+    let skews = [(Role::EngineSpeed, Quantity::EngineSpeedSkew), (Role::AirGapTorque, Quantity::AirGapTorqueSkew)];
+    let found = skews.into_iter().filter_map(|(role, quantity)| Some((role, estimate.parameter(quantity)?)));
+    found.filter(|(_, skew)| skew.value.abs() > LATE.0.max(LATE.1 * skew.standard_error))
 }
 
 /// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d or T_d* and

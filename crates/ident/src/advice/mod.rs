@@ -445,7 +445,12 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
             let (input, output) = (*input, *output);
             if channel.ahead > threshold_ahead {
                 if !repeats_exactly(centred, k) {
-                    found.push(Advice::Feedback { input, output, statistic: channel.ahead, threshold: threshold_ahead });
+                    found.push(Advice::Feedback {
+                        input,
+                        output,
+                        statistic: channel.ahead,
+                        threshold: threshold_ahead,
+                    });
                 }
                 // What the output does to the input reads like a response to it.
                 continue;

@@ -1,9 +1,9 @@
 //! Each finding in plain words: what was found, and what to do about it.
 
-use rig::results::Quantity;
+use rig::results::{Parameter, Quantity};
 use rig::{ControlMode, Diagnostic, Finding, LikelyUnit, Role, SeenInstead};
 
-use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
+use super::number::{self, NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
 use super::{join, mode_short, part, place, role, severity};
 
 /// A diagnostic on one line: severity, place, what was found, what to do.
@@ -135,6 +135,10 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ImplausibleInertia { inertia: which, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
             inertia(which.symbol(), *given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
         }
+        Finding::NoCheckOfShaft { quantity, value, standard_error } => {
+            let found = number::parameter(&Parameter::new(*quantity, *value, *standard_error, f64::INFINITY));
+            format!("This recording alone would give {} = {found}, which the bench cannot have.", quantity.symbol())
+        }
         Finding::Saturated { share: of, limit_nm } => {
             let limit = measure(*limit_nm, "Nm");
             format!("The torque is at its limit of {limit} in {} of the samples.", share(*of))
@@ -264,6 +268,9 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::ImplausibleInertia { .. } => {
             "Check the inertia in the bench file, and the scaling of torque and speed."
+        }
+        Finding::NoCheckOfShaft { .. } => {
+            "Its K and B were not compared with the others; record torque faster, or in torque control."
         }
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
         Finding::EarlySignal { .. } => {

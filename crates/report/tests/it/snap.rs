@@ -72,6 +72,8 @@ fn findings() -> Vec<Finding> {
             estimated_kg_m2: 0.412,
             standard_error_kg_m2: 0.006,
         },
+        Finding::NoCheckOfShaft { quantity: Quantity::DynoInertia, value: 0.656, standard_error: 0.006 },
+        Finding::NoCheckOfShaft { quantity: Quantity::AirGapTorqueSkew, value: 0.0095, standard_error: 6e-5 },
         Finding::Saturated { share: 0.00004, limit_nm: 400.0 },
         Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0009 },
         Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
