@@ -1,7 +1,9 @@
 //! How the signals of a recording lie in time against each other.
 
+use serde::{Deserialize, Serialize};
+
 /// How much later other signals show an event than N_d does (N_d itself is late by half its gate), s.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SignalSkews {
     /// N_e.
     pub engine_speed_s: f64,

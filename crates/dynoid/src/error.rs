@@ -202,7 +202,13 @@ pub(crate) enum CliError {
     Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
     /// A file without a bench model.
     #[error("{}: {source}", .path.display())]
-    StudyModel { path: PathBuf, source: report::StudyModelError },
+    BenchModel { path: PathBuf, source: report::BenchModelError },
+    /// A file that is not the bench model of an earlier study.
+    #[error(
+        "{}: there is a file of this name that is no bench model; move it, or choose another place with --out",
+        .path.display()
+    )]
+    NotABenchModel { path: PathBuf },
     /// An experiment that cannot be checked.
     #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
     NotCheckable { path: PathBuf, reason: String },
@@ -242,6 +248,7 @@ impl CliError {
             | CliError::InTheWay { .. }
             | CliError::BenchFileExists { .. }
             | CliError::RecordingExists { .. }
+            | CliError::NotABenchModel { .. }
             | CliError::AmongRecordings { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::Encode { .. }

@@ -65,7 +65,9 @@ pub(crate) fn is_json(path: &Path) -> bool {
 /// Refuses a model file where a recording is wanted.
 fn refuse_model(file: &InputFile) -> Result<(), CliError> {
     let head = beginning(&file.path);
-    match head.starts_with(b"{") && String::from_utf8_lossy(&head).contains("\"dynoid model\"") {
+    let text = String::from_utf8_lossy(&head);
+    let is_model = ["\"dynoid model\"", "\"dynoid bench model\""].iter().any(|format| text.contains(format));
+    match head.starts_with(b"{") && is_model {
         true => Err(CliError::IsModel { path: file.path.clone() }),
         false => Ok(()),
     }
@@ -155,6 +157,11 @@ fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
         return Err(CliError::IsStream { path: file.path.clone() });
     }
     File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))
+}
+
+/// The SHA-256 of a text, hexadecimal.
+pub(crate) fn sha256_of_text(text: &str) -> String {
+    hexadecimal(&Sha256::digest(text.as_bytes()))
 }
 
 /// The SHA-256 of a file's content, hexadecimal.

@@ -8,6 +8,7 @@
 
 mod cli;
 mod commands;
+mod date;
 mod error;
 mod formats;
 mod input;

@@ -49,6 +49,15 @@ impl OutputFolder {
         sync_folder(&self.path);
         Ok(paths)
     }
+
+    /// Removes an earlier result, if there is one.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), CliError> {
+        let path = self.path.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(CliError::write(&path, source)),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Checks that a file can be written, before any work is done for it. Nothing is changed.

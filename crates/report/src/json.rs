@@ -1,5 +1,6 @@
 //! The study as one JSON document.
 
+use bench_model::document::{BenchModelDocument, DocumentError};
 use bench_model::model::AssembledModel;
 use serde::{Deserialize, Serialize};
 use study::Study;
@@ -29,13 +30,18 @@ pub fn json(study: &Study) -> String {
     })
 }
 
-/// Why a text holds no bench model of a study.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum StudyModelError {
-    /// The text is no JSON of a study.
-    NotAStudy {
+/// Why a text holds no bench model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BenchModelError {
+    /// The text is neither a bench model nor a study.
+    NotAModel {
         /// The reader's words.
         reason: String,
+    },
+    /// A bench model that cannot be used.
+    Document {
+        /// Why.
+        source: DocumentError,
     },
     /// A study of another version.
     OtherVersion {
@@ -46,17 +52,19 @@ pub enum StudyModelError {
     NoModel,
 }
 
-impl std::fmt::Display for StudyModelError {
+impl std::fmt::Display for BenchModelError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            StudyModelError::NotAStudy { reason } => {
-                write!(f, "this is no study.json ({reason}); one is written by `dynoid study bench.toml`")
-            }
-            StudyModelError::OtherVersion { found } => write!(
+            BenchModelError::NotAModel { reason } => write!(
+                f,
+                "this is neither a bench model nor a study ({reason}); `dynoid study bench.toml` writes both, model.json and study.json"
+            ),
+            BenchModelError::Document { source } => source.fmt(f),
+            BenchModelError::OtherVersion { found } => write!(
                 f,
                 "this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study bench.toml` again"
             ),
-            StudyModelError::NoModel => f.write_str(
+            BenchModelError::NoModel => f.write_str(
                 "this study holds no bench model: its recordings did not give one, or an earlier dynoid wrote it; run \
                  `dynoid study bench.toml` again and see what it says of the shaft",
             ),
@@ -64,12 +72,13 @@ impl std::fmt::Display for StudyModelError {
     }
 }
 
-impl std::error::Error for StudyModelError {}
+impl std::error::Error for BenchModelError {}
 
-/// What a document says of itself; looked at before anything else, since another version may have another shape.
+/// What a study says of itself; looked at before anything else, since another version may have another shape.
 #[derive(Deserialize)]
 struct Header {
     format: String,
+    #[serde(default)]
     format_version: u64,
 }
 
@@ -83,19 +92,23 @@ struct ModelAlone {
     model: Option<AssembledModel>,
 }
 
-/// The bench model of a study, from the text that [`json`] wrote.
+/// The bench model that a text holds: a model.json, or the study.json that [`json`] wrote.
 ///
 /// # Errors
-/// [`StudyModelError`] with what to do.
-pub fn model(text: &str) -> Result<AssembledModel, StudyModelError> {
-    let not_a_study = |reason: String| StudyModelError::NotAStudy { reason };
-    let header: Header = serde_json::from_str(text).map_err(|error| not_a_study(error.to_string()))?;
+/// [`BenchModelError`] with what to do.
+pub fn model(text: &str) -> Result<AssembledModel, BenchModelError> {
+    let not_a_model = |reason: String| BenchModelError::NotAModel { reason };
+    let header: Header = serde_json::from_str(text).map_err(|error| not_a_model(error.to_string()))?;
+    if BenchModelDocument::is_format(&header.format) {
+        let document = BenchModelDocument::from_json(text).map_err(|source| BenchModelError::Document { source })?;
+        return Ok(document.assembled());
+    }
     if header.format != FORMAT {
-        return Err(not_a_study(format!("it calls itself “{}”", header.format)));
+        return Err(not_a_model(format!("it calls itself “{}”", header.format)));
     }
     if header.format_version != u64::from(FORMAT_VERSION) {
-        return Err(StudyModelError::OtherVersion { found: header.format_version });
+        return Err(BenchModelError::OtherVersion { found: header.format_version });
     }
-    let document: WithModel = serde_json::from_str(text).map_err(|error| not_a_study(error.to_string()))?;
-    document.study.model.ok_or(StudyModelError::NoModel)
+    let document: WithModel = serde_json::from_str(text).map_err(|error| not_a_model(error.to_string()))?;
+    document.study.model.ok_or(BenchModelError::NoModel)
 }

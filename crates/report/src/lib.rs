@@ -7,6 +7,7 @@
 //! text and `null` in JSON.
 
 mod assumptions;
+mod bench_model;
 pub mod brief;
 pub mod catalogue;
 pub mod controller;
@@ -30,7 +31,8 @@ pub mod torque_control;
 pub mod verdict;
 pub mod wording;
 
+pub use bench_model::{Origin, bench_model};
 pub use effects::page as effects;
-pub use json::{FORMAT_VERSION, StudyModelError, json, model};
+pub use json::{BenchModelError, FORMAT_VERSION, json, model};
 pub use sections::{full_study, study};
 pub use verdict::verdict;

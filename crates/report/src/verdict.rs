@@ -30,6 +30,15 @@ impl Level {
         }
     }
 
+    /// The level in a word, for programs.
+    pub fn key(self) -> &'static str {
+        match self {
+            Level::Good => "good",
+            Level::Reservations => "reservations",
+            Level::Insufficient => "insufficient",
+        }
+    }
+
     /// The outcome of one rule in a word.
     pub fn outcome(self) -> &'static str {
         match self {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// What the bench file states.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BenchFacts {
     /// The bench's name.
     pub name: String,

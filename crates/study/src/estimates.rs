@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
+use bench_model::skews::SignalSkews;
 use numerics::order::upper_median;
 use numerics::parallel::{join, map};
 use part_controller::speed_controller::SpeedControllerFit;
@@ -54,6 +55,7 @@ pub(super) struct Estimates {
     pub(super) shaft: Outcome<Shaft>,
     pub(super) whole: Outcome<WholeModel>,
     pub(super) model: Option<AssembledModel>,
+    pub(super) skews: Option<SignalSkews>,
     pub(super) replays: Vec<Replay>,
 }
 
@@ -126,7 +128,9 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         (Some(assembled), Some(pieces)) => whole::replays(findings, &pieces, &assembled.model),
         _ => Vec::new(),
     };
+    let skews = fits.pieces().map(|pieces| pieces.skews());
     Estimates {
+        skews,
         choices: fits.choices,
         timing: timing.into(),
         speed_controller: fits.controller.map(|c| c.result.clone()).into(),

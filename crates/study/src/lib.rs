@@ -14,6 +14,7 @@ mod recorded;
 mod result;
 mod ripple_clock;
 mod run;
+mod validity;
 mod whole;
 
 pub use analyses::Analyses;

@@ -1,8 +1,10 @@
 //! The types a study is made of. They hold numbers and structure only; wording and drawing belong to the report.
 
 use bench_model::analysis::WholeModel;
+use bench_model::document::Validity;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
+use bench_model::skews::SignalSkews;
 use rig::experiment::Choice;
 use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl, write_status};
@@ -40,6 +42,10 @@ pub struct Study {
     pub whole: Outcome<WholeModel>,
     /// The assembled model itself, in SI, for those who compute with it.
     pub model: Option<AssembledModel>,
+    /// The range of the recordings that the model is from.
+    pub validity: Validity,
+    /// How the signals of the shaft's recording lie in time against each other.
+    pub skews: Option<SignalSkews>,
     /// Replays of recordings on the assembled model.
     pub replays: Vec<Replay>,
     /// Doubts.

@@ -8,7 +8,7 @@ use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
 use crate::gather::{Gathered, Source};
-use crate::{Provenance, Study, estimates};
+use crate::{Provenance, Study, estimates, validity};
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -64,6 +64,7 @@ fn studied(
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
+    let validity = validity::of(&gathered.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
     Study {
@@ -83,6 +84,8 @@ fn studied(
         shaft: estimates.shaft,
         whole: estimates.whole,
         model: estimates.model,
+        validity,
+        skews: estimates.skews,
         replays: estimates.replays,
         diagnostics,
     }

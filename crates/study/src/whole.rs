@@ -34,7 +34,8 @@ pub(super) struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    fn skews(&self) -> SignalSkews {
+    /// Skews of N_e and T_d against N_d.
+    pub(super) fn skews(&self) -> SignalSkews {
         let value = |quantity| self.shaft.estimate.parameter(quantity).map_or(0.0, |p| p.value);
         SignalSkews {
             engine_speed_s: value(Quantity::EngineSpeedSkew),

@@ -14,6 +14,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("dataset", &["recording", "signal", "ident", "units"]),
     ("rig", &["recording", "numerics", "signal", "ident", "units"]),
     ("bench-model", &["rig", "numerics", "signal", "lti", "ident", "units"]),
+    ("export", &["bench-model", "rig", "numerics", "lti", "ident"]),
     ("virtual-bench", &["rig", "bench-model", "recording", "numerics", "signal", "lti", "units"]),
     ("part-controller", &["rig", "numerics", "signal", "ident", "units"]),
     ("part-torque", &["rig", "bench-model", "part-controller", "numerics", "signal", "lti", "ident", "units"]),
@@ -96,6 +97,7 @@ const DYNOID: &[&str] = &[
     "page",
     "toolbox-report",
     "report",
+    "export",
 ];
 
 /// Crates that write files, print, or serve, and who alone may use them.

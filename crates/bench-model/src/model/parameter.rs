@@ -34,6 +34,21 @@ pub enum ModelParameter {
 }
 
 impl ModelParameter {
+    /// All of them: masses and shaft, speed controller, feed-forward, torque control.
+    pub const ALL: [ModelParameter; 11] = [
+        ModelParameter::DynoInertia,
+        ModelParameter::EngineInertia,
+        ModelParameter::Stiffness,
+        ModelParameter::Damping,
+        ModelParameter::Proportional,
+        ModelParameter::Integral,
+        ModelParameter::ControllerDelay,
+        ModelParameter::SpeedFeedForward,
+        ModelParameter::AccelerationFeedForward,
+        ModelParameter::TorqueControlDelay,
+        ModelParameter::TorqueControlBandwidth,
+    ];
+
     /// The quantity it is, in estimates.
     #[must_use]
     pub fn quantity(self) -> Quantity {
@@ -61,8 +76,18 @@ impl ModelParameter {
         }
     }
 
+    /// A symbol that no other number of the model has: the delays are τ_c and τ_t.
+    #[must_use]
+    pub fn distinct_symbol(self) -> &'static str {
+        match self {
+            ModelParameter::ControllerDelay => "τ_c",
+            ModelParameter::TorqueControlDelay => "τ_t",
+            other => other.quantity().symbol(),
+        }
+    }
+
     /// Whether a bench can have this value: gains are free, all else has a sign.
-    pub(super) fn can_be(self, value: f64) -> bool {
+    pub(crate) fn can_be(self, value: f64) -> bool {
         match self {
             ModelParameter::Proportional
             | ModelParameter::Integral

@@ -73,6 +73,20 @@ impl ModelUncertainty {
         Ok(ModelUncertainty { parts })
     }
 
+    /// The parameters in its parts, in order.
+    pub fn parameters(&self) -> impl Iterator<Item = ModelParameter> + '_ {
+        self.parts.iter().flat_map(|(parameters, _, _)| parameters.iter().copied())
+    }
+
+    /// Standard error and degrees of freedom of a parameter; `None` where it is in no part, and taken as exact.
+    #[must_use]
+    pub fn standard_error(&self, parameter: ModelParameter) -> Option<(f64, f64)> {
+        self.parts.iter().find_map(|(parameters, covariance, degrees_of_freedom)| {
+            let place = parameters.iter().position(|other| *other == parameter)?;
+            Some((covariance[(place, place)].max(0.0).sqrt(), *degrees_of_freedom))
+        })
+    }
+
     /// A function of the model, with its standard error by the delta method, Var g ≈ Σ_parts ∇gᵀ P ∇g, and the degrees
     /// of freedom of that sum of independent variances, (Σ v_i)²/Σ(v_i²/ν_i).
     ///

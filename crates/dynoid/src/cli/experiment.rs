@@ -62,8 +62,9 @@ pub(crate) struct PlanArguments {
     /// Seed of demands and bench; the same seed gives the same bytes [default: 1]
     #[arg(long, value_name = "N", help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
-    /// Take shaft, speed controller, feed-forward and torque control from a study instead of the bench file
-    #[arg(long = "model", value_name = "STUDY.json", help_heading = "Experiment")]
+    /// Take shaft, speed controller, feed-forward and torque control from the model.json or study.json of a study instead of
+    /// the bench file
+    #[arg(long = "model", value_name = "MODEL.json", help_heading = "Experiment")]
     pub(crate) study: Option<PathBuf>,
 }
 
@@ -90,7 +91,7 @@ impl PlanArguments {
 #[command(after_help = "\
 Examples:
   dynoid experiment design bench.toml BS_T_NT --speed 1500 --set high=55
-  dynoid experiment design bench.toml Multisine_T_TN --model study/study.json
+  dynoid experiment design bench.toml Multisine_T_TN --model study/model.json
   dynoid experiment design bench.toml cycle.csv --out cycle
   dynoid experiment design bench.toml --optimal K,B --speed 1500
   dynoid experiment design bench.toml --optimal PI,FF --form binary

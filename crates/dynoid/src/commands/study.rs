@@ -1,12 +1,14 @@
 //! `dynoid study`: from a bench file to a report.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use report::wording;
+use bench_model::document::{BenchModelDocument, format_of};
+use report::{Origin, wording};
 use rig::BenchFile;
 use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
 use crate::cli::bench::StudyArguments;
+use crate::date;
 use crate::error::{CliError, Outcome};
 use crate::input;
 use crate::output::OutputFolder;
@@ -17,6 +19,8 @@ use crate::terminal::{Progress, Terminal};
 /// Parts that are estimated, and replays there usually are: steps of the progress display.
 const PARTS: u64 = 6;
 const REPLAYS: u64 = 4;
+/// The bench model among the results.
+const MODEL: &str = "model.json";
 
 /// How much a report holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +52,7 @@ pub(crate) fn study(
 ) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
     let folder = OutputFolder::check(out)?;
+    check_model(&out.join(MODEL))?;
     let sources = read_sources(bench, &file, terminal)?;
     let analyses = if extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
     let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS + analyses);
@@ -55,10 +60,37 @@ pub(crate) fn study(
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
     let (study, html) = studied(campaign, extent, &progress).map_err(|error| no_study(bench, error))?;
     let json = report::json(&study);
-    let paths = folder.write(&[("study.json", json.as_bytes()), ("report.html", html.as_bytes())])?;
+    let model = bench_model(&study, &text)?;
+    let mut files = vec![("study.json", json.as_bytes()), ("report.html", html.as_bytes())];
+    files.extend(model.as_ref().map(|model| (MODEL, model.as_bytes())));
+    let mut paths = folder.write(&files)?.into_iter();
     drop(progress);
-    let [data, report] = <[PathBuf; 2]>::try_from(paths).map_err(|_| CliError::internal("results without a path"))?;
-    Ok(Written { study, report, data })
+    let (Some(data), Some(report), model) = (paths.next(), paths.next(), paths.next()) else {
+        return Err(CliError::internal("results without a path"));
+    };
+    if model.is_none() {
+        folder.remove(MODEL)?;
+    }
+    Ok(Written { study, report, data, model })
+}
+
+/// The bench model of a study as text, if it has one.
+fn bench_model(study: &Study, bench_file: &str) -> Result<Option<String>, CliError> {
+    let origin = Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) };
+    let document = report::bench_model(study, origin);
+    document.map(|document| document.to_json().map_err(CliError::internal)).transpose()
+}
+
+/// Refuses to replace a file that is no bench model.
+fn check_model(path: &Path) -> Result<(), CliError> {
+    let is_own = || {
+        let format = std::fs::read_to_string(path).ok().and_then(|text| format_of(&text));
+        format.is_some_and(|format| BenchModelDocument::is_format(&format))
+    };
+    match path.is_file() && !is_own() {
+        true => Err(CliError::NotABenchModel { path: path.to_owned() }),
+        false => Ok(()),
+    }
 }
 
 /// The recordings that a bench file lists.

@@ -44,6 +44,9 @@ fn print_places(written: &Written, terminal: &mut Terminal) {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     table.row(["data".into(), shown(&written.data).into()]);
+    if let Some(model) = &written.model {
+        table.row(["model".into(), shown(model).into()]);
+    }
     terminal.heading("Written", Tone::Strong);
     terminal.table(&table);
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use report::brief::{key_numbers, not_estimated};
-use report::verdict::{Level, Rule, verdict};
+use report::verdict::{Rule, verdict};
 use report::wording;
 use rig::results::{Parameter, Part, Reason};
 use rig::{Diagnostic, ExperimentLabel};
@@ -23,6 +23,8 @@ pub(crate) struct Short<'a> {
     recordings: Vec<ShortRecording<'a>>,
     report: &'a Path,
     data: &'a Path,
+    /// The bench model; none where the study has none.
+    model: Option<&'a Path>,
 }
 
 #[derive(Serialize)]
@@ -75,17 +77,12 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
     let study = &written.study;
     let verdict = verdict(study);
     let rule = |rule: &Rule| ShortRule { asks: rule.asks, found: rule.found.clone(), outcome: rule.level.outcome() };
-    let level = match verdict.level {
-        Level::Good => "good",
-        Level::Reservations => "reservations",
-        Level::Insufficient => "insufficient",
-    };
     let estimate = |(part, parameter)| ShortEstimate { part, parameter };
     let need = |(part, needs): (&'static str, &[Reason])| ShortNeed { part, needs: wording::needs(needs) };
     Short {
         bench: &study.bench.name,
         verdict: ShortVerdict {
-            level,
+            level: verdict.level.key(),
             headline: verdict.level.headline(),
             rules: verdict.rules.iter().map(rule).collect(),
         },
@@ -95,6 +92,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         recordings: study.recordings.iter().map(short_recording).collect(),
         report: &written.report,
         data: &written.data,
+        model: written.model.as_deref(),
     }
 }
 

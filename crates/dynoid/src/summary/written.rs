@@ -9,4 +9,6 @@ pub(crate) struct Written {
     pub(crate) study: Study,
     pub(crate) report: PathBuf,
     pub(crate) data: PathBuf,
+    /// The bench model, where the study has one.
+    pub(crate) model: Option<PathBuf>,
 }

@@ -177,6 +177,8 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     assert_eq!((&json["spread"]["from"], &json["verdict"]), (&"study".into(), &"not_checked".into()));
     let shaft = &json["limits"][0];
     assert!(shaft["quantile_95"].as_f64() > shaft["quantile_5"].as_f64(), "{json}");
+    let with_document = campaign.run(&[&check[..], &["--model", "study/model.json"]].concat()).json();
+    assert_eq!(with_document["limits"], json["limits"], "model.json and study.json hold the same model");
     campaign.write("old.json", text.replace("\"format_version\":2", "\"format_version\":9").as_bytes());
     let old = [&design[..6], &["--model", "old.json"]].concat();
     campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 2 is read", "dynoid study"]);
@@ -199,7 +201,7 @@ fn regress_wrong_combinations_are_refused_in_words() {
     refused(&run(&["BS_T_NT", "--set", "hihg=3"]), 2, &["did you mean `high`"]);
     refused(&run(&["BS_T_NT", "--set", "high"]), 2, &["NAME=VALUE"]);
     refused(&run(&["none.csv"]), 3, &["none.csv", "no such file"]);
-    refused(&run(&["BS_T_NT", "--model", "bench.toml"]), 3, &["bench.toml", "no study.json"]);
+    refused(&run(&["BS_T_NT", "--model", "bench.toml"]), 3, &["bench.toml", "neither a bench model nor a study"]);
     refused(&run(&["BS_T_NT", "--truth", "run.mf4"]), 2, &["a file each"]);
     campaign.write("demands.csv", b"time [s],speed\n0,1\n1,2\n");
     refused(&run(&["demands.csv"]), 3, &["demands.csv", "dyno_speed_demand"]);

@@ -1,13 +1,16 @@
 //! `dynoid study`: results and where they go.
 
-use crate::support::{BENCH, Campaign, bs, dynoid};
+use bench_model::document::BenchModelDocument;
+use rig::experiment::ExperimentPlan;
+
+use crate::support::{BENCH, Campaign, bs, dynoid, simulated};
 
 #[test]
 fn report_and_data_lie_beside_the_bench_file() {
     let campaign = Campaign::whole();
     let ran = campaign.run(&["study", "bench.toml"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
-    assert_eq!(campaign.results(), ["report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "report.html", "study.json"]);
     assert!(campaign.read("study/report.html").contains("Test bench"));
     let data: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
     assert_eq!(data["format"], "dynoid-study");
@@ -23,6 +26,40 @@ fn stat_json_holds_the_stiffness() {
     let (value, error) = (stiffness["value"].as_f64().unwrap(), stiffness["standard_error"].as_f64().unwrap());
     assert!((value - 2437.7).abs() < 4.0 * error && error < 100.0, "{value} ± {error}");
     assert!(matches!(study["verdict"]["level"].as_str(), Some("good" | "reservations" | "insufficient")));
+}
+
+#[test]
+fn exact_the_model_file_states_model_range_and_origin() {
+    let campaign = Campaign::whole();
+    let study = campaign.run(&["study", "bench.toml", "--json"]).study();
+    let text = campaign.read("study/model.json");
+    let document = BenchModelDocument::from_json(&text).unwrap();
+    assert!(text.len() < 12_000, "{} bytes", text.len());
+    assert_eq!(report::model(&campaign.read("study/study.json")).unwrap(), document.assembled());
+    assert_eq!(document.to_json().unwrap(), text);
+    let (low, high) = document.validity.dyno_speed_rad_s.unwrap();
+    assert!(low < 125.6 && 125.6 < high && high - low < 40.0, "{low} {high}");
+    assert!(document.validity.air_gap_torque_nm.is_some() && document.validity.frequency_hz.is_some());
+    assert_eq!(document.provenance.recordings.len(), 2);
+    assert_eq!(document.provenance.recordings[0].sha256, study["recordings"][0]["sha256"].as_str().unwrap());
+    assert_eq!(document.provenance.verdict.unwrap().level, study["verdict"]["level"].as_str().unwrap());
+    assert!(document.not_estimated.iter().any(|one| one.needs.contains("Ramp_N_NT")));
+}
+
+#[test]
+fn regress_a_file_that_is_no_bench_model_is_not_replaced_and_an_old_model_does_not_stay() {
+    let campaign = Campaign::whole();
+    std::fs::create_dir(campaign.path("study")).unwrap();
+    campaign.write("study/model.json", b"{\"format\": \"dynoid model\"}");
+    campaign.run(&["study", "bench.toml"]).assert_refused(4, &["model.json", "no bench model", "--out"]);
+    std::fs::remove_file(campaign.path("study/model.json")).unwrap();
+    campaign.run(&["study", "bench.toml", "--quiet"]);
+    std::fs::remove_file(campaign.path("recordings/BS_T_NT_1200.mf4")).unwrap();
+    std::fs::remove_file(campaign.path("recordings/WhiteNoise_T_TN_1200.mf4")).unwrap();
+    let free = simulated(&ExperimentPlan::no_shaft_n_nt(1200.0, 6.0), 1);
+    let campaign = campaign.with("NoShaft_N_NT.mf4", &free);
+    campaign.run(&["study", "bench.toml", "--quiet"]);
+    assert_eq!(campaign.results(), ["report.html", "study.json"]);
 }
 
 #[test]
@@ -48,7 +85,7 @@ fn existing_results_are_kept_when_a_run_fails() {
     }
     campaign.run(&["study", "bench.toml"]).assert_refused(3, &["none of the 2 recordings", "BS_T_NT_1200"]);
     assert_eq!([campaign.read("study/report.html"), campaign.read("study/study.json")], before);
-    assert_eq!(campaign.results(), ["report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "report.html", "study.json"]);
 }
 
 #[test]
@@ -67,7 +104,7 @@ fn other_files_beside_the_results_are_left_alone() {
     std::fs::create_dir(campaign.path("study")).unwrap();
     campaign.write("study/notes.txt", b"mine");
     campaign.run(&["study", "bench.toml", "--quiet"]);
-    assert_eq!(campaign.results(), ["notes.txt", "report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "notes.txt", "report.html", "study.json"]);
     assert_eq!(campaign.read("study/notes.txt"), "mine");
 }
 

@@ -198,7 +198,7 @@ fn regress_what_holds_no_model_is_refused_in_words() {
         words(&json.replace("\"format_version\":2", "\"format_version\":7")).contains("version 7, where 2 is read")
     );
     assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("calls itself “dynoid model”"));
-    assert!(words("{}").contains("no study.json"));
-    assert!(words(&json[..json.len() / 2]).contains("no study.json"));
+    assert!(words("{}").contains("neither a bench model nor a study"));
+    assert!(words(&json[..json.len() / 2]).contains("neither a bench model nor a study"));
     assert!(words(&report::json(&fixture::bare())).contains("holds no bench model"));
 }

@@ -1,9 +1,9 @@
 //! The parts of a bench that a study estimates.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A part of the bench.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
     /// Delays of the torque signals.

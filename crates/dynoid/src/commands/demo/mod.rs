@@ -78,7 +78,9 @@ fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
     {
         return Err(refuse(out.join(BENCH_FILE)));
     }
-    let own = |name: &str| [RECORDINGS, BENCH_FILE, EFFECTS, "report.html", "study.json", "study"].contains(&name);
+    let own = |name: &str| {
+        [RECORDINGS, BENCH_FILE, EFFECTS, "report.html", "study.json", "model.json", "study"].contains(&name)
+    };
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));
     foreign.map_or(Ok(()), |found| Err(refuse(found)))

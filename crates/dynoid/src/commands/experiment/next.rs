@@ -63,7 +63,7 @@ fn refused(bench: &Path, error: NextError) -> CliError {
 fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Terminal) {
     terminal.page(&report::pages::next(found));
     if let Some(first) = best(found).first() {
-        let study = paths::folder_of(&arguments.bench).join("study").join("study.json");
+        let study = paths::folder_of(&arguments.bench).join("study").join("model.json");
         let study = study.is_file().then(|| shown(&study).to_string());
         let command = command(first.candidate, &shown(&arguments.bench).to_string(), study.as_deref());
         terminal.line(&format!("its demands: {command}"));

@@ -30,7 +30,7 @@ impl Bench {
         terminal: &mut Terminal,
     ) -> Result<Self, CliError> {
         if input::is_json(path) {
-            let what = "this is a model file, not a bench file; the model of a study comes with --model";
+            let what = "this is a model file, not a bench file; give it with --model";
             return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
         }
         let (file, _) = read_bench(path)?;
@@ -85,6 +85,6 @@ impl Bench {
 }
 
 fn read_model(path: &Path) -> Result<AssembledModel, CliError> {
-    let text = input::read_text(path, "a study.json as `dynoid study` writes")?;
-    report::model(&text).map_err(|source| CliError::StudyModel { path: path.to_owned(), source })
+    let text = input::read_text(path, "a model.json or study.json as `dynoid study` writes")?;
+    report::model(&text).map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
 }

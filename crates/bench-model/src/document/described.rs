@@ -1,0 +1,42 @@
+//! The numbers of a model for people: symbol, name, unit, standard error.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
+
+/// One number of the model, in SI.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DescribedParameter {
+    /// Which number.
+    pub parameter: ModelParameter,
+    /// Symbol of the thesis; the two delays have one of their own each.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Its value, in this unit.
+    pub value: f64,
+    /// SI unit.
+    pub unit: String,
+    /// Standard error; null for a number that is taken as exact.
+    pub standard_error: Option<f64>,
+    /// Degrees of freedom behind the standard error; null where they are infinite, or there is none.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+/// All numbers that the model has.
+pub(super) fn all(model: &BenchModel, uncertainty: &ModelUncertainty) -> Vec<DescribedParameter> {
+    let described = |parameter: ModelParameter| {
+        let notation = parameter.quantity().notation();
+        let known = uncertainty.standard_error(parameter);
+        Some(DescribedParameter {
+            parameter,
+            symbol: parameter.distinct_symbol().to_owned(),
+            name: notation.name.to_owned(),
+            value: model.value(parameter)?,
+            unit: notation.si_unit.to_owned(),
+            standard_error: known.map(|(error, _)| error),
+            degrees_of_freedom: known.map(|(_, degrees)| degrees).filter(|degrees| degrees.is_finite()),
+        })
+    };
+    ModelParameter::ALL.into_iter().filter_map(described).collect()
+}

@@ -1,0 +1,62 @@
+//! Why a text is no bench model.
+
+use crate::model::ModelParameter;
+
+/// Why a text is no bench model that can be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DocumentError {
+    /// No JSON, or not with the fields of a bench model.
+    #[error("this is no bench model ({reason}); `dynoid study bench.toml` writes one to study/model.json")]
+    Content {
+        /// The reader's words.
+        reason: String,
+    },
+    /// A document of another kind.
+    #[error(
+        "this is no bench model, it calls itself “{found}”; `dynoid study bench.toml` writes one to study/model.json"
+    )]
+    Format {
+        /// What the document calls itself.
+        found: String,
+    },
+    /// A version that is not known here.
+    #[error("this bench model has version {found}, and this dynoid reads up to {known}; use a later dynoid")]
+    Version {
+        /// The version found.
+        found: u64,
+        /// The latest version that is read.
+        known: u64,
+    },
+    /// `parameters` and `model` have different values.
+    #[error(
+        "`parameters` has {listed} for {}, and `model` has {}; make the two the same",
+        .parameter.quantity().name(), .modelled.map_or_else(|| "no such number".to_owned(), |value| value.to_string())
+    )]
+    Contradiction {
+        /// Which number.
+        parameter: ModelParameter,
+        /// Under `parameters`.
+        listed: f64,
+        /// Under `model`.
+        modelled: Option<f64>,
+    },
+    /// A number that no bench can have.
+    #[error("`model`: {what} cannot be {value}; correct it, or let `dynoid study bench.toml` write the file again")]
+    Impossible {
+        /// What the number is.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The covariance holds a number that the model lacks, or holds it twice.
+    #[error(
+        "`uncertainty` has the {} {}; let `dynoid study bench.toml` write the file again",
+        .parameter.quantity().name(), if *.is_twice { "twice" } else { "that `model` lacks" }
+    )]
+    Uncertainty {
+        /// Which number.
+        parameter: ModelParameter,
+        /// Whether it is there twice; otherwise the model lacks it.
+        is_twice: bool,
+    },
+}

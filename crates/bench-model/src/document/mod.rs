@@ -1,0 +1,134 @@
+//! The bench model as a file of its own: parameters with their units and their uncertainty, where it is valid, what was not
+//! estimated, and where it comes from.
+//!
+//! The text is JSON. `model` and `uncertainty` are what programs compute with; `parameters` has the same values for people, and a
+//! document in which the two contradict each other is refused.
+
+mod check;
+mod described;
+mod error;
+mod provenance;
+mod validity;
+
+use rig::facts::BenchFacts;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{AssembledModel, BenchModel, ModelUncertainty};
+use crate::skews::SignalSkews;
+pub use described::DescribedParameter;
+pub use error::DocumentError;
+pub use provenance::{BenchFileOrigin, NotEstimated, Provenance, StudyVerdict, UsedRecording};
+pub use validity::{Range, Validity};
+
+/// What the `format` field of a document says.
+const FORMAT: &str = "dynoid bench model";
+/// The version of documents written here. Earlier ones are read too.
+const VERSION: u64 = 1;
+
+/// A bench model, and everything that is known about it. Serialised, this is the bench model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BenchModelDocument {
+    format: String,
+    version: u64,
+    /// What the bench file states: name, engine, inertias, limits.
+    pub bench: BenchFacts,
+    /// Every estimated number of the model, for people.
+    parameters: Vec<DescribedParameter>,
+    /// The model, in SI.
+    pub model: BenchModel,
+    /// Covariance of its parameters, part by part, in SI.
+    pub uncertainty: ModelUncertainty,
+    /// How the signals of the recordings lay in time against each other.
+    #[serde(default)]
+    pub skews: Option<SignalSkews>,
+    /// Parts that were not estimated, and why.
+    #[serde(default)]
+    pub not_estimated: Vec<NotEstimated>,
+    /// The range of the recordings that the model was estimated from.
+    #[serde(default)]
+    pub validity: Validity,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// What a document says of itself; the same in every version.
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    version: u64,
+}
+
+/// The `format` of a text that is JSON and has one.
+#[must_use]
+pub fn format_of(text: &str) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Named {
+        format: String,
+    }
+    serde_json::from_str::<Named>(text).ok().map(|named| named.format)
+}
+
+impl BenchModelDocument {
+    /// Whether this is the `format` of a bench model.
+    #[must_use]
+    pub fn is_format(format: &str) -> bool {
+        format == FORMAT
+    }
+
+    /// A document of a model. Validity, skews and what was not estimated are empty.
+    #[must_use]
+    pub fn new(assembled: AssembledModel, bench: BenchFacts, provenance: Provenance) -> Self {
+        let AssembledModel { model, uncertainty } = assembled;
+        BenchModelDocument {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            bench,
+            parameters: described::all(&model, &uncertainty),
+            model,
+            uncertainty,
+            skews: None,
+            not_estimated: Vec::new(),
+            validity: Validity::default(),
+            provenance,
+        }
+    }
+
+    /// The document as text, which [`Self::from_json`] reads back bit for bit.
+    ///
+    /// # Errors
+    /// [`DocumentError::Content`] where a number or text cannot be written as JSON.
+    pub fn to_json(&self) -> Result<String, DocumentError> {
+        serde_json::to_string_pretty(self).map_err(|error| DocumentError::Content { reason: error.to_string() })
+    }
+
+    /// The document that a text holds.
+    ///
+    /// # Errors
+    /// Text of another kind or of a later version; a model that no bench can have, or contradictions in it.
+    pub fn from_json(text: &str) -> Result<Self, DocumentError> {
+        let content = |error: serde_json::Error| DocumentError::Content { reason: error.to_string() };
+        // First of all what it is: a later version may have another layout.
+        let header: Header = serde_json::from_str(text).map_err(content)?;
+        if !Self::is_format(&header.format) {
+            return Err(DocumentError::Format { found: header.format });
+        }
+        if header.version == 0 || header.version > VERSION {
+            return Err(DocumentError::Version { found: header.version, known: VERSION });
+        }
+        let document: BenchModelDocument = serde_json::from_str(text).map_err(content)?;
+        check::all(&document)?;
+        Ok(document)
+    }
+
+    /// Every estimated number of the model with symbol, unit and standard error.
+    #[must_use]
+    pub fn parameters(&self) -> &[DescribedParameter] {
+        &self.parameters
+    }
+
+    /// The model with its uncertainty.
+    #[must_use]
+    pub fn assembled(&self) -> AssembledModel {
+        AssembledModel { model: self.model.clone(), uncertainty: self.uncertainty.clone() }
+    }
+}

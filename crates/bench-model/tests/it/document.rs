@@ -1,0 +1,127 @@
+//! The bench model as a file.
+
+use bench_model::document::{
+    BenchFileOrigin, BenchModelDocument, DocumentError, NotEstimated, Provenance, Validity, format_of,
+};
+use bench_model::model::{AssembledModel, ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::skews::SignalSkews;
+use bench_testkit::models::bench_a;
+use proptest::prelude::*;
+use rig::facts::{BenchFacts, BenchVariant};
+use rig::results::Part;
+
+fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocument {
+    let part = PartCovariance {
+        parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
+        covariance: vec![
+            vec![stiffness_variance, 0.1 * stiffness_variance.sqrt()],
+            vec![0.1 * stiffness_variance.sqrt(), 0.25],
+        ],
+        degrees_of_freedom,
+    };
+    let uncertainty = ModelUncertainty::new(&[part]).unwrap();
+    let facts = BenchFacts {
+        name: "Test cell 4".into(),
+        variant: BenchVariant::LoadCell,
+        cylinders: 4,
+        strokes: 4,
+        dynamometer_inertia_kg_m2: 0.6,
+        dynamometer_inertia_uncertainty_percent: Some(0.0),
+        engine_inertia_kg_m2: 0.28,
+        engine_inertia_uncertainty_percent: None,
+        torque_limit_nm: Some(400.0),
+        shaft_torque_limit_nm: None,
+        speed_limit_rad_s: Some(628.3),
+    };
+    let provenance = Provenance {
+        dynoid_version: "0.1.0".into(),
+        date: "2026-05-03".into(),
+        bench_file: BenchFileOrigin { name: "bench.toml".into(), sha256: "00".into() },
+        recordings: Vec::new(),
+        seed: Some(7),
+        verdict: None,
+    };
+    let mut document = BenchModelDocument::new(AssembledModel { model: bench_a(), uncertainty }, facts, provenance);
+    document.validity.dyno_speed_rad_s = Some((80.0, 260.0));
+    document.skews = Some(SignalSkews { engine_speed_s: 1e-4, torque_s: 2.5e-3 });
+    document.not_estimated = vec![NotEstimated { part: Part::FeedForward, needs: "a recording".into() }];
+    document
+}
+
+proptest! {
+    #[test]
+    fn prop_a_document_is_read_back_bit_for_bit(variance in 1e-9_f64..1e9, degrees in prop_oneof![Just(f64::INFINITY), 1.0_f64..1e6]) {
+        let document = document(variance, degrees);
+        prop_assert_eq!(BenchModelDocument::from_json(&document.to_json().unwrap()), Ok(document));
+    }
+}
+
+#[test]
+fn exact_parameters_have_symbol_unit_and_standard_error() {
+    let document = document(36.0, 40.0);
+    let of = |which| document.parameters().iter().find(|one| one.parameter == which).unwrap();
+    let stiffness = of(ModelParameter::Stiffness);
+    assert_eq!((stiffness.symbol.as_str(), stiffness.unit.as_str()), ("K", "Nm/rad"));
+    assert_eq!(
+        (stiffness.value, stiffness.standard_error, stiffness.degrees_of_freedom),
+        (2437.7, Some(6.0), Some(40.0))
+    );
+    assert_eq!(of(ModelParameter::DynoInertia).standard_error, None, "taken as exact");
+    let symbols: std::collections::BTreeSet<_> = document.parameters().iter().map(|one| &one.symbol).collect();
+    assert_eq!((symbols.len(), document.parameters().len()), (11, 11), "each has a symbol of its own");
+}
+
+#[test]
+fn exact_what_is_not_there_is_left_out() {
+    let mut assembled = document(1.0, 3.0).assembled();
+    assembled.model.speed_controller = None;
+    assembled.model.feed_forward = None;
+    let whole = document(1.0, 3.0);
+    let without = BenchModelDocument::new(assembled, whole.bench.clone(), whole.provenance.clone());
+    assert_eq!(without.parameters().len(), 6);
+    assert_eq!(without.validity, Validity::default());
+    assert!(BenchModelDocument::from_json(&without.to_json().unwrap()).is_ok());
+}
+
+#[test]
+fn exact_fields_of_later_versions_of_the_same_layout_are_passed_over() {
+    let text = document(1.0, 3.0).to_json().unwrap().replacen('{', "{\n  \"colour\": \"green\",", 1);
+    assert_eq!(BenchModelDocument::from_json(&text), Ok(document(1.0, 3.0)));
+}
+
+#[test]
+fn regress_other_kinds_later_versions_and_contradictions_are_refused() {
+    let text = document(36.0, 40.0).to_json().unwrap();
+    let error = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        BenchModelDocument::from_json(&text.replacen(from, to, 1)).unwrap_err()
+    };
+    assert_eq!(error("dynoid bench model", "dynoid model"), DocumentError::Format { found: "dynoid model".into() });
+    assert_eq!(error("\"version\": 1", "\"version\": 2"), DocumentError::Version { found: 2, known: 1 });
+    assert!(matches!(error("{", "["), DocumentError::Content { .. }));
+    let contradiction = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": 2500.0").to_string();
+    assert!(contradiction.contains("2437.7") && contradiction.contains("2500"), "{contradiction}");
+    let impossible = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": -1.0").to_string();
+    assert!(impossible.contains("stiffness cannot be -1"), "{impossible}");
+    let gate = error("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": -0.001").to_string();
+    assert!(gate.contains("gate of the encoders cannot be"), "{gate}");
+    let twice = text.replace("      \"damping\"\n", "      \"stiffness\"\n");
+    assert!(BenchModelDocument::from_json(&twice).unwrap_err().to_string().contains("stiffness twice"), "{twice}");
+    let strange = BenchModelDocument::from_json(&text.replacen("36.0", "-36.0", 1)).unwrap_err().to_string();
+    assert!(strange.contains("Stiffness") || strange.contains("variance"), "{strange}");
+}
+
+#[test]
+fn exact_the_format_is_seen_without_the_rest() {
+    assert_eq!(format_of("{\"format\": \"dynoid model\", \"x\": 1}").as_deref(), Some("dynoid model"));
+    assert!(format_of("[]").is_none() && format_of("format").is_none());
+    assert!(BenchModelDocument::is_format("dynoid bench model") && !BenchModelDocument::is_format("dynoid model"));
+}
+
+#[test]
+fn exact_validity_contains_its_ends() {
+    let validity = Validity { air_gap_torque_nm: Validity::range_of([3.0, f64::NAN, -2.0]), ..Validity::default() };
+    assert_eq!(validity.air_gap_torque_nm, Some((-2.0, 3.0)));
+    assert!(validity.contains(1e9, -2.0) && validity.contains(0.0, 3.0) && !validity.contains(0.0, 3.1));
+    assert_eq!(Validity::range_of([]), None);
+}

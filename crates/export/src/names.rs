@@ -1,0 +1,36 @@
+//! Names that other programs take.
+
+/// What is left where a bench has no name that can be written in ASCII.
+const FALLBACK: &str = "bench";
+
+/// One bench or model by names for files and programs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Names {
+    /// Name of files and modules: ASCII letters in lower case, digits and `_`.
+    pub file: String,
+    /// Name of a class: ASCII letters and digits, each word with a capital.
+    pub class: String,
+}
+
+impl Names {
+    /// The names of a bench or a model.
+    #[must_use]
+    pub fn of(name: &str) -> Self {
+        let words: Vec<String> = name
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .filter(|word| !word.is_empty())
+            .map(str::to_ascii_lowercase)
+            .collect();
+        let mut file = words.join("_");
+        if !file.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            file = if file.is_empty() { FALLBACK.to_owned() } else { format!("{FALLBACK}_{file}") };
+        }
+        let class = file.split('_').map(capitalised).collect();
+        Names { file, class }
+    }
+}
+
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map(|first| first.to_ascii_uppercase()).into_iter().chain(letters).collect()
+}

@@ -1,0 +1,71 @@
+//! The bench model of a study as a file of its own.
+
+use bench_model::document::{
+    BenchFileOrigin, BenchModelDocument, NotEstimated, Provenance, StudyVerdict, UsedRecording,
+};
+use rig::results::Part;
+use study::{RecordingSummary, Study};
+
+use crate::verdict::{Level, part_states, verdict};
+use crate::wording;
+
+/// What a study does not know of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The day, UTC, as in 2026-05-03.
+    pub date: String,
+    /// SHA-256 of the bench file, hexadecimal.
+    pub bench_file_sha256: String,
+}
+
+/// The bench model of a study; `None` where the study has none.
+pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> {
+    let provenance = Provenance {
+        dynoid_version: study.provenance.version.clone(),
+        date: origin.date,
+        bench_file: BenchFileOrigin {
+            name: study.provenance.bench_file_name.clone(),
+            sha256: origin.bench_file_sha256,
+        },
+        recordings: study.recordings.iter().filter(|one| !one.used_for.is_empty()).map(used).collect(),
+        seed: study.provenance.seed,
+        verdict: Some(judged(study)),
+    };
+    let mut document = BenchModelDocument::new(study.model.clone()?, study.bench.clone(), provenance);
+    document.skews = study.skews;
+    document.validity = study.validity;
+    document.not_estimated = not_estimated(study);
+    Some(document)
+}
+
+fn used(recording: &RecordingSummary) -> UsedRecording {
+    UsedRecording {
+        file: recording.file.clone(),
+        sha256: recording.sha256.clone(),
+        label: recording.label.as_ref().map(ToString::to_string),
+        used_for: recording.used_for.clone(),
+    }
+}
+
+fn judged(study: &Study) -> StudyVerdict {
+    let verdict = verdict(study);
+    let unmet = verdict.rules.iter().filter(|rule| rule.level != Level::Good);
+    StudyVerdict {
+        level: verdict.level.key().to_owned(),
+        headline: verdict.level.headline().to_owned(),
+        reservations: unmet.map(|rule| wording::capitalised(&rule.found)).collect(),
+    }
+}
+
+fn not_estimated(study: &Study) -> Vec<NotEstimated> {
+    let needs = |part: Part| match part {
+        Part::Timing => study.timing.needs(),
+        Part::SpeedController => study.speed_controller.needs(),
+        Part::FeedForward => study.feed_forward.needs(),
+        Part::TorqueControl => study.torque_control.needs(),
+        Part::Shaft => study.shaft.needs(),
+        Part::Whole => study.whole.needs(),
+    };
+    let missing = part_states(study).into_iter().filter(|(_, there)| !there);
+    missing.map(|(part, _)| NotEstimated { part, needs: wording::needs(needs(part)) }).collect()
+}
