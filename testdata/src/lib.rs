@@ -15,6 +15,9 @@ pub const SHARED: &str = "DYNOID_SHARED";
 /// Names a Python interpreter that has the packages of `xtask/python.txt`.
 pub const PYTHON: &str = "DYNOID_PYTHON";
 
+/// Names a GNU Octave that has the package control.
+pub const OCTAVE: &str = "DYNOID_OCTAVE";
+
 /// Names the file that gets a line for each skipped test.
 pub const SKIPPED: &str = "DYNOID_SKIPPED";
 
@@ -36,6 +39,15 @@ pub fn python() -> Option<OsString> {
         skip("no Python packages to compare with");
     }
     python
+}
+
+/// The Octave to compare with; where none is named, `None`, and the running test counts as skipped.
+pub fn octave() -> Option<OsString> {
+    let octave = std::env::var_os(OCTAVE);
+    if octave.is_none() {
+        skip("no Octave to compare with");
+    }
+    octave
 }
 
 /// Counts the running test as skipped, for `reason`. The test returns after it.

@@ -23,6 +23,8 @@ pub(crate) enum Outcome {
     Insufficient,
     /// The check does not find the experiment safe.
     NotSafe,
+    /// The bench is not the same any more.
+    Changed,
     /// Some inputs could not be read; each was named.
     SomeUnreadable,
     /// No recording gave a result; the reasons were named.
@@ -42,7 +44,7 @@ impl Outcome {
     pub(crate) fn code(self) -> u8 {
         match self {
             Outcome::Done => 0,
-            Outcome::Insufficient | Outcome::NotSafe => 1,
+            Outcome::Insufficient | Outcome::NotSafe | Outcome::Changed => 1,
             Outcome::SomeUnreadable | Outcome::NothingFound => INPUT,
         }
     }
@@ -203,6 +205,19 @@ pub(crate) enum CliError {
     /// A file without a bench model.
     #[error("{}: {source}", .path.display())]
     BenchModel { path: PathBuf, source: report::BenchModelError },
+    /// A study where a bench model is wanted.
+    #[error("{}: this is a study; its bench model is the file model.json beside it", .path.display())]
+    IsStudy { path: PathBuf },
+    /// A bench model where a linear model is wanted.
+    #[error(
+        "{}: this is a bench model; `dynoid export --to linear` makes model files of it, and `dynoid model bode`, `step` and `poles` \
+         take it as it is",
+        .path.display()
+    )]
+    IsBenchModel { path: PathBuf },
+    /// A model that cannot be exported.
+    #[error("{}: {source}", .path.display())]
+    Export { path: PathBuf, source: export::ExportError },
     /// A file that is not the bench model of an earlier study.
     #[error(
         "{}: there is a file of this name that is no bench model; move it, or choose another place with --out",

@@ -30,10 +30,14 @@ pub(crate) enum FileFormat {
 
 const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
 
-/// Whether dynoid wrote a file: MDF and MATLAB files name the program in their first bytes. Other formats do not show it.
+/// Bytes at the beginning of a file in which the program that wrote it has its name.
+const NAMED_WITHIN: u64 = 512;
+
+/// Whether dynoid wrote a file: MDF and MATLAB files and exported models name the program in their first bytes. Other formats do not
+/// show it.
 pub(crate) fn is_own(path: &Path) -> bool {
     let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(128).read_to_end(&mut start));
+    let read = File::open(path).and_then(|file| file.take(NAMED_WITHIN).read_to_end(&mut start));
     read.is_ok() && start.windows(7).any(|bytes| bytes == b"dynoid ")
 }
 

@@ -62,6 +62,8 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             ExperimentCommand::Simulate(arguments) => experiment::simulate::run(arguments, terminal),
             ExperimentCommand::Next(arguments) => experiment::next::run(arguments, terminal),
         },
+        Command::Diff(arguments) => commands::diff::run(arguments, terminal),
+        Command::Export(arguments) => commands::export::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
         Command::Convert(arguments) => commands::convert::run(arguments, terminal),
         Command::Data { command } => match command {

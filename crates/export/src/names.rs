@@ -16,17 +16,11 @@ impl Names {
     /// The names of a bench or a model.
     #[must_use]
     pub fn of(name: &str) -> Self {
-        let words: Vec<String> = name
-            .split(|c: char| !c.is_ascii_alphanumeric())
-            .filter(|word| !word.is_empty())
-            .map(str::to_ascii_lowercase)
-            .collect();
-        let mut file = words.join("_");
-        if !file.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            file = if file.is_empty() { FALLBACK.to_owned() } else { format!("{FALLBACK}_{file}") };
+        let mut words: Vec<&str> = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
+        if !words.first().is_some_and(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())) {
+            words.insert(0, FALLBACK);
         }
-        let class = file.split('_').map(capitalised).collect();
-        Names { file, class }
+        Names { file: words.join("_").to_ascii_lowercase(), class: words.into_iter().map(capitalised).collect() }
     }
 }
 

@@ -92,6 +92,12 @@ struct ModelAlone {
     model: Option<AssembledModel>,
 }
 
+/// Whether this is the `format` of a study.
+#[must_use]
+pub fn is_study(format: &str) -> bool {
+    format == FORMAT
+}
+
 /// The bench model that a text holds: a model.json, or the study.json that [`json`] wrote.
 ///
 /// # Errors

@@ -10,6 +10,7 @@ mod assumptions;
 mod bench_model;
 pub mod brief;
 pub mod catalogue;
+pub mod comparison;
 pub mod controller;
 pub mod design;
 mod effects;
@@ -33,6 +34,6 @@ pub mod wording;
 
 pub use bench_model::{Origin, bench_model};
 pub use effects::page as effects;
-pub use json::{BenchModelError, FORMAT_VERSION, json, model};
+pub use json::{BenchModelError, FORMAT_VERSION, is_study, json, model};
 pub use sections::{full_study, study};
 pub use verdict::verdict;

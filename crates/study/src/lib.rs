@@ -2,6 +2,7 @@
 
 mod analyses;
 mod assemble;
+mod comparison;
 mod estimates;
 mod findings;
 mod firing;
@@ -19,6 +20,9 @@ mod whole;
 
 pub use analyses::Analyses;
 pub use assemble::{StudyParts, assemble};
+pub use comparison::{
+    CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, WaldTest, compare_models,
+};
 pub use gather::StudyError;
 pub use gather::{Source, experiment_of};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};

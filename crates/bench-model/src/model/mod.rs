@@ -87,6 +87,17 @@ pub struct BenchModel {
 }
 
 impl BenchModel {
+    /// Samples of the controller by which ω_d* is late in the speed error, and in the feed-forward. Where a recording has ω_d* later
+    /// than the controller has it, both are those of ω_d* as the controller has it.
+    pub fn demand_lags(&self) -> (usize, usize) {
+        let Some(pi) = self.speed_controller else { return (0, 0) };
+        let samples = |time_s: f64| (time_s / pi.sample_time_s).round() as i64;
+        let error = samples(pi.demand_delay_s - pi.delay_s);
+        let feed_forward = samples(self.feed_forward.map_or(0.0, |feed| feed.delay_s));
+        let least = error.min(feed_forward).min(0);
+        ((error - least).unsigned_abs() as usize, (feed_forward - least).unsigned_abs() as usize)
+    }
+
     /// The model without feed-forward.
     pub fn without_feed_forward(&self) -> Self {
         BenchModel { feed_forward: None, ..self.clone() }

@@ -9,6 +9,7 @@ mod controller;
 mod encoder;
 mod error;
 mod inputs;
+mod linear_form;
 mod plant;
 mod ripple;
 
@@ -19,6 +20,7 @@ use controller::Pi;
 use encoder::Encoder;
 pub use error::SimulationError;
 pub use inputs::{DynoInput, InitialState, Inputs};
+pub use linear_form::{LinearForm, LoopMode, linear_form};
 use plant::{Plant, Streams};
 pub use ripple::Ripple;
 

@@ -9,11 +9,11 @@ use crate::simulate::error::SimulationError;
 use crate::simulate::inputs::{DynoInput, InitialState, Inputs};
 
 /// ω_d, ω_e, Δθ, T_d, θ_d, θ_e.
-const STATES: usize = 6;
+pub(super) const STATES: usize = 6;
 /// Torque demand at the lag (or T_d itself), T_e, ripple of T_d.
-const INPUTS: usize = 3;
+pub(super) const INPUTS: usize = 3;
 /// T_d among the states.
-const TORQUE: usize = 3;
+pub(super) const TORQUE: usize = 3;
 
 /// Part of a sample below which two instants count as one.
 const INSTANT: f64 = 1e-9;
@@ -60,19 +60,19 @@ impl Streams {
 
 /// Which sample of a stream, counted back from the present one, is in force `position` samples after it when each takes
 /// effect `delay` samples after its own.
-fn samples_back(delay: f64, position: f64) -> usize {
+pub(super) fn samples_back(delay: f64, position: f64) -> usize {
     (delay - position - INSTANT).ceil().max(0.0) as usize
 }
 
 /// A part of the sample interval within which the demand at the lag does not change.
-struct Substep {
-    from: f64,
-    to: f64,
-    delayed_back: usize,
-    immediate_back: usize,
-    transition: [[f64; STATES]; STATES],
-    first: [[f64; INPUTS]; STATES],
-    last: [[f64; INPUTS]; STATES],
+pub(super) struct Substep {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) delayed_back: usize,
+    pub(super) immediate_back: usize,
+    pub(super) transition: [[f64; STATES]; STATES],
+    pub(super) first: [[f64; INPUTS]; STATES],
+    pub(super) last: [[f64; INPUTS]; STATES],
 }
 
 /// The bench between samples.
@@ -105,13 +105,8 @@ impl<'a> Plant<'a> {
             DynoInput::AirGapTorque(_) => None,
             _ => Some(model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?),
         };
+        let substeps = Substep::of_a_sample(model, torque_control, step)?;
         let bandwidth = torque_control.and_then(|i| i.bandwidth_rad_s);
-        let system = continuous(&model.mechanics, bandwidth)?;
-        let (delayed, immediate) = stream_delays(model, torque_control, step);
-        let substeps = boundaries(delayed, immediate)
-            .windows(2)
-            .map(|w| Substep::new(&system, step, (w[0], w[1]), (delayed, immediate)))
-            .collect::<Result<Vec<_>, _>>()?;
         let x = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm, 0.0, 0.0];
         Ok(Plant { substeps, ripple, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
     }
@@ -159,6 +154,18 @@ impl<'a> Plant<'a> {
 }
 
 impl Substep {
+    /// All of a sample interval; without torque control the air-gap torque is the input.
+    pub(super) fn of_a_sample(
+        model: &BenchModel,
+        torque_control: Option<TorqueControlModel>,
+        step_s: f64,
+    ) -> Result<Vec<Self>, SimulationError> {
+        let system = continuous(&model.mechanics, torque_control.and_then(|i| i.bandwidth_rad_s))?;
+        let delays = stream_delays(model, torque_control, step_s);
+        let instants = boundaries(delays.0, delays.1);
+        instants.windows(2).map(|w| Substep::new(&system, step_s, (w[0], w[1]), delays)).collect()
+    }
+
     fn new(
         system: &StateSpace,
         step_s: f64,

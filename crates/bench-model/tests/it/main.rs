@@ -5,6 +5,7 @@
 
 mod analysis;
 mod document;
+mod linear_form;
 mod model;
 mod prediction;
 mod replay;

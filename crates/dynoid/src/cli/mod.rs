@@ -3,8 +3,10 @@
 pub(crate) mod bench;
 pub(crate) mod controller;
 pub(crate) mod convert;
+pub(crate) mod diff;
 pub(crate) mod engine;
 pub(crate) mod experiment;
+pub(crate) mod export;
 pub(crate) mod friction;
 mod given;
 pub(crate) mod identify;
@@ -101,6 +103,10 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: experiment::ExperimentCommand,
     },
+    /// Test whether a bench has changed: two bench models
+    Diff(diff::DiffArguments),
+    /// Export a model to MATLAB, Modelica, Python or SSP
+    Export(export::ExportArguments),
     /// Show what recordings hold: channels, units, clocks, gaps
     Inspect(inspect::InspectArguments),
     /// Write recordings in another format, cut or resampled

@@ -6,7 +6,7 @@ use clap::Command;
 
 /// Headings and the commands below them.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("The whole bench", &["init", "study", "demo"]),
+    ("The whole bench", &["init", "study", "demo", "export", "diff"]),
     (
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],

@@ -1,11 +1,14 @@
 //! The commands, one module each.
 
+mod bench_model;
 pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod demo;
+pub(crate) mod diff;
 pub(crate) mod engine;
 pub(crate) mod experiment;
 mod experiments;
+pub(crate) mod export;
 pub(crate) mod friction;
 pub(crate) mod identify;
 pub(crate) mod init;

@@ -18,6 +18,8 @@ fn snap_help() {
 fn snap_help_of_the_whole_bench() {
     insta::assert_snapshot!("help_init", help(&["init", "--help"]));
     insta::assert_snapshot!("help_study", help(&["study", "--help"]));
+    insta::assert_snapshot!("help_export", help(&["export", "--help"]));
+    insta::assert_snapshot!("help_diff", help(&["diff", "--help"]));
     insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
 }
 

@@ -3,6 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(clippy::disallowed_methods)] // other programs read the exports from a folder
 
+mod cases;
 mod draws;
+mod linear;
+mod matlab;
 mod model;
+mod modelica;
 mod names;
+mod others;
+mod python;
+mod ssv;

@@ -12,5 +12,6 @@ fn exact_names_are_words_that_programs_take() {
     assert_eq!(of("Test cell 4"), pair("test_cell_4", "TestCell4"));
     assert_eq!(of("Prüfstand/7 (neu)"), pair("pr_fstand_7_neu", "PrFstand7Neu"));
     assert_eq!(of("4 north"), pair("bench_4_north", "Bench4North"));
+    assert_eq!(of("TestCell4"), pair("testcell4", "TestCell4"));
     assert_eq!(of("試験"), pair("bench", "Bench"));
 }

@@ -54,7 +54,7 @@ fn exact_an_arx_truth_is_found_among_the_orders_and_below_the_bar() {
     });
     let compared = of(&[&arx], FEW);
     let recording = &compared.recordings[0];
-    assert_eq!(recording.ripple_hz, []);
+    assert!(recording.ripple_hz.is_empty());
     let is_truth = |b: &&part_torque::model_comparison::BlackBox| {
         let s = b.structure;
         (s.family, s.input, s.poles, s.nb, s.nk) == (Family::Arx, Input::Demand, 1, 2, 1)

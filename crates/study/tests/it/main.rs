@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 #![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
+mod comparison;
 mod damages;
 mod drawn_benches;
 mod next_experiment;

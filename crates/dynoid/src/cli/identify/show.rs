@@ -31,6 +31,7 @@ pub(crate) struct ModelArguments {
 Examples:
   dynoid model bode model.json --plot bode.html
   dynoid model bode arx.json ss.json --plot bode.svg
+  dynoid model bode study/model.json --plot bench.html
   dynoid model step model.json --table
   dynoid model step model.json --json | jq '.[0].summary'")]
 pub(crate) struct CurveArguments {

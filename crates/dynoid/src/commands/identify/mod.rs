@@ -7,7 +7,7 @@ pub(crate) mod fit;
 mod greybox;
 pub(crate) mod judge;
 pub(crate) mod model;
-mod model_file;
+pub(super) mod model_file;
 mod operating_point;
 mod recorded;
 mod sources;

@@ -44,8 +44,9 @@ fn read(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
     let mut all = Vec::new();
     for path in &arguments.models {
         let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
-        let (document, name) = (model_file::read(path)?, model_file::name(path));
-        all.extend(Model::with_noise(&name, document, arguments.noise).map_err(wrong)?);
+        for (name, document) in model_file::read_all(path)? {
+            all.extend(Model::with_noise(&name, document, arguments.noise).map_err(wrong)?);
+        }
     }
     Ok(all)
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bench_model::document::{BenchModelDocument, format_of};
 use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
@@ -16,9 +17,12 @@ use crate::error::CliError;
 use crate::input::read_text;
 
 /// Reads a model file.
-pub(super) fn read(path: &Path) -> Result<ModelDocument, CliError> {
+pub(in crate::commands) fn read(path: &Path) -> Result<ModelDocument, CliError> {
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
     let text = read_text(path, "a model file as `dynoid fit … --out model.json` writes")?;
+    if format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
+        return Err(CliError::IsBenchModel { path: path.to_owned() });
+    }
     // First of all what it is: a later version may have another layout.
     match serde_json::from_str::<DocumentHeader>(&text).map(|header| header.check()) {
         Err(error) => return Err(wrong(error.to_string())),
@@ -29,6 +33,18 @@ pub(super) fn read(path: &Path) -> Result<ModelDocument, CliError> {
     }
     let document: ModelDocument = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     document.checked().map_err(|error| wrong(error.to_string()))
+}
+
+/// Reads a model file, or a bench model as linear models: each with its name.
+pub(super) fn read_all(path: &Path) -> Result<Vec<(String, ModelDocument)>, CliError> {
+    let name = name(path);
+    let text = read_text(path, "a model file as `dynoid fit` or `dynoid study` writes")?;
+    if !format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
+        return Ok(vec![(name, read(path)?)]);
+    }
+    let bench = crate::commands::bench_model::of_text(path, &text)?;
+    let models = export::toolbox_models(&bench).map_err(|source| CliError::Export { path: path.to_owned(), source })?;
+    Ok(models.into_iter().map(|(mode, document)| (format!("{name} {mode}"), document)).collect())
 }
 
 /// Refuses to write a model under another ending than .json, but for what is no file.
@@ -42,7 +58,7 @@ pub(super) fn check_ending(path: &Path) -> Result<(), CliError> {
 }
 
 /// What a model is called: the name of its file.
-pub(super) fn name(path: &Path) -> String {
+pub(in crate::commands) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 

@@ -1,0 +1,50 @@
+//! `dynoid diff`: whether a bench is still the same.
+
+use crate::support::Campaign;
+use recording::Recording;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
+
+/// The same two experiments as those of the usual campaign, on this bench and with other noise.
+fn other(parameters: &BenchParameters) -> Campaign {
+    let run = |plan: &ExperimentPlan, seed| -> Recording { simulate(parameters, plan, seed).expect("a bench") };
+    Campaign::empty()
+        .with("BS_T_NT_1200.mf4", &run(&ExperimentPlan::bs_t_nt(1200.0, 12.0), 21))
+        .with("WhiteNoise_T_TN_1200.mf4", &run(&ExperimentPlan::white_noise_t_tn(1200.0, 12.0), 22))
+}
+
+#[test]
+fn stat_the_same_bench_is_the_same_and_a_softer_shaft_is_found() {
+    let first = Campaign::whole();
+    first.run(&["study", "bench.toml", "--quiet"]);
+    let compared = |second: &Campaign| {
+        second.run(&["study", "bench.toml", "--quiet"]);
+        first.write("second.json", second.read("study/model.json").as_bytes());
+        first.run(&["diff", "study/model.json", "second.json", "--json"])
+    };
+    let same = compared(&other(&BenchParameters::default()));
+    assert_eq!(same.code, Some(0), "{}{}", same.stdout, same.stderr);
+    assert_eq!(same.json()["changed"], false);
+    let mut softer = BenchParameters::default();
+    softer.mechanics.shaft_stiffness_nm_per_rad *= 0.9;
+    let changed = compared(&other(&softer));
+    assert_eq!(changed.code, Some(1), "{}", changed.stdout);
+    let parts = changed.json()["comparison"]["parts"].as_array().unwrap().clone();
+    assert_eq!(parts[0]["part"], "shaft");
+    assert!(parts[0]["test"]["adjusted_p_value"].as_f64() < Some(0.01), "{parts:?}");
+    let page = first.run(&["diff", "study/model.json", "second.json", "--plot", "diff.html"]);
+    assert!(page.stdout.contains("The bench has changed"), "{}", page.stdout);
+    assert!(first.read("diff.html").contains("inertias and shaft"));
+    let itself = first.run(&["diff", "study/model.json", "study/model.json"]);
+    assert!(itself.stdout.contains("both models come from recordings/BS_T_NT_1200.mf4"), "{}", itself.stdout);
+}
+
+#[test]
+fn regress_what_is_no_bench_model_is_refused() {
+    let campaign = Campaign::empty();
+    campaign.write("model.json", b"{\"format\": \"dynoid model\", \"version\": 1}");
+    campaign.run(&["diff", "model.json", "model.json"]).assert_refused(3, &["model.json", "no bench model"]);
+    campaign.write("study.json", b"{\"format\": \"dynoid-study\"}");
+    campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["study.json", "model.json beside it"]);
+}

@@ -1,0 +1,39 @@
+//! Why a model cannot be exported.
+
+use bench_model::simulate::SimulationError;
+use ident::IdentError;
+
+/// Why a model cannot be exported to a target.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExportError {
+    /// The bench model has no form that the target needs.
+    #[error("the model has no linear form: {0}")]
+    Simulation(#[from] SimulationError),
+    /// The linear model has no state space.
+    #[error("the model has no state space: {0}")]
+    Model(#[from] IdentError),
+    /// The target holds only bench models.
+    #[error("{target} holds bench models alone; export this linear model with --to mat, modelica or python")]
+    BenchOnly {
+        /// The target.
+        target: &'static str,
+    },
+    /// The outputs have different delays.
+    #[error(
+        "{target} has one delay an input, and the outputs of this model differ in theirs; `dynoid model convert --to ss \
+         --sample-time` makes it discrete first"
+    )]
+    DelaysDiffer {
+        /// The target.
+        target: &'static str,
+    },
+    /// A text that cannot be written.
+    #[error("the model cannot be written as text: {reason}")]
+    Text {
+        /// The writer's words.
+        reason: String,
+    },
+    /// The uncertainty allows hardly any bench.
+    #[error("hardly any draw of the covariance is a bench that can be; export without draws")]
+    NoDraws,
+}

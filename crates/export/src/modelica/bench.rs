@@ -1,0 +1,151 @@
+//! The bench in Modelica: the mechanics with torque control, the speed controller, and both together.
+
+use std::fmt::Write as _;
+
+use bench_model::document::{BenchModelDocument, Range};
+use bench_model::model::{BenchModel, PiController};
+
+use super::{html, number, text};
+use crate::ExportedFile;
+use crate::names::Names;
+use crate::numbers::{self, Number, written_by};
+
+const PACKAGE: &str = include_str!("bench.mo");
+const CONTROL: &str = include_str!("control.mo");
+const PLANT: [&str; 7] = ["J_d", "J_e", "K", "B", "tau_t", "a", "T_gate"];
+const CONTROLLER: [&str; 7] = ["K_p", "K_i", "tau_c", "k", "k_a", "T_s", "T_limit"];
+
+/// The file `NAME.mo`, a package with the models `Plant` and, where the bench has a speed controller, `SpeedController` and
+/// `SpeedControl`.
+#[must_use]
+pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
+    let model = &document.model;
+    let control = model.torque_control.and(model.speed_controller);
+    let package = plant(PACKAGE, document)
+        .replace("@CONTROL@", &control.map_or_else(String::new, |pi| controller(model, &pi)))
+        .replace("@CLASS@", &names.class)
+        .replace("@TITLE@", &text(&format!("Bench model of {}", document.bench.name)))
+        .replace("@DOCUMENTATION@", &documentation(document));
+    ExportedFile::text(format!("{}.mo", names.class), format!("// {}\n{package}", written_by(document)))
+}
+
+/// The declarations of these parameters, as far as the model has them.
+fn parameters(model: &BenchModel, which: &[&str]) -> String {
+    let declared = |one: &Number| {
+        let (unit, value) = (one.unit.modelica(), number(one.value?));
+        Some(format!("    parameter Real {}(unit = \"{unit}\") = {value} \"{}\";\n", one.name, text(one.description)))
+    };
+    let all = numbers::all(model);
+    all.iter().filter(|one| which.contains(&one.name)).filter_map(declared).collect()
+}
+
+fn plant(template: &str, document: &BenchModelDocument) -> String {
+    let model = &document.model;
+    let demand = "delay(T_d_demand, tau_t)";
+    let (has_control, bandwidth) =
+        (model.torque_control.is_some(), model.torque_control.and_then(|control| control.bandwidth_rad_s));
+    let (output, equation) = match (has_control, bandwidth) {
+        (true, Some(_)) => (
+            "    output Real T_d(unit = \"N.m\", start = T_start, fixed = true) \"torque of the dynamometer\";\n",
+            format!("    der(T_d) = a * ({demand} - T_d);\n"),
+        ),
+        (true, None) => {
+            ("    output Real T_d(unit = \"N.m\") \"torque of the dynamometer\";\n", format!("    T_d = {demand};\n"))
+        }
+        (false, _) => ("", String::new()),
+    };
+    let (torque, words) =
+        if has_control { ("T_d_demand", "demanded torque") } else { ("T_d", "torque of the dynamometer") };
+    let reading = if model.encoder_gate_s > 0.0 { "w_start + (turn - delay(turn, T_gate)) / T_gate" } else { "w_d" };
+    template
+        .replace("@WITH_TORQUE_CONTROL@", if has_control { " with the torque control (TN)" } else { "" })
+        .replace("@PLANT_PARAMETERS@", &parameters(model, &PLANT))
+        .replace("@TORQUE_OUTPUT@", output)
+        .replace("@TORQUE_EQUATION@", &equation)
+        .replace("@TORQUE_WORDS@", words)
+        .replace("@TORQUE@", torque)
+        .replace("@READING@", reading)
+        .replace("@VALID@", &validity(document))
+}
+
+/// Whether speed and torque are in range.
+fn validity(document: &BenchModelDocument) -> String {
+    let within = |name: &str, range: Option<Range>| {
+        range.map(|(low, high)| format!("{name} >= {} and {name} <= {}", number(low), number(high)))
+    };
+    let validity = &document.validity;
+    let conditions = [within("w_d", validity.dyno_speed_rad_s), within("T_d", validity.air_gap_torque_nm)];
+    let conditions: Vec<String> = conditions.into_iter().flatten().collect();
+    if conditions.is_empty() { "true".to_owned() } else { conditions.join(" and ") }
+}
+
+/// The speed controller, with its demand as late as the recordings show.
+fn controller(model: &BenchModel, pi: &PiController) -> String {
+    let (lag, feed_lag) = model.demand_lags();
+    let feed = model.feed_forward.is_some();
+    let oldest = lag.max(if feed { feed_lag + 1 } else { 0 });
+    let start = "(unit = \"rad/s\", start = w_start, fixed = true)";
+    let past: String = (0..=oldest).map(|back| format!("    discrete Real past_{back}{start};\n")).collect();
+    let shifts: String = (1..=oldest).map(|back| format!("      past_{back} = pre(past_{});\n", back - 1)).collect();
+    let (feed_now, feed_start) = match feed {
+        true => (format!("k * past_{feed_lag} + k_a * (past_{feed_lag} - past_{}) / T_s", feed_lag + 1), "k * w_start"),
+        false => ("0.0".to_owned(), "0.0"),
+    };
+    let step = "pre(integrator) + K_i * T_s * error";
+    let demanded = if pi.delay_s > 0.0 { "delay(pi_part, tau_c) + feed_forward" } else { "pi_part + feed_forward" };
+    let (integrator, limited) = match model.torque_limit_nm {
+        Some(_) => (
+            format!(
+                "if abs(pi_part + feed_forward) > T_limit and K_i * error * (pi_part + feed_forward) > 0.0 then pre(integrator) else {step}"
+            ),
+            format!("max(-T_limit, min(T_limit, {demanded}))"),
+        ),
+        None => (step.to_owned(), demanded.to_owned()),
+    };
+    CONTROL
+        .replace("@CONTROLLER_PARAMETERS@", &parameters(model, &CONTROLLER))
+        .replace("@PAST_EQUATIONS@", &shifts)
+        .replace("@PAST@", &past)
+        .replace("@LAG@", &lag.to_string())
+        .replace("@FEED@", &feed_now)
+        .replace("@FEED_START@", feed_start)
+        .replace("@INTEGRATOR@", &integrator)
+        .replace("@LIMITED@", &limited)
+}
+
+/// Equations, parameters with standard errors, range and origin.
+fn documentation(document: &BenchModelDocument) -> String {
+    let mut page = format!(
+        "<p>The bench {}: two masses and a shaft. All numbers are in SI. T_d is positive when it brakes the dynamometer.</p>\n\
+         <table border=\\\"1\\\">\n<tr><th></th><th></th><th>value</th><th>standard error</th><th>unit</th></tr>\n",
+        html(&document.bench.name)
+    );
+    for one in numbers::all(&document.model) {
+        let Some(value) = one.value else { continue };
+        let error = one.parameter.and_then(|parameter| document.uncertainty.standard_error(parameter));
+        let error = error.map_or_else(|| "exact".to_owned(), |(error, _)| format!("{error:.3e}"));
+        let (unit, name, description) = (one.unit.plain(), one.name, html(one.description));
+        let _ = writeln!(
+            page,
+            "<tr><td>{name}</td><td>{description}</td><td>{value:.6}</td><td>{error}</td><td>{unit}</td></tr>"
+        );
+    }
+    page.push_str("</table>\n");
+    let range = |name: &str, unit: &str, range: Option<Range>| {
+        range.map(|(low, high)| format!("{name} {low:.4} … {high:.4} {unit}"))
+    };
+    let validity = &document.validity;
+    let ranges: Vec<String> = [
+        range("w_d", "rad/s", validity.dyno_speed_rad_s),
+        range("T_d", "Nm", validity.air_gap_torque_nm),
+        range("frequency", "Hz", validity.frequency_hz),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if !ranges.is_empty() {
+        let _ = writeln!(page, "<p>Range of the recordings: {}.</p>", ranges.join(", "));
+    }
+    let _ = write!(page, "<p>{}</p>", html(&written_by(document)));
+    page
+}

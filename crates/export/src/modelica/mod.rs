@@ -1,0 +1,23 @@
+//! Models as one Modelica file each, without the Modelica Standard Library.
+
+mod bench;
+mod linear;
+
+pub use bench::bench;
+pub use linear::linear;
+
+/// A number that Modelica reads back bit for bit.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// A text inside a string of Modelica.
+fn text(text: &str) -> String {
+    let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    plain.replace('\\', "\\\\").replace('"', "\\\"")
+}
+
+/// A text inside HTML inside a string of Modelica.
+fn html(content: &str) -> String {
+    text(&content.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;"))
+}

@@ -1,0 +1,139 @@
+//! The numbers of a bench model as parameter sets of SSP 2.0 (SSV).
+//!
+//! Source: Modelica Association, *System Structure and Parameterization* 2.0, chapter 6.
+
+use std::fmt::Write as _;
+
+use bench_model::document::BenchModelDocument;
+use bench_model::model::BenchModel;
+
+use crate::names::Names;
+use crate::numbers::{self, Number, Unit, written_by};
+use crate::{ExportError, ExportedFile, draws};
+
+/// Seed of the draws: the same model gives the same files.
+const SEED: u64 = 1;
+
+/// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance as an array, and so many sets `NAME_draw_K.ssv` that are
+/// drawn from it.
+///
+/// # Errors
+/// [`ExportError::NoDraws`] where hardly any draw is a bench that can be.
+pub fn bench(document: &BenchModelDocument, names: &Names, count: usize) -> Result<Vec<ExportedFile>, ExportError> {
+    let title = &document.bench.name;
+    let set = |suffix: &str, title: &str, model: &BenchModel| {
+        let text = parameter_set(document, title, &values(model));
+        ExportedFile::text(format!("{}{suffix}.ssv", names.file), text)
+    };
+    let mut files = vec![set("", title, &document.model)];
+    if document.uncertainty.parameters().next().is_some() {
+        let text = parameter_set(document, &format!("{title}: uncertainty"), &uncertainty(document));
+        files.push(ExportedFile::text(format!("{}_uncertainty.ssv", names.file), text));
+    }
+    let drawn = draws(document, count, SEED);
+    if drawn.len() < count {
+        return Err(ExportError::NoDraws);
+    }
+    for (number, model) in drawn.iter().enumerate() {
+        let number = number + 1;
+        files.push(set(&format!("_draw_{number}"), &format!("{title}: draw {number}"), model));
+    }
+    Ok(files)
+}
+
+/// A parameter by name, with what it is, its values row by row, and its unit.
+struct Parameter {
+    name: String,
+    description: String,
+    values: Vec<f64>,
+    unit: Option<Unit>,
+}
+
+fn values(model: &BenchModel) -> Vec<Parameter> {
+    let parameter = |number: Number| {
+        Some(Parameter {
+            name: number.name.to_owned(),
+            description: number.description.to_owned(),
+            values: vec![number.value?],
+            unit: Some(number.unit),
+        })
+    };
+    numbers::all(model).into_iter().filter_map(parameter).collect()
+}
+
+/// Of each part its covariance, in the order that the description states, and its degrees of freedom where they are finite.
+fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
+    let mut all = Vec::new();
+    for (number, (names, rows, degrees_of_freedom)) in numbers::covariance(document).into_iter().enumerate() {
+        let order = names.join(", ");
+        all.push(Parameter {
+            name: format!("covariance_{}", number + 1),
+            description: format!("covariance of {order}, {0} x {0} in row-major order, SI", names.len()),
+            values: rows.concat(),
+            unit: None,
+        });
+        if degrees_of_freedom.is_finite() {
+            all.push(Parameter {
+                name: format!("degrees_of_freedom_{}", number + 1),
+                description: format!("degrees of freedom of the covariance of {order}"),
+                values: vec![degrees_of_freedom],
+                unit: None,
+            });
+        }
+    }
+    all
+}
+
+fn parameter_set(document: &BenchModelDocument, title: &str, parameters: &[Parameter]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- {} -->\n<ssv:ParameterSet \
+         xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
+         xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"2.0\" name=\"{}\" \
+         generationTool=\"dynoid {}\">\n  <ssv:Parameters>\n",
+        written_by(document).replace("--", "-"),
+        escaped(title),
+        escaped(&document.provenance.dynoid_version)
+    );
+    for one in parameters {
+        let unit = one.unit.map(|unit| format!(" unit=\"{}\"", unit.modelica())).unwrap_or_default();
+        let values: Vec<String> = one.values.iter().map(|value| format!("{value:?}")).collect();
+        let _ = writeln!(
+            text,
+            "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Float64 value=\"{}\"{unit}/></ssv:Parameter>",
+            one.name,
+            escaped(&one.description),
+            values.join(" ")
+        );
+    }
+    text.push_str("  </ssv:Parameters>\n");
+    text.push_str(&units(parameters));
+    text.push_str("</ssv:ParameterSet>\n");
+    text
+}
+
+/// The units that are used, each by its exponents.
+fn units(parameters: &[Parameter]) -> String {
+    let mut used: Vec<Unit> = Vec::new();
+    for unit in parameters.iter().filter_map(|one| one.unit) {
+        if !used.contains(&unit) {
+            used.push(unit);
+        }
+    }
+    if used.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from("  <ssv:Units>\n");
+    for unit in used {
+        let named = ["kg", "m", "s", "rad"].into_iter().zip(unit.exponents()).filter(|(_, exponent)| *exponent != 0);
+        let exponents: String = named.map(|(name, exponent)| format!(" {name}=\"{exponent}\"")).collect();
+        let _ = writeln!(text, "    <ssc:Unit name=\"{}\"><ssc:BaseUnit{exponents}/></ssc:Unit>", unit.modelica());
+    }
+    text.push_str("  </ssv:Units>\n");
+    text
+}
+
+/// A text in an attribute of XML; control characters are left out.
+fn escaped(text: &str) -> String {
+    let plain: String = text.chars().filter(|c| !c.is_control()).collect();
+    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

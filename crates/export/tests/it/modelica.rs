@@ -1,0 +1,116 @@
+//! Modelica files.
+
+use bench_model::model::BenchModel;
+use bench_model::simulate::{DynoInput, InitialState, Inputs, simulate};
+use export::modelica;
+use export::names::Names;
+
+use crate::model::{arx, document, oscillator};
+use crate::others::{folder_with, largest, python};
+
+const SAMPLES: usize = 600;
+/// Where every demand is seen by the controller, between two of its ticks, s.
+const DEMANDS: &str = "if time < 0.0995 then 100.0 elseif time < 0.2995 then 103.0 else 140.0";
+/// Rumoca does not stop at a delayed jump but smears it over a step; so large a part of the largest value that leaves.
+const SMEARED: f64 = 1e-3;
+const ENGINE: &str = "40.0 + 60.0 * max(0.0, time - 0.2)";
+
+fn series(of: impl Fn(usize) -> f64) -> Vec<f64> {
+    (0..SAMPLES).map(of).collect()
+}
+
+fn stepped(steps: [f64; 3]) -> Vec<f64> {
+    series(|k| steps[usize::from(k >= 100) + usize::from(k >= 300)])
+}
+
+/// Models that drive the exported ones.
+fn driven(class: &str) -> String {
+    format!(
+        "model DrivenSpeed\n  {class}.SpeedControl bench(w_start = 100.0, T_start = 40.0);\nequation\n  bench.w_d_demand = {DEMANDS};\n  \
+         bench.T_e = {ENGINE};\nend DrivenSpeed;\n\
+         model DrivenTorque\n  {class}.Plant plant(w_start = 100.0, T_start = 40.0);\n  \
+         discrete Real held(start = 40.0, fixed = true);\nequation\n  when sample(0.0, 0.001) then\n    \
+         held = 40.0 + 15.0 * sin(20.0 * time);\n  end when;\n  plant.T_d_demand = held;\n  \
+         plant.T_e = {ENGINE};\nend DrivenTorque;\n"
+    )
+}
+
+#[test]
+fn ref_rumoca_simulates_the_bench_within_its_tolerance() {
+    let mut model = document().model;
+    model.torque_limit_nm = Some(150.0);
+    let mut document = document();
+    document.model = model.clone();
+    let file = modelica::bench(&document, &Names::of("Test cell 4"));
+    let text = format!("{}{}", String::from_utf8(file.content.clone()).unwrap(), driven("TestCell4"));
+    let folder = folder_with("modelica", &[file]);
+    write_driven(&folder, &text);
+    let expected = serde_json::json!({
+        "DrivenSpeed": expected(&model, true), "DrivenTorque": expected(&model, false),
+    });
+    std::fs::write(folder.join("expected.json"), expected.to_string()).unwrap();
+    if let Some(lines) = python("modelica.py", &folder) {
+        assert!(largest(&lines) < SMEARED, "{lines}");
+    }
+}
+
+/// In a folder of its own: the exported classes are in it a second time.
+fn write_driven(folder: &std::path::Path, text: &str) {
+    std::fs::create_dir_all(folder.join("driven")).unwrap();
+    std::fs::write(folder.join("driven/driven.mo"), text).unwrap();
+}
+
+/// What the program simulates.
+fn expected(model: &BenchModel, is_speed: bool) -> serde_json::Value {
+    let engine = series(|k| 40.0 + 60.0 * (k as f64 * 1e-3 - 0.2).max(0.0));
+    let demand =
+        if is_speed { stepped([100.0, 103.0, 140.0]) } else { series(|k| 40.0 + 15.0 * (0.02 * k as f64).sin()) };
+    let dyno = if is_speed { DynoInput::SpeedDemand(&demand) } else { DynoInput::TorqueDemand(&demand) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno };
+    let response = simulate(model, &inputs, &InitialState::steady(model, 100.0, 40.0)).unwrap();
+    assert!(!is_speed || response.limited_share > 0.01, "the limit is met");
+    let (plant, bench) = if is_speed { ("bench.plant.", "bench.") } else { ("plant.", "plant.") };
+    serde_json::json!({
+        format!("{plant}w_d_read"): response.dyno_speed_rad_s,
+        format!("{bench}T_d"): response.air_gap_torque_nm,
+        format!("{bench}T_shaft"): response.shaft_torque_nm,
+    })
+}
+
+#[test]
+fn ref_rumoca_takes_linear_models() {
+    let (discrete, expected) = arx();
+    let (continuous, step) = oscillator();
+    let version = "0.1.0";
+    let files = [
+        modelica::linear(&discrete, &Names::of("Arx"), version).unwrap(),
+        modelica::linear(&continuous, &Names::of("Oscillator"), version).unwrap(),
+    ];
+    let folder = folder_with("modelica_linear", &files);
+    let text: String =
+        files.iter().map(|file| String::from_utf8(file.content.clone()).unwrap().replace("within ;\n", "")).collect();
+    let driven = format!(
+        "{text}model Driven\n  Arx arx;\n  Oscillator oscillator;\nequation\n  arx.u1 = if time < 0.0995 then 0.0 else 2.0;\n  \
+         oscillator.u1 = if time < 0.1 then 0.0 else 1.0;\nend Driven;\n"
+    );
+    write_driven(&folder, &driven);
+    let wanted = serde_json::json!({ "Driven": { "arx.y1": expected["step"], "oscillator.y1": step } });
+    std::fs::write(folder.join("expected.json"), wanted.to_string()).unwrap();
+    if let Some(lines) = python("modelica.py", &folder) {
+        assert!(largest(&lines) < SMEARED, "{lines}");
+    }
+}
+
+#[test]
+fn exact_a_bench_without_controllers_has_the_plant_alone() {
+    let mut document = document();
+    document.model.torque_control = None;
+    document.bench.name = "cell \"4\" <b> \\ é".into();
+    let text = String::from_utf8(modelica::bench(&document, &Names::of("Test cell 4")).content).unwrap();
+    assert!(text.contains("input Real T_d(unit = \"N.m\"") && !text.contains("SpeedController"), "{text}");
+    assert!(
+        text.contains("Bench model of cell \\\"4\\\" <b> \\\\ é") && text.contains("cell \\\"4\\\" &lt;b&gt;"),
+        "{text}"
+    );
+    assert!(!text.contains('@'), "every place is filled");
+}

@@ -1,0 +1,49 @@
+//! Parameter sets of SSP.
+
+use export::names::Names;
+use export::{ExportError, ssv};
+
+use crate::model::document;
+use crate::others::{folder_with, python};
+
+#[test]
+fn exact_parameters_have_their_values_and_units() {
+    let files = ssv::bench(&document(), &Names::of("Test cell 4"), 2).unwrap();
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    let expected =
+        ["test_cell_4.ssv", "test_cell_4_uncertainty.ssv", "test_cell_4_draw_1.ssv", "test_cell_4_draw_2.ssv"];
+    assert_eq!(names, expected);
+    let text = String::from_utf8(files[0].content.clone()).unwrap();
+    assert!(
+        text.contains("name=\"K\" description=\"stiffness\"><ssv:Float64 value=\"2437.7\" unit=\"N.m/rad\"/>"),
+        "{text}"
+    );
+    assert!(text.contains("<ssc:Unit name=\"N.m/rad\"><ssc:BaseUnit kg=\"1\" m=\"2\" s=\"-2\" rad=\"-1\"/>"), "{text}");
+    let uncertainty = String::from_utf8(files[1].content.clone()).unwrap();
+    assert!(uncertainty.contains("value=\"36.0 0.3 0.3 0.04\""), "{uncertainty}");
+    assert_ne!(files[2].content, files[3].content);
+}
+
+#[test]
+fn ref_the_sets_are_valid_by_the_schema() {
+    let mut odd = document();
+    odd.bench.name = "cell <4> & \"5\" -- \u{1} ü".into();
+    let folder = folder_with("ssv", &ssv::bench(&odd, &Names::of("odd"), 1).unwrap());
+    if let Some(lines) = python("parameter_sets.py", &folder) {
+        assert!(lines.contains("3 sets"), "{lines}");
+    }
+}
+
+#[test]
+fn regress_a_bench_that_can_hardly_be_drawn_is_refused() {
+    let mut document = document();
+    document.uncertainty = bench_model::model::ModelUncertainty::new(&[bench_model::model::PartCovariance {
+        parameters: vec![bench_model::model::ModelParameter::Stiffness; 1],
+        covariance: vec![vec![1e30]],
+        degrees_of_freedom: f64::INFINITY,
+    }])
+    .unwrap();
+    document.model.mechanics.stiffness_nm_per_rad = -1e16;
+    let error = ssv::bench(&document, &Names::of("x"), 3).unwrap_err();
+    assert_eq!(error, ExportError::NoDraws);
+}
