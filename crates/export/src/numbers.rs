@@ -140,7 +140,8 @@ pub(crate) fn covariance(document: &BenchModelDocument) -> Vec<NamedCovariance> 
 
 /// Who wrote a file: for its first line. What could end a comment or a string there is left out.
 pub(crate) fn written_by(document: &BenchModelDocument) -> String {
-    let plain = |text: &str| text.chars().filter(|c| c.is_ascii_alphanumeric() || ".-+".contains(*c)).collect::<String>();
+    let plain =
+        |text: &str| text.chars().filter(|c| c.is_ascii_alphanumeric() || ".-+".contains(*c)).collect::<String>();
     let (version, date) = (plain(&document.provenance.dynoid_version), plain(&document.provenance.date));
     format!("Written by dynoid {version} from the bench model of {date}.")
 }

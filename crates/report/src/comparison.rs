@@ -68,20 +68,18 @@ fn chance(p_value: Option<f64>) -> String {
 
 fn findings(comparison: &ModelComparison) -> Blocks {
     let mut all = Blocks::default();
-    let mut note = |severity: &str, text: String| {
-        all.push(Block::Finding(Finding::new(Tone::Caution, severity, text)));
-    };
+    let mut warn = |text: String| all.push(Block::Finding(Finding::new(Tone::Caution, "warning", text)));
     if !comparison.shared_recordings.is_empty() {
         let files = comparison.shared_recordings.join(", ");
-        note("not independent", format!("both models come from {files}; the test finds less than it should"));
+        warn(format!("both models come from {files}; the test finds less than it should"));
     }
     if !comparison.different_constants.is_empty() {
         let names: Vec<String> = comparison.different_constants.iter().map(ToString::to_string).collect();
-        note("different", format!("the models differ in what is no estimate: {}", wording::join(&names, "and")));
+        warn(format!("the models differ in what is no estimate: {}", wording::join(&names, "and")));
     }
     if !comparison.only_in_one.is_empty() {
         let names: Vec<String> = comparison.only_in_one.iter().map(|one| one.symbol().to_owned()).collect();
-        note("not compared", format!("only one of the models has {}", wording::join(&names, "and")));
+        warn(format!("only one of the models has {}", wording::join(&names, "and")));
     }
     all
 }

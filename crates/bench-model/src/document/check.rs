@@ -1,14 +1,19 @@
 //! Whether a document describes a bench that can be.
 
-use super::{BenchModelDocument, DocumentError};
-use crate::model::{BenchModel, ModelParameter};
+use super::described::DescribedParameter;
+use super::error::DocumentError;
+use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
 
 /// Refuses numbers that no bench can have, and contradictions.
-pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
-    parameters(&document.model)?;
-    constants(&document.model)?;
-    described(document)?;
-    uncertainty(document)
+pub(super) fn all(
+    model: &BenchModel,
+    listed: &[DescribedParameter],
+    uncertainty: &ModelUncertainty,
+) -> Result<(), DocumentError> {
+    parameters(model)?;
+    constants(model)?;
+    described(model, listed)?;
+    uncertain(model, uncertainty)
 }
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {
@@ -56,9 +61,9 @@ impl Bound {
 }
 
 /// What people read and what programs read must be the same.
-fn described(document: &BenchModelDocument) -> Result<(), DocumentError> {
-    for one in &document.parameters {
-        let modelled = document.model.value(one.parameter);
+fn described(model: &BenchModel, listed: &[DescribedParameter]) -> Result<(), DocumentError> {
+    for one in listed {
+        let modelled = model.value(one.parameter);
         if modelled != Some(one.value) {
             let (parameter, listed) = (one.parameter, one.value);
             return Err(DocumentError::Contradiction { parameter, listed, modelled });
@@ -67,11 +72,11 @@ fn described(document: &BenchModelDocument) -> Result<(), DocumentError> {
     Ok(())
 }
 
-fn uncertainty(document: &BenchModelDocument) -> Result<(), DocumentError> {
+fn uncertain(model: &BenchModel, uncertainty: &ModelUncertainty) -> Result<(), DocumentError> {
     let mut seen = Vec::new();
-    for parameter in document.uncertainty.parameters() {
+    for parameter in uncertainty.parameters() {
         let is_twice = seen.contains(&parameter);
-        if is_twice || document.model.value(parameter).is_none() {
+        if is_twice || model.value(parameter).is_none() {
             return Err(DocumentError::Uncertainty { parameter, is_twice });
         }
         seen.push(parameter);

@@ -116,7 +116,7 @@ impl BenchModelDocument {
             return Err(DocumentError::Version { found: header.version, known: VERSION });
         }
         let document: BenchModelDocument = serde_json::from_str(text).map_err(content)?;
-        check::all(&document)?;
+        check::all(&document.model, &document.parameters, &document.uncertainty)?;
         Ok(document)
     }
 

@@ -130,7 +130,7 @@ fn discrete(document: &BenchModelDocument, mode: LoopMode, tick_s: f64) -> Resul
     ]))
 }
 
-/// A text that can stand in a comment.
+/// A text for a comment.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -75,7 +75,7 @@ fn range(range: Option<Range>) -> String {
     range.map_or_else(|| "None".to_owned(), |(low, high)| format!("({}, {})", number(low), number(high)))
 }
 
-/// A text that can stand in a comment or a string between three quotes.
+/// A text for a comment, or for a string between three quotes.
 fn one_line(text: &str) -> String {
     let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
     format!("“{}”.", plain.replace(['\\', '"'], "'"))

@@ -88,5 +88,7 @@ fn exact_the_module_names_the_program_first() {
     odd.provenance.date = "2026-05-03\n\"\"\"\nimport os".into();
     let text = String::from_utf8(python::bench(&odd, &Names::of("x")).content).unwrap();
     assert_eq!(text.matches("\"\"\"").count() % 2, 0, "the first string ends where it should");
-    assert!(text.starts_with("\"\"\"Bench model “a''' b' c”. Written by dynoid 0.1.0 from the bench model of 2026-05-03importos."));
+    assert!(text.starts_with(
+        "\"\"\"Bench model “a''' b' c”. Written by dynoid 0.1.0 from the bench model of 2026-05-03importos."
+    ));
 }
