@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, run, step};
-use crate::{dependencies, folder, layers, python, wording};
+use crate::{dependencies, fmu, folder, layers, python, wording};
 
 /// Format, rules of the source, lints, all fast tests, docs, and the fuzz targets. The slow tests are `cargo xtask deep`.
 pub(crate) fn all() -> Result<(), String> {
@@ -15,6 +15,7 @@ pub(crate) fn all() -> Result<(), String> {
     step("layers", layers::check)?;
     step("wording", wording::check)?;
     let advisories = step("dependencies", dependencies::check)?;
+    let binaries = step("binaries of the FMUs", fmu::check)?;
     let python = step("packages to compare with", python::interpreter)?;
     // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
     cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
@@ -24,6 +25,9 @@ pub(crate) fn all() -> Result<(), String> {
     println!("all checks passed in {:.0} s", start.elapsed().as_secs_f64());
     skipped.print();
     println!("not run: the slow tests, which `cargo xtask deep` runs");
+    if !binaries {
+        println!("not run: the comparison of the FMUs' binaries with their sources, since Zig cannot be installed");
+    }
     if !advisories {
         println!("not run: security advisories of dependencies, since cargo-deny is not installed");
     }

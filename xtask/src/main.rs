@@ -5,6 +5,7 @@ mod bench;
 mod check;
 mod deep;
 mod dependencies;
+mod fmu;
 mod folder;
 mod layers;
 mod python;
@@ -21,6 +22,7 @@ const USAGE: &str = "usage: cargo xtask <task>
   deep     the slow statistical suites, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
+  fmu      build the runtime of the FMUs for every platform into crates/export/runtime/binaries
   layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
            --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
   wording  count the worst patterns of wording against the ceilings in xtask/wording.json
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
     let result = match task.as_str() {
         "check" => check::all(),
         "deep" => deep::run(arguments.next().as_deref()),
+        "fmu" => fmu::build(),
         "release" => release::make(&arguments.collect::<Vec<_>>()),
         "layers" => match arguments.next().as_deref() {
             Some("--graph") => layers::graph(arguments.next().as_deref()),

@@ -36,4 +36,14 @@ pub enum ExportError {
     /// The uncertainty allows hardly any bench.
     #[error("hardly any draw of the covariance is a bench that can be; export without draws")]
     NoDraws,
+    /// A delay that the runtime of the FMUs cannot hold.
+    #[error("{name} is {delay_s} s, and the FMU holds delays from 0 to {longest_s} s; correct it in the model file")]
+    Delay {
+        /// Name of the delay.
+        name: &'static str,
+        /// Its value, s.
+        delay_s: f64,
+        /// The longest delay, s.
+        longest_s: f64,
+    },
 }

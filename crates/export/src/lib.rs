@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
 //! A model as the files of other programs. [`ExportedFile`] is a name and bytes; whoever calls writes them. Each target is a
-//! module: [`matlab`], [`modelica`], [`python`], [`ssv`].
+//! module: [`fmu`], [`matlab`], [`modelica`], [`python`], [`ssv`].
 //!
 //! This crate may know bench models and linear models. It may not know paths, pages, studies or the clock.
 
@@ -9,6 +9,7 @@ mod continuous;
 mod draws;
 mod error;
 mod file;
+pub mod fmu;
 mod linear;
 pub mod matlab;
 pub mod modelica;

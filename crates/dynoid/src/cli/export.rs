@@ -11,6 +11,7 @@ Examples:
   dynoid export study/model.json --to mat --out matlab/
   dynoid export study/model.json --to modelica --out TestCell4.mo
   dynoid export study/model.json --to ssv --draws 100 --out draws/
+  dynoid export study/model.json --to fmu3 --out TestCell4.fmu
   dynoid export arx.json --to mat
 
 A bench model goes to every target, a model of `dynoid fit` to mat, modelica and python.
@@ -20,6 +21,10 @@ Files written, NAME being the name of the bench or of --out:
             that makes state-space systems of it and draws them; it also runs in Octave
   modelica  NAME.mo, a package of the mechanics, torque control and speed controller
   python    NAME.py, which simulates the bench as dynoid does; it needs numpy alone
+  fmu2      NAME.fmu, FMI 2.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS;
+            with the report that is in the folder of the model
+  fmu3      NAME.fmu, the same for FMI 3.0
+  c         NAME.h with the numbers, the sources bench.c and matrix.c with headers, example.c
   ssv       NAME.ssv, the parameters for SSP 2.0, and NAME_uncertainty.ssv
   linear    NAME_tn_torques.json, NAME_tn_speeds.json and NAME_nt.json, model files")]
 pub(crate) struct ExportArguments {
@@ -52,6 +57,12 @@ pub(crate) enum ExportTarget {
     Modelica,
     /// Python with numpy
     Python,
+    /// Functional Mock-up Unit, FMI 2.0
+    Fmu2,
+    /// Functional Mock-up Unit, FMI 3.0
+    Fmu3,
+    /// C99
+    C,
     /// SSP parameter sets
     Ssv,
     /// Linear models for `dynoid model`
@@ -65,6 +76,8 @@ impl ExportTarget {
             ExportTarget::Mat => "mat",
             ExportTarget::Modelica => "mo",
             ExportTarget::Python => "py",
+            ExportTarget::Fmu2 | ExportTarget::Fmu3 => "fmu",
+            ExportTarget::C => "h",
             ExportTarget::Ssv => "ssv",
             ExportTarget::Linear => "json",
         }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bench_model::document::{BenchModelDocument, format_of};
+use export::fmu::FmiVersion;
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 use ident::ModelDocument;
@@ -18,6 +19,8 @@ use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
+/// The report of a study.
+const REPORT: &str = "report.html";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A model of either kind.
@@ -66,14 +69,30 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
         (Source::Bench(document), ExportTarget::Python) => Ok(vec![export::python::bench(document, names)]),
         (Source::Bench(document), ExportTarget::Ssv) => export::ssv::bench(document, names, arguments.draws),
         (Source::Bench(document), ExportTarget::Linear) => linear(document, names),
+        (Source::Bench(document), ExportTarget::Fmu2) => fmu(document, FmiVersion::V2, arguments, names),
+        (Source::Bench(document), ExportTarget::Fmu3) => fmu(document, FmiVersion::V3, arguments, names),
+        (Source::Bench(document), ExportTarget::C) => export::fmu::c_files(document, names),
         (Source::Linear(document), ExportTarget::Mat) => export::matlab::linear(document, names, VERSION),
         (Source::Linear(document), ExportTarget::Modelica) => {
             Ok(vec![export::modelica::linear(document, names, VERSION)?])
         }
         (Source::Linear(document), ExportTarget::Python) => Ok(vec![export::python::linear(document, names, VERSION)?]),
+        (Source::Linear(_), ExportTarget::Fmu2 | ExportTarget::Fmu3) => bench_only("an FMU"),
+        (Source::Linear(_), ExportTarget::C) => bench_only("c"),
         (Source::Linear(_), ExportTarget::Ssv) => bench_only("ssv"),
         (Source::Linear(_), ExportTarget::Linear) => bench_only("linear"),
     }
+}
+
+/// An FMU, with the report that is in the folder of the model.
+fn fmu(
+    document: &BenchModelDocument,
+    version: FmiVersion,
+    arguments: &ExportArguments,
+    names: &Names,
+) -> Result<Vec<ExportedFile>, ExportError> {
+    let report = std::fs::read(arguments.model.with_file_name(REPORT)).ok();
+    Ok(vec![export::fmu::fmu(document, names, version, report.as_deref())?])
 }
 
 /// Model files of the bench in each control mode.

@@ -5,6 +5,7 @@
 
 mod cases;
 mod draws;
+mod fmu;
 mod linear;
 mod matlab;
 mod model;

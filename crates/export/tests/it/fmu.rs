@@ -1,0 +1,231 @@
+//! FMUs: what is in them, and what other programs make of them.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use bench_model::document::BenchModelDocument;
+use bench_model::model::{AssembledModel, BenchModel, ModelParameter, TorqueControlModel};
+use export::fmu::{DRAWS, FmiVersion, c_files, fmu};
+use export::names::Names;
+use export::{ExportError, ExportedFile};
+
+use crate::cases::{Case, Drive, SAMPLES};
+use crate::model::document;
+use crate::others::{folder_with, largest, python as run};
+
+fn names() -> Names {
+    Names::of("Test cell 4")
+}
+
+fn made(document: &BenchModelDocument, version: FmiVersion) -> Vec<u8> {
+    fmu(document, &names(), version, None).unwrap().content
+}
+
+fn with_model(model: BenchModel) -> BenchModelDocument {
+    let whole = document();
+    let uncertainty = whole.uncertainty.clone();
+    BenchModelDocument::new(AssembledModel { model, uncertainty }, whole.bench.clone(), whole.provenance.clone())
+}
+
+/// The files of an archive, by its directory at the end.
+fn unpacked(archive: &[u8]) -> BTreeMap<String, Vec<u8>> {
+    let number = |at: usize, bytes: usize| {
+        archive[at..at + bytes].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte))
+    };
+    let end = archive.len() - 22;
+    assert_eq!(&archive[end..end + 4], b"PK\x05\x06");
+    let (count, mut at) = (number(end + 10, 2), number(end + 16, 4));
+    let mut files = BTreeMap::new();
+    for _ in 0..count {
+        assert_eq!(&archive[at..at + 4], b"PK\x01\x02");
+        let (method, packed, length) = (number(at + 10, 2), number(at + 20, 4), number(at + 24, 4));
+        let (name, start) = (number(at + 28, 2), number(at + 42, 4));
+        let path = String::from_utf8(archive[at + 46..at + 46 + name].to_vec()).unwrap();
+        let data = &archive[start + 30 + name..start + 30 + name + packed];
+        let content = match method {
+            0 => data.to_vec(),
+            8 => {
+                let mut content = Vec::new();
+                flate2::read::DeflateDecoder::new(data).read_to_end(&mut content).unwrap();
+                content
+            }
+            other => panic!("method {other}"),
+        };
+        let mut crc = flate2::Crc::new();
+        crc.update(&content);
+        assert_eq!((content.len(), crc.sum() as usize), (length, number(at + 16, 4)), "{path}");
+        files.insert(path, content);
+        at += 46 + name;
+    }
+    files
+}
+
+fn text(files: &BTreeMap<String, Vec<u8>>, path: &str) -> String {
+    String::from_utf8(files[path].clone()).unwrap()
+}
+
+#[test]
+fn exact_an_fmu_has_all_its_parts_and_the_same_bytes_again() {
+    let report = b"<html></html>".as_slice();
+    for (version, platforms) in [(FmiVersion::V2, 4), (FmiVersion::V3, 5)] {
+        let archive = fmu(&document(), &names(), version, Some(report)).unwrap();
+        assert_eq!(archive.name, "test_cell_4.fmu");
+        assert_eq!(archive, fmu(&document(), &names(), version, Some(report)).unwrap());
+        assert!(archive.content[..512].windows(7).any(|bytes| bytes == b"dynoid "), "it names its program");
+        let files = unpacked(&archive.content);
+        assert_eq!(files.keys().filter(|path| path.starts_with("binaries/")).count(), platforms);
+        let extra = "extra/org.fmi-standard.fmi-ls-ref";
+        assert_eq!(files[&format!("{extra}/report.html")], report);
+        let manifest = text(&files, &format!("{extra}/fmi-ls-manifest.xml"));
+        for name in ["reference_in.csv", "reference_out.csv", "covariance.csv", "draws.csv", "draws.ssv", "report.html"]
+        {
+            assert!(manifest.contains(name) && files.contains_key(&format!("{extra}/{name}")), "{name}");
+        }
+        let description = text(&files, "modelDescription.xml");
+        let token = description.split(['{', '}']).nth(1).unwrap();
+        assert!(text(&files, "resources/bench.txt").contains(&format!("token {{{token}}}")));
+    }
+}
+
+#[test]
+fn exact_an_fmu_holds_the_draws_of_the_covariance() {
+    let files = unpacked(&made(&document(), FmiVersion::V3));
+    let draws = text(&files, "extra/org.fmi-standard.fmi-ls-ref/draws.csv");
+    let mut lines = draws.lines();
+    assert_eq!(lines.next(), Some("K,B,K_p,K_i,tau_c"));
+    let expected = export::draws(&document(), DRAWS, 1);
+    assert_eq!(lines.clone().count(), DRAWS);
+    for (line, model) in lines.zip(&expected) {
+        let stiffness: f64 = line.split(',').next().unwrap().parse().unwrap();
+        assert_eq!(Some(stiffness), model.value(ModelParameter::Stiffness));
+    }
+    let covariance = text(&files, "extra/org.fmi-standard.fmi-ls-ref/covariance.csv");
+    assert_eq!(covariance.lines().nth(1), Some("K,36,0.3,0,0,0"));
+    assert_eq!(covariance.lines().nth(3), Some("K_p,0,0,0.0001,2e-5,0".replace("2e-5", "0.00002").as_str()));
+}
+
+#[test]
+fn regress_a_delay_that_the_runtime_cannot_hold_is_refused() {
+    let model = document().model.with(ModelParameter::TorqueControlDelay, 0.6);
+    let error = fmu(&with_model(model), &names(), FmiVersion::V2, None).unwrap_err();
+    assert!(matches!(error, ExportError::Delay { .. }), "{error}");
+}
+
+/// Simulations with their parameters, for the script.
+fn with_cases(name: &str, document: &BenchModelDocument, drives: &[Drive], is_whole: bool) -> PathBuf {
+    let file = |name: &str, version| ExportedFile { name: name.to_owned(), content: made(document, version) };
+    let folder = folder_with(name, &[file("fmi2.fmu", FmiVersion::V2), file("fmi3.fmu", FmiVersion::V3)]);
+    let model = &document.model;
+    let cases: Vec<serde_json::Value> = drives.iter().map(|drive| Case::about(model, *drive).json(model)).collect();
+    let held = |drive: &Drive| Case { engine: vec![38.0; SAMPLES], ..Case::about(model, *drive) }.json(model);
+    let exchanged: Vec<serde_json::Value> = drives.iter().filter(|_| is_whole).map(held).collect();
+    let number = |parameter| model.value(parameter).unwrap_or(0.0);
+    let parameters = serde_json::json!({
+        "K": number(ModelParameter::Stiffness),
+        "k": number(ModelParameter::SpeedFeedForward),
+        "a": number(ModelParameter::TorqueControlBandwidth),
+    });
+    let all =
+        serde_json::json!({ "cases": cases, "parameters": parameters, "exchanged": exchanged, "compile": is_whole });
+    std::fs::write(folder.join("cases.json"), all.to_string()).unwrap();
+    folder
+}
+
+#[test]
+fn ref_fmpy_simulates_an_fmu_as_the_program_does() {
+    let folder = with_cases("fmu_whole", &document(), &[Drive::Speed, Drive::Torque], true);
+    if let Some(lines) = run("fmu.py", &folder) {
+        println!("{lines}");
+        assert!(largest(&lines) < 1e-11, "{lines}");
+    }
+}
+
+#[test]
+fn ref_an_fmu_has_fractional_delays_gates_and_late_demands() {
+    let mut model = document().model;
+    let pi = model.speed_controller.as_mut().unwrap();
+    (pi.delay_s, pi.demand_delay_s) = (1.37e-3, 3.37e-3);
+    model.feed_forward.as_mut().unwrap().delay_s = 1e-3;
+    model.torque_control = Some(TorqueControlModel { delay_s: 0.71e-3, bandwidth_rad_s: None });
+    model.encoder_gate_s = 2.4e-3;
+    let mut early = document().model;
+    let pi = early.speed_controller.as_mut().unwrap();
+    (pi.delay_s, pi.demand_delay_s) = (2.3e-3, 0.2e-3);
+    for (name, model) in [("fmu_late", model), ("fmu_early", early)] {
+        let folder = with_cases(name, &with_model(model), &[Drive::Speed, Drive::Torque], false);
+        if let Some(lines) = run("fmu.py", &folder) {
+            println!("{lines}");
+            assert!(largest(&lines) < 1e-11, "{lines}");
+        }
+    }
+}
+
+/// Compiles sources with the machine's compiler; `None`, and the test counts as skipped, where there is none.
+fn compiled(folder: &Path, arguments: &[&str]) -> Option<()> {
+    let Ok(output) = Command::new("cc").current_dir(folder).args(arguments).output() else {
+        testdata::skip("no C compiler");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(())
+}
+
+fn printed(program: &Path, arguments: &[&str]) -> String {
+    let output = Command::new(program).args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
+    said
+}
+
+#[test]
+fn prop_wrong_calls_are_refused_and_no_calls_crash() {
+    let files = unpacked(&made(&document(), FmiVersion::V3));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fmu_misuse");
+    for (path, content) in &files {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    }
+    let misuse = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/fmu_misuse.c");
+    let sources = files.keys().filter_map(|path| path.strip_prefix("sources/")).filter(|path| path.ends_with(".c"));
+    let flags = ["-std=c99", "-g", "-O1", "-I.", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let last = [misuse.to_str().unwrap(), "-lm", "-o", "misuse"];
+    let arguments: Vec<&str> = flags.into_iter().chain(sources).chain(last).collect();
+    let Some(()) = compiled(&folder.join("sources"), &arguments) else { return };
+    let resource = text(&files, "resources/bench.txt");
+    let token = resource.lines().find_map(|line| line.strip_prefix("token ")).unwrap();
+    let resources = folder.join("resources");
+    let said = printed(&folder.join("sources/misuse"), &[resources.to_str().unwrap(), token, "20000"]);
+    assert!(said.contains("failures 0"), "{said}");
+}
+
+#[test]
+fn ref_a_program_in_c_simulates_as_the_program_does() {
+    let document = document();
+    let folder = folder_with("c_target", &c_files(&document, &names()).unwrap());
+    let warnings = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+    let files = ["example.c", "bench.c", "matrix.c", "-lm", "-o", "example"];
+    let Some(()) = compiled(&folder, &[&warnings[..], &files[..]].concat()) else { return };
+    let said = printed(&folder.join("example"), &[]);
+    // The same in the program: 170 rad/s, the middle of the range, and 5 rad/s more after 0.1 s.
+    let speed: Vec<f64> = (0..1001).map(|k| if k < 100 { 170.0 } else { 175.0 }).collect();
+    let model = &document.model;
+    let inputs = bench_model::simulate::Inputs {
+        sample_time_s: 1e-3,
+        engine_torque_nm: &[0.0; 1001],
+        dyno: bench_model::simulate::DynoInput::SpeedDemand(&speed),
+    };
+    let start = bench_model::simulate::InitialState::steady(model, 170.0, 0.0);
+    let response = bench_model::simulate::simulate(model, &inputs, &start).unwrap();
+    let mut largest: f64 = 0.0;
+    for (k, line) in said.lines().enumerate() {
+        let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
+        largest = largest.max((numbers[1] - response.dyno_speed_rad_s[k + 1]).abs() / 170.0);
+        largest = largest.max((numbers[2] - response.shaft_torque_nm[k + 1]).abs() / 100.0);
+    }
+    println!("example in C {largest:e}");
+    assert_eq!(said.lines().count(), 1000);
+    assert!(largest < 1e-11, "{largest:e}");
+}
