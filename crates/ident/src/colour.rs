@@ -2,7 +2,8 @@
 //!
 //! To first order `θ̂ − θ = (JᵀJ)⁻¹ Jᵀ v`, so that the covariance is `(JᵀJ)⁻¹ JᵀRJ (JᵀJ)⁻¹` with `R` the covariance of
 //! the errors `v` in time. Their autocorrelation is that of an autoregression fitted to the residuals, of an order chosen
-//! by Akaike's criterion: none where they look white, and the covariance is the usual one then.
+//! by Akaike's criterion: none where they look white, and the covariance is the usual one then. Where its errors `e` change
+//! in size over time, `R` has their variance at each instant.
 //!
 //! It holds where `J` does not depend on `v`, as for errors of a simulation in open loop.
 //!
@@ -14,8 +15,8 @@
 use faer::{Mat, MatRef};
 use numerics::linalg::{self, Cholesky};
 
-use crate::IdentError;
 use crate::covariance_root::root;
+use crate::{IdentError, variance_course};
 
 /// Most lags of the autoregression, times the decades of the number of residuals.
 const LAGS_PER_DECADE: f64 = 10.0;
@@ -36,6 +37,8 @@ pub(crate) struct Colour {
     /// The autocovariances `E ṽ(t) ṽ(t−k)ᵀ` for k = 0 … order.
     moments: Vec<Mat<f64>>,
     rows: usize,
+    /// Where the size of `e` changes, its variance at each instant of each series over that of all.
+    course: Option<Vec<Vec<f64>>>,
 }
 
 impl Colour {
@@ -57,18 +60,21 @@ impl Colour {
             }
         }
         now.moments.truncate(chosen.3 + 1);
-        Colour { coefficients: chosen.1, root: chosen.2, moments: now.moments, rows: moments.rows }
+        let (coefficients, root) = (chosen.1, chosen.2);
+        let sizes: Vec<Vec<f64>> = series.iter().map(|s| sizes(s, &coefficients, &root)).collect();
+        let course = variance_course::course(&sizes);
+        Colour { coefficients, root, moments: now.moments, rows: moments.rows, course }
     }
 
     /// That of independent white errors of variance one.
     pub(crate) fn white(outputs: usize) -> Self {
         let identity = Mat::identity(outputs, outputs);
-        Colour { coefficients: Vec::new(), root: identity.clone(), moments: vec![identity], rows: 0 }
+        Colour { coefficients: Vec::new(), root: identity.clone(), moments: vec![identity], rows: 0, course: None }
     }
 
-    /// Whether the residuals look white.
+    /// Whether the residuals look white, and as large at all times.
     pub(crate) fn is_white(&self) -> bool {
-        self.coefficients.is_empty()
+        self.coefficients.is_empty() && self.course.is_none()
     }
 
     /// `E v(t) v(t−k)ᵀ` for k = 0, 1, … until it has decayed, at most `reach`.
@@ -93,6 +99,28 @@ impl Colour {
     pub(crate) fn degrees_of_freedom(&self) -> f64 {
         (self.rows as f64 / (2 * self.coefficients.len()).max(1) as f64).max(1.0)
     }
+}
+
+/// The sizes of `L⁻¹ e(t)`, with a sign where there is one output; NaN where a residual is missing that it takes.
+fn sizes(series: &[f64], coefficients: &[Mat<f64>], root: &Mat<f64>) -> Vec<f64> {
+    let p = root.nrows();
+    let mut e = vec![0.0; p];
+    let mut size = |t: usize| {
+        e.copy_from_slice(&series[t * p..(t + 1) * p]);
+        for (k, a) in coefficients.iter().enumerate() {
+            // Backwards: the samples to come are the past. Beyond the end nothing is known.
+            let Some(later) = series.get((t + k + 1) * p..(t + k + 2) * p) else { return f64::NAN };
+            for (i, slot) in e.iter_mut().enumerate() {
+                *slot -= later.iter().enumerate().map(|(j, v)| a[(i, j)] * v).sum::<f64>();
+            }
+        }
+        for i in 0..p {
+            let known: f64 = (0..i).map(|j| root[(i, j)] * e[j]).sum();
+            e[i] = (e[i] - known) / root[(i, i)];
+        }
+        if p == 1 { e[0] } else { (e.iter().map(|v| v * v).sum::<f64>() / p as f64).sqrt() }
+    };
+    (0..series.len() / p.max(1)).map(&mut size).collect()
 }
 
 /// Autocovariances of series with gaps.
@@ -193,6 +221,8 @@ pub(crate) struct Sandwich<'a> {
     /// The filter's latest outputs, outputs × directions by rows, the next to be overwritten at `head`.
     past: Vec<Vec<f64>>,
     head: usize,
+    /// Series that have ended, and instants of the present one.
+    ended: usize,
     pushed: usize,
     largest: f64,
     /// One row of `Lᵀ z`.
@@ -225,7 +255,7 @@ impl<'a> Sandwich<'a> {
         let outputs = colour.root.nrows();
         let past = vec![vec![0.0; outputs * directions]; colour.coefficients.len() + 1];
         let (weighed, sum) = (vec![0.0; directions], vec![0.0; directions * directions]);
-        Sandwich { colour, unit, directions, past, head: 0, pushed: 0, largest: 0.0, weighed, sum }
+        Sandwich { colour, unit, directions, past, head: 0, ended: 0, pushed: 0, largest: 0.0, weighed, sum }
     }
 
     /// Takes the rows of `J` at the next instant, outputs × parameters by rows; zeros where there is no residual.
@@ -265,8 +295,10 @@ impl<'a> Sandwich<'a> {
         }
     }
 
-    /// Adds `zᵀ L Lᵀ z`.
+    /// Adds `zᵀ L Lᵀ z`, times the variance of the instant.
     fn gather(&mut self, z: &[f64]) {
+        let course = self.colour.course.as_ref().and_then(|course| course.get(self.ended)?.get(self.pushed));
+        let variance = course.copied().unwrap_or(1.0);
         let (outputs, directions) = (self.colour.root.nrows(), self.directions.max(1));
         for l in 0..outputs {
             self.weighed.fill(0.0);
@@ -275,7 +307,7 @@ impl<'a> Sandwich<'a> {
                 self.weighed.iter_mut().zip(row).for_each(|(w, v)| *w += weight * v);
             }
             for (a, row) in self.weighed.iter().zip(self.sum.chunks_exact_mut(directions)) {
-                row.iter_mut().zip(&self.weighed).for_each(|(s, b)| *s += a * b);
+                row.iter_mut().zip(&self.weighed).for_each(|(s, b)| *s += variance * a * b);
             }
         }
     }
@@ -291,7 +323,7 @@ impl<'a> Sandwich<'a> {
             self.push(&silence);
         }
         self.past.iter_mut().for_each(|z| z.fill(0.0));
-        (self.pushed, self.largest) = (0, 0.0);
+        (self.ended, self.pushed, self.largest) = (self.ended + 1, 0, 0.0);
     }
 
     /// `U Uᵀ (JᵀRJ) U Uᵀ`; `JᵀRJ` of rows taken as they are.
@@ -360,7 +392,8 @@ mod tests {
         let mut recursion = Recursion::new(moments[0].clone());
         recursion.extend(&moments[1].transpose().to_owned());
         let lower = Cholesky::new(recursion.forward_error.as_ref()).unwrap().lower().to_owned();
-        let known = Colour { coefficients: recursion.forward, root: lower, moments: recursion.moments, rows: 0 };
+        let known =
+            Colour { coefficients: recursion.forward, root: lower, moments: recursion.moments, rows: 0, course: None };
         for (lag, found) in known.autocovariances(40).iter().enumerate() {
             assert!((found - &moments[lag]).norm_max() < 1e-9, "{lag}");
         }

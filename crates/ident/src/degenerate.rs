@@ -8,6 +8,10 @@ use crate::{Dataset, Doubt, Fit, Triangle};
 
 /// What is left of an input, relative to its variation, where it counts as a combination of others.
 const SAME_INPUT: f64 = 1e-11;
+/// As much is left of one that was written with six digits, as a part of its size with its mean; a larger part of its variation
+/// than the other is not rounding.
+const WRITTEN: f64 = 1e-6;
+const MOST_ROUNDED: f64 = 1e-4;
 /// Shares of an input below this are rounding.
 const SHARE: f64 = 1e-8;
 /// Relative difference of two equal errors, below which their covariance is rounding.
@@ -87,7 +91,8 @@ pub(crate) fn dependent_inputs(data: &Dataset) -> Vec<Combination> {
     for j in 1..=m {
         let own = factor_of(&factor, &[independent.as_slice(), &[j]].concat());
         let left = own[(own.ncols() - 1, own.ncols() - 1)].abs();
-        if j == 1 || left > SAME_INPUT * varying(j) {
+        let rounded = (WRITTEN * factor.col(j).norm_l2()).min(MOST_ROUNDED * varying(j));
+        if j == 1 || left > rounded.max(SAME_INPUT * varying(j)) {
             independent.push(j);
         } else {
             found.push(combination(&own, &sizes, &independent, j - 1));

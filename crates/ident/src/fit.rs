@@ -5,7 +5,7 @@ use lti::{Innovations, LtiError, PolynomialModel};
 
 use crate::band_limited::BandLimitedForm;
 use crate::data::check_clock;
-use crate::{Dataset, IdentError, Intersample, Origin, Termination};
+use crate::{Dataset, Experiment, IdentError, Intersample, Origin, Termination};
 
 /// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
 /// sampled models — goes through it.
@@ -68,6 +68,9 @@ pub struct Fit<M> {
     pub free_parameters: usize,
     /// The initial state of the innovations form, for each experiment; empty where the method needs none.
     pub initial_states: Vec<Vec<f64>>,
+    /// The constants that were estimated beside the model: for each experiment one an output. Empty where none were; then the
+    /// outputs are those of the model alone.
+    pub levels: Vec<Vec<f64>>,
     /// How the search ended.
     pub termination: Termination,
     /// Iterations taken, zero for a method without any.
@@ -162,6 +165,26 @@ pub enum Doubt {
         /// Index of the input.
         input: usize,
     },
+    /// An input goes with what the model leaves of an output in the same sample, and the model has no way for that: the input
+    /// acts at once, or follows the output within the sample, as a controller's output does. Then the estimate is biased.
+    WithinSample {
+        /// Index of the output.
+        output: usize,
+        /// Index of the input.
+        input: usize,
+    },
+    /// An input has so few lines of frequency, each of which gives a gain and a phase, that it does not separate delay and
+    /// dynamics of this structure.
+    FewLines {
+        /// Index of the input.
+        input: usize,
+        /// Lines there are.
+        lines: usize,
+        /// Lines that the structure needs.
+        needed: usize,
+        /// The strongest of them.
+        strongest_hz: f64,
+    },
     /// What the model leaves of an output still follows the inputs: the structure is too simple, or the search ended in a
     /// local minimum. Intervals and covariance contain nothing of this error.
     FollowsInputs {
@@ -197,6 +220,7 @@ impl<M> Fit<M> {
             samples: self.samples,
             free_parameters: self.free_parameters,
             initial_states: self.initial_states,
+            levels: self.levels,
             termination: self.termination,
             iterations: self.iterations,
             condition: self.condition,
@@ -311,6 +335,25 @@ pub(crate) fn check_channels<M: LinearModel + ?Sized>(model: &M, data: &crate::D
 }
 
 impl<M> Fit<M> {
+    /// Data of the estimate, or others with as many experiments, less the [levels](Fit::levels): what the model alone
+    /// describes.
+    ///
+    /// # Errors
+    /// [`IdentError::Length`] for another number of experiments or outputs.
+    pub fn without_levels(&self, data: &Dataset) -> Result<Dataset, IdentError> {
+        if self.levels.is_empty() {
+            return Ok(data.clone());
+        }
+        crate::data::check_count("experiments of the levels", self.levels.len(), data.experiments().len())?;
+        let mut levels = self.levels.iter();
+        data.map_experiments(|e| {
+            let of = levels.next().map_or(&[][..], Vec::as_slice);
+            crate::data::check_count("outputs of the levels", of.len(), e.outputs.ncols())?;
+            let outputs = Mat::from_fn(e.len(), of.len(), |t, i| e.outputs[(t, i)] - of[i]);
+            Ok(Experiment { outputs, ..e.clone() })
+        })
+    }
+
     /// The same estimate, made by this method from these data.
     pub(crate) fn made_by(self, method: &'static str, data: &Dataset) -> Self {
         Fit { origin: Some(Origin::new(method, data)), ..self }

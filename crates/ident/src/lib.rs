@@ -67,6 +67,8 @@ pub mod document;
 mod equation;
 mod error;
 mod excitation;
+mod excited_lines;
+mod feedback;
 mod fit;
 mod focus;
 pub mod frequency;
@@ -95,6 +97,7 @@ mod termination;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
+mod variance_course;
 
 // Data.
 pub use advice::{Advice, SampleIndex, advise};

@@ -118,6 +118,7 @@ impl StateSpacePem {
         if missing > 0 {
             fit.doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
         }
+        let fit = if self.focus == Focus::Simulation { fit.doubting_feedback(data) } else { fit };
         Ok(fit.made_by(self.focus.method(), data))
     }
 

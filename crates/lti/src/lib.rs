@@ -26,7 +26,9 @@ pub mod text;
 mod transfer_function;
 mod zero_pole_gain;
 
-pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid, common_frequency_grid};
+pub use analysis::{
+    GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid, common_frequency_grid, settled,
+};
 pub use channel_pair::ChannelPair;
 pub use delayed::DelayedStateSpace;
 pub use dimensions::Dimensions;

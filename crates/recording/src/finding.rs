@@ -76,6 +76,11 @@ pub enum Finding {
         /// The variable that states the sampling rate or time.
         stated_by: String,
     },
+    /// A clock counts from 1970 in a unit that only its numbers show; it was read so, and counts from its first stamp.
+    CountsSince1970 {
+        /// The unit.
+        unit: String,
+    },
     /// A clock that its format counts in seconds gives another unit.
     IgnoredTimeUnit {
         /// Index of the raster in the recording.
@@ -96,6 +101,12 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// Whether it says how the time was read.
+    #[must_use]
+    pub fn is_about_time(&self) -> bool {
+        matches!(self, Self::AssumedTimeUnit { .. } | Self::CountsSince1970 { .. } | Self::IgnoredTimeUnit { .. })
+    }
+
     /// Whether samples are, or may be, missing or cut off.
     #[must_use]
     pub fn is_loss(&self) -> bool {
@@ -148,6 +159,11 @@ impl fmt::Display for Finding {
             Self::AssumedTimeUnit { clock, unit, stated_by } => {
                 write!(f, "time \"{clock}\" was read in {unit}, which its distance and \"{stated_by}\" agree on")
             }
+            Self::CountsSince1970 { unit } => write!(
+                f,
+                "the time stamps are so large that they count {unit} since 1970; they were read so, and seconds count from the \
+                 first of them"
+            ),
             Self::IgnoredTimeUnit { raster, unit } => write!(
                 f,
                 "the time of raster {raster} was read in seconds, as the format prescribes, though its unit is \"{}\"; \

@@ -37,6 +37,9 @@
 //! The masters of MDF are in seconds; one that says otherwise is read so all the same, and named. Groups without a master
 //! are left out, unless the distance of samples is given.
 //!
+//! Numbers as large as the milliseconds, microseconds or nanoseconds since 1970 are read as such, whatever unit is stated:
+//! seconds count from the first, which is the start time, and it is said.
+//!
 //! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
 //! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its
 //! name.
@@ -61,6 +64,7 @@ mod arrow;
 #[path = "arrow/absent.rs"]
 mod arrow;
 mod csv;
+mod epoch;
 mod error;
 mod finding;
 mod heading;
@@ -184,12 +188,13 @@ pub fn decode_from(
         return Err(RecordingError::RowDistance { given: given.to_string() });
     }
     let recording = match Kind::detect(name, &*source)? {
-        Kind::Mdf => mdf::decode(name, &*source, selection, row_distance_s, progress),
+        // Its clocks count from the start, in seconds.
+        Kind::Mdf => return mdf::decode(name, &*source, selection, row_distance_s, progress).map(with_duplicates),
         Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, progress),
         Kind::Mat => mat::decode(name, &source, selection, row_distance_s, progress),
         Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, progress),
     };
-    recording.map(with_duplicates)
+    recording.map(epoch::counted_from_first).map(with_duplicates)
 }
 
 /// Lists as [`catalogue`] does, from a source. The samples of an MDF file are read where records of several groups have to

@@ -1,7 +1,7 @@
 //! What is said about data.
 
 use dataset::{Adjustment, Resampling};
-use ident::{Advice, Dataset, Label, TrendShape};
+use ident::{Advice, Channel, Dataset, Intersample, Label, TrendShape};
 use page::decimal::{scientific, significant};
 
 /// What data are for, which bears on what should be known of them.
@@ -100,6 +100,16 @@ pub fn advice(advice: &Advice, data: &Dataset) -> String {
         Advice::Integrating { .. } => {
             format!("{named}, but a trend is taken off, and part of the response with it; try --detrend none")
         }
+        Advice::Drift { channel: Channel::Output(_), .. } => {
+            format!("{named}; if the inputs do not explain it, take it off with --detrend line")
+        }
+        Advice::Feedback { .. } if data.intersample() == Intersample::ZeroOrderHold => {
+            format!("{named}, or where the input is not held between its samples (--between)")
+        }
+        Advice::Feedthrough { .. } if data.intersample() == Intersample::ZeroOrderHold => format!(
+            "{named}, or the input is not held between its samples and the delay is below one; then choose --between straight \
+             or band-limited"
+        ),
         _ => named,
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             parameters.get(*parameter).map_or("a parameter", String::as_str)
         ),
         Doubt::Unstable => {
-            "the model is not stable: its simulation diverges, and it has no static gain and no final value; if the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
+            "the model is not stable: its simulation diverges whatever it is worth, so judge it by its prediction; it has no static gain and no final value; if the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
         }
         Doubt::LargerThanNoise { ratio } => format!(
             "the residual is {} times what the measured noise explains, but the intervals follow from that noise; true errors are larger; try another structure",
@@ -62,6 +62,19 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
                 input + 1
             )
         }
+        Doubt::WithinSample { output, input } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "input {} moves with what the model leaves of {name} in the same sample; either it acts at once (allow it with --nk 0 or --feedthrough), or it follows {name} as a controller's output does; under feedback this method is biased, even in sign, so use a model with noise (armax, bj)",
+                input + 1
+            )
+        }
+        Doubt::FewLines { input, lines, needed, strongest_hz } => format!(
+            "input {} has only {}, the strongest at {} Hz; each gives a gain and a phase, and this structure needs {needed} lines; a delay cannot be separated from a phase shift then; excite with steps or noise, or fix parameters",
+            input + 1,
+            counted(*lines, "line of frequency").replace("line of frequencys", "lines of frequency"),
+            digits(*strongest_hz, 4)
+        ),
         Doubt::FollowsInputs { output, share } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
             format!(

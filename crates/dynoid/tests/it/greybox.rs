@@ -132,3 +132,18 @@ fn faults_of_the_structure_name_the_file_and_the_key() {
     let help = run(&folder, "fit greybox --help").stdout;
     assert!(help.contains("[parameters]") && help.contains("resonance_hz"), "{help}");
 }
+
+#[test]
+fn regress_the_pole_of_a_shaft_that_turns_freely_is_an_integrator() {
+    let folder = folder(0.01);
+    let found = run(&folder, &format!("{FIT} --json --out m.json")).json();
+    assert!(!found["doubts"].to_string().contains("not stable"), "{}", found["doubts"]);
+    let poles = run(&folder, "model poles m.json");
+    assert!(poles.stdout.contains("an integrator: at rest within rounding"), "{}", poles.stdout);
+    let roots = run(&folder, "model poles m.json --json").json()[0]["poles"][0]["roots"].clone();
+    assert!(roots.as_array().unwrap().iter().any(|root| root["re"] == 0.0 && root["im"] == 0.0), "{roots}");
+    let step = run(&folder, "model step m.json");
+    assert!(step.stdout.contains("none: the model integrates"), "{}", step.stdout);
+    let bode = run(&folder, "model bode m.json");
+    assert!(bode.stdout.contains("infinite: the model integrates"), "{}", bode.stdout);
+}

@@ -19,6 +19,7 @@ mod help;
 mod identify;
 mod init;
 mod inspect;
+mod levels;
 mod lines;
 mod look;
 mod operating_point;

@@ -224,7 +224,7 @@ fn ref_servo_motors_by_the_command_fit() {
         let [one_over_j, _, low, high] = numbers[..] else { panic!("{row}") };
         println!("{run}: J = {:.3e}, {:.3e} to {:.3e} kg m²", 1.0 / one_over_j, 1.0 / high, 1.0 / low);
         match is_forwards {
-            true => assert!(low < 1.0 / 1.2e-4 && 1.0 / 1.2e-4 < high, "{row}"),
+            true => assert!(low < 1.0 / 1.4e-4 && 1.0 / 1.6e-4 < high, "{row}"),
             false => assert!(1.0 / one_over_j > 1.7e-4, "{row}"),
         }
     }

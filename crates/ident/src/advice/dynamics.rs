@@ -2,17 +2,27 @@
 
 use faer::Mat;
 
-use crate::Dataset;
 use crate::distributions::chi_squared_quantile;
 use crate::equation::factor_of;
 use crate::least_squares::{LinearFit, solve_factor};
-use crate::regression::{Lagged, Regression};
+use crate::regression::{Lagged, Regression, Signals};
+use crate::{Dataset, Experiment};
 
 /// Past values of the output and of each input, at most.
 const PAST: usize = 10;
 
 /// Future values of each input for every two past ones.
 const PAST_FOR_ONE_AHEAD: usize = 2;
+
+/// Past values looked at again where later inputs seem to matter: noise on the output, or an input that changes slowly, needs
+/// more of them, and what a short past lacks is in the inputs to come too.
+const LONGER: [usize; 3] = [20, 40, 80];
+
+/// Rows times squared columns that such a look may take.
+const AFFORDABLE: usize = 2_000_000_000;
+
+/// Part of the variance of a residual that later inputs have to explain.
+const NOTABLE: f64 = 1e-3;
 
 /// Level of the tests.
 const LEVEL: f64 = 0.999;
@@ -63,11 +73,7 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
     }
     let ahead = past / PAST_FOR_ONE_AHEAD;
     let columns = columns(inputs, past, ahead);
-    let signals = data
-        .experiments()
-        .iter()
-        .map(|e| std::iter::once(e.output(output)).chain((0..inputs).map(|k| e.input(k))).collect())
-        .collect();
+    let signals = signals(data, output, usize::MAX);
     let last = columns.len() - 1;
     let regression = Regression::new(&signals, columns);
     let samples = regression.rows;
@@ -104,6 +110,68 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
         threshold_ahead: chi_squared_quantile(LEVEL, ahead as f64),
         threshold_present: chi_squared_quantile(LEVEL, 1.0),
     })
+}
+
+/// Whether values of an input `lags` samples before still help to explain an output beside as long a past as the data ask for, by
+/// Akaike's criterion; negative lags are values to come.
+///
+/// # Source
+/// Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal systems*, J. Econometrics 21, 1983; Ljung
+/// 1999, (16.36) (the criterion).
+pub(super) fn matters_beside_longer_past(data: &Dataset, (input, output): (usize, usize), lags: &[isize]) -> bool {
+    let looks = std::iter::once(PAST).chain(LONGER).map_while(|past| Beside::new(data, (input, output), lags, past));
+    let best = looks.min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    best.is_some_and(|best| best.matters)
+}
+
+/// The values of an input that are still to come.
+pub(super) const TO_COME: [isize; 5] = [-1, -2, -3, -4, -5];
+
+/// What further values of an input explain of an output beside a past of some length.
+struct Beside {
+    /// Of the regression without them.
+    criterion: f64,
+    matters: bool,
+}
+
+impl Beside {
+    /// None where the data are too few for so long a past.
+    fn new(data: &Dataset, (input, output): (usize, usize), lags: &[isize], past: usize) -> Option<Self> {
+        let inputs = data.inputs();
+        let back = |signal: usize| Lagged::each(signal, 1..=past as isize);
+        // The present of the others, and of this one where that is not what is asked for.
+        let present = (1..=inputs).filter(|k| *k != input + 1 || !lags.contains(&0)).map(|k| Lagged::new(k, 0));
+        let known: Vec<Lagged> = (0..=inputs).flat_map(back).chain(present).collect();
+        let first = known.len();
+        let all = known.into_iter().chain(Lagged::each(input + 1, lags.iter().copied())).chain([Lagged::new(0, 0)]);
+        let last = first + lags.len();
+        let most = AFFORDABLE / (last + 1).pow(2) / data.experiments().len().max(1);
+        let signals = signals(data, output, most);
+        let regression = Regression::new(&signals, all.collect());
+        let rows = regression.rows;
+        if rows < 4 * (last + 1) {
+            return None;
+        }
+        let factor = regression.factor();
+        let explained: f64 = (first..last).map(|i| factor[(i, last)].powi(2)).sum();
+        let left = factor[(last, last)].powi(2);
+        let variance = left / (rows - last) as f64;
+        Some(Beside {
+            criterion: ((left + explained) / rows as f64).ln() + 2.0 * first as f64 / rows as f64,
+            matters: explained > variance * chi_squared_quantile(LEVEL, lags.len() as f64)
+                && explained > NOTABLE * (left + explained),
+        })
+    }
+}
+
+/// The output and the inputs of each experiment, at most so many samples.
+fn signals(data: &Dataset, output: usize, most: usize) -> Signals<'_> {
+    let record = |e| {
+        let e: &Experiment = e;
+        let all = std::iter::once(e.output(output)).chain((0..data.inputs()).map(|k| e.input(k)));
+        all.map(|x| &x[..x.len().min(most)]).collect()
+    };
+    data.experiments().iter().map(record).collect()
 }
 
 /// Past of the output, past of each input, present inputs, future of each input, the output itself.

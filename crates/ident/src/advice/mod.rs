@@ -7,7 +7,7 @@ use std::fmt;
 use signal::frf::{RepeatedResponse, repeated_response};
 use signal::quality::{QualityOptions, check_quality};
 
-use self::dynamics::{Dynamics, look_for_dynamics};
+use self::dynamics::{Dynamics, TO_COME, look_for_dynamics, matters_beside_longer_past};
 use crate::data::{Channel, Dataset, Experiment, Line, Trend, TrendScope, TrendShape};
 use crate::degenerate::dependent_inputs;
 use crate::excitation::ExcitationOptions;
@@ -422,7 +422,7 @@ fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), fo
 
 /// Whether an input repeats period by period without noise. Under feedback it cannot, for the noise does not repeat; but its
 /// future is known from its past, and a regression with too short a past uses that.
-fn repeats_exactly(data: &Dataset, input: usize) -> bool {
+pub(crate) fn repeats_exactly(data: &Dataset, input: usize) -> bool {
     data.experiments().iter().all(|experiment| {
         let u = experiment.input(input);
         let found = repeated_response(&[u], &[u], data.sample_time_s(), None);
@@ -444,7 +444,7 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
         for (k, (channel, input)) in channels.iter().zip(inputs).enumerate() {
             let (input, output) = (*input, *output);
             if channel.ahead > threshold_ahead {
-                if !repeats_exactly(centred, k) {
+                if !repeats_exactly(centred, k) && matters_beside_longer_past(centred, (k, output), &TO_COME) {
                     found.push(Advice::Feedback {
                         input,
                         output,
@@ -455,7 +455,7 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
                 // What the output does to the input reads like a response to it.
                 continue;
             }
-            if channel.present > threshold_present {
+            if channel.present > threshold_present && matters_beside_longer_past(centred, (k, output), &[0]) {
                 let (statistic, threshold) = (channel.present, threshold_present);
                 found.push(Advice::Feedthrough { input, output, statistic, threshold });
             }

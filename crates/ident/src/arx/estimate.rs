@@ -83,6 +83,7 @@ pub(crate) fn polynomial_fit(
         samples: regression.rows,
         free_parameters: orders.parameters(),
         initial_states: Vec::new(),
+        levels: Vec::new(),
         termination: Termination::Direct,
         iterations: 0,
         condition,

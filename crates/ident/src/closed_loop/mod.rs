@@ -19,7 +19,6 @@
 //! Forssell & Ljung, *Closed-loop identification revisited*, Automatica 35, 1999; Ljung 1999, §13.4 and §13.5; Van den Hof
 //! & Schrama, *An indirect method for transfer function estimation from closed loop data*, Automatica 29, 1993.
 
-pub(crate) mod feedback;
 mod indirect;
 mod joint;
 mod two_stage;

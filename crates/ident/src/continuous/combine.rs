@@ -4,12 +4,14 @@ use faer::Mat;
 use numerics::linalg;
 
 use super::channel::ContinuousChannel;
-use super::estimate::{Combined, OutputFit, Settings, doubts, resting};
+use super::estimate::{Combined, OutputFit, Settings, doubts, errors, resting};
 use super::model::ContinuousModel;
+use super::output_error::Nuisance;
 use super::record::records;
 use super::{followed, initial, joint};
 use crate::band_limited::Ground;
-use crate::{Doubt, Fit, IdentError, Parametric, Termination};
+use crate::excited_lines::Lines;
+use crate::{Dataset, Doubt, Fit, IdentError, Parametric, Termination};
 
 /// One model of all outputs, from the estimate of each.
 pub(crate) fn combine<C: ContinuousChannel>(
@@ -30,12 +32,13 @@ pub(crate) fn combine<C: ContinuousChannel>(
         Mat::from_fn(parts.len(), parts.len(), |i, j| moments[(i, j)] * (scale(i) * scale(j)).sqrt());
     let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
     let model = model.with_parameters(&combined.parameters)?;
-    let initial_states = initial::initial_states(&model, data, settings.nuisance)?;
+    let levels = levels(ground, first, &model, parts, settings)?;
     let followed = followed::doubts(ground, first, parts, settings.nuisance.offset)?;
     let resting = combined.resting.iter().map(|parameter| Doubt::AtBound { parameter: *parameter }).collect();
     let samples = parts.iter().map(|p| p.minimum.residuals.len()).min().unwrap_or(0);
     let usual = doubts(data, samples, combined.termination.converged(), combined.condition);
-    Ok(Fit {
+    let few = few_lines(data, parts)?;
+    let fit = Fit {
         covariance: combined.covariance,
         degrees_of_freedom: combined.degrees_of_freedom,
         noise_covariance,
@@ -43,15 +46,66 @@ pub(crate) fn combine<C: ContinuousChannel>(
         loss: linalg::determinant(moments.as_ref()).max(0.0),
         samples,
         free_parameters: combined.at_bound.iter().filter(|b| !**b).count(),
-        initial_states,
+        initial_states: Vec::new(),
+        levels,
         termination: combined.termination,
         iterations: combined.iterations,
         condition: combined.condition,
-        doubts: [usual, resting, followed].concat(),
+        doubts: [few, usual, resting, followed].concat(),
         origin: None,
         model,
+    };
+    let about = fit.without_levels(data)?;
+    let nuisance = Nuisance { offset: false, ..settings.nuisance };
+    let initial_states = initial::initial_states(&fit.model, &about, nuisance)?;
+    Ok(Fit { initial_states, ..fit }.doubting(data).doubting_feedback(&about))
+}
+
+/// The constant of every output in each experiment, of one too short to have any their mean; none where none are estimated.
+fn levels<C: ContinuousChannel>(
+    ground: &Ground<'_>,
+    first: usize,
+    model: &ContinuousModel<C>,
+    parts: &[OutputFit<C>],
+    settings: Settings,
+) -> Result<Vec<Vec<f64>>, IdentError> {
+    let experiments = ground.plain.experiments();
+    if !settings.nuisance.offset {
+        return Ok(Vec::new());
     }
-    .doubting(data))
+    let mut all = vec![vec![0.0; parts.len()]; experiments.len()];
+    for (output, part) in parts.iter().enumerate() {
+        let channels = model.channels().iter().skip(output * model.channels().len() / parts.len());
+        let own = channels.take(ground.plain.inputs()).flat_map(C::parameters).collect::<Vec<f64>>();
+        let records = records(ground, output, first)?;
+        let found = errors(&part.model, &records, ground.plain, settings).levels(&own)?;
+        let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
+        let mut found = found.into_iter();
+        for (of, experiment) in all.iter_mut().zip(experiments) {
+            of[output] = if experiment.len() > first { found.next().unwrap_or(mean) } else { mean };
+        }
+    }
+    Ok(all)
+}
+
+/// The inputs with fewer lines of frequency than the free parameters of a channel ask for; beside a delay that is searched
+/// one value more has to be there to refute it.
+fn few_lines<C: ContinuousChannel>(data: &Dataset, parts: &[OutputFit<C>]) -> Result<Vec<Doubt>, IdentError> {
+    let mut needed = vec![0; data.inputs()];
+    for part in parts {
+        for ((channel, first), needed) in part.model.channels().iter().zip(part.model.offsets()).zip(&mut needed) {
+            let is_free = |j: usize| part.bounds[first + j].lower < part.bounds[first + j].upper;
+            let free = (0..channel.parameters().len()).filter(|j| is_free(*j)).count();
+            let has_delay = channel.delay_parameter().is_some_and(is_free);
+            *needed = (*needed).max(if has_delay { free / 2 + 1 } else { free.div_ceil(2) });
+        }
+    }
+    let doubt = |(input, needed): (usize, usize)| {
+        let found = Lines::of(data, input, None, 0.0).all_hz;
+        let (lines, strongest_hz) = (found.len(), found.first().copied().unwrap_or(0.0));
+        (lines > 0 && lines < needed).then_some(Doubt::FewLines { input, lines, needed, strongest_hz })
+    };
+    Ok(needed.into_iter().enumerate().filter_map(doubt).collect())
 }
 
 /// The estimates of the outputs as they are, those of different outputs taken as uncorrelated.

@@ -16,6 +16,9 @@ use crate::{
 /// Samples that starting models are compared on.
 const COMPARED: usize = 20_000;
 
+/// Rows from which on a search goes by way of so many.
+const LONG: usize = 5 * COMPARED;
+
 /// Steps each starting model gets before the best is kept.
 const TRIAL_STEPS: usize = 15;
 
@@ -108,7 +111,13 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
 ) -> Result<OutputFit<C>, IdentError> {
     let tried = try_starts(data, records, starts, bounds, settings)?;
     let mut problem = errors(&starts[0], records, data, settings);
-    let mut minimum = minimise(&mut problem, &tried[0], bounds, settings.search)?;
+    // One that was given has been searched for.
+    let is_long = starts.len() > 1 && records.iter().map(Record::rows).sum::<usize>() >= LONG;
+    let begin = match is_long {
+        true => refined(data, records, (&starts[0], &tried[0]), bounds, settings),
+        false => tried[0].clone(),
+    };
+    let mut minimum = minimise(&mut problem, &begin, bounds, settings.search)?;
     let mut residuals = vec![0.0; minimum.residuals.len()];
     for theta in &tried[1..] {
         let is_better =
@@ -118,6 +127,20 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
         }
     }
     judged(&starts[0], minimum, &problem, bounds, records)
+}
+
+/// Where a search in long data begins: at the minimum of their liveliest part, from which few steps are left.
+fn refined<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    (start, theta): (&ContinuousModel<C>, &[f64]),
+    bounds: &[Bounds],
+    settings: Settings,
+) -> Vec<f64> {
+    let short = liveliest(records, COMPARED);
+    let within = settings.within(&short, records);
+    let found = minimise(&mut errors(start, &short, data, within), theta, bounds, within.search);
+    found.map_or_else(|_| theta.to_vec(), |minimum| minimum.parameters)
 }
 
 /// What a few steps make of each starting model on the liveliest part of the data, best first; a single one as it is.

@@ -65,6 +65,17 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         self.records.iter().map(|r| Ok(self.basis(&ready, r)?.rank())).sum()
     }
 
+    /// The constant of each record, where one is estimated.
+    pub(crate) fn levels(&self, theta: &[f64]) -> Result<Vec<f64>, IdentError> {
+        let ready = self.ready(theta, false)?;
+        let of = |record: &Record<'_>| {
+            let mut error = self.forced_error(&ready, record)?;
+            let found = self.basis(&ready, record)?.take_out(&mut error);
+            Ok(found.last().copied().filter(|_| self.nuisance.offset).unwrap_or(0.0))
+        };
+        self.records.iter().map(of).collect()
+    }
+
     fn basis(&self, ready: &[Ready], record: &Record<'_>) -> Result<Basis, IdentError> {
         Ok(Basis::new(self.nuisance_columns(ready, record)?))
     }

@@ -7,8 +7,8 @@ use numerics::vector::dot;
 use crate::Intersample;
 use crate::band_limited::COEFFICIENTS;
 
-/// States of a discrete system, one for each sample of a delay: its matrix takes 800 MB.
-const MOST_STATES: usize = 10_000;
+/// States of a discrete system, one for each sample of a delay: its matrix takes 128 MB.
+const MOST_STATES: usize = 4_000;
 
 /// A delay this close to a whole number of samples counts as whole, as in [`lti::DelayedStateSpace`].
 const WHOLE: f64 = 1e-9;

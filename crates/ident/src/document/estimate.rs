@@ -122,6 +122,7 @@ impl EstimateRecord {
             samples: self.samples,
             free_parameters: self.free_parameters,
             initial_states: self.initial_states.clone(),
+            levels: Vec::new(),
             termination: self.termination,
             iterations: self.iterations,
             condition: self.condition.unwrap_or(f64::NAN),

@@ -188,6 +188,7 @@ pub(crate) fn spectral_fit<M: Parametric>(
         samples: minimum.residuals.len(),
         free_parameters: free(minimum),
         initial_states: Vec::new(),
+        levels: Vec::new(),
         termination: minimum.termination,
         iterations: minimum.iterations,
         condition: minimum.condition,

@@ -242,10 +242,12 @@ impl<S: Structure> GreyBox<S> {
         if missing > 0 {
             doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
         }
-        if !innovations.system().is_stable()? {
+        // An integrator is as its structure has it.
+        if innovations.system().growing_mode()?.is_some() {
             doubts.push(Doubt::Unstable);
         }
-        Ok(Fit {
+        let has_noise_model = innovations.k().norm_max() > 0.0;
+        let fit = Fit {
             model: found.model.with_noise_covariance(gathered.noise_covariance.clone())?,
             covariance,
             degrees_of_freedom: gathered.degrees_of_freedom,
@@ -254,12 +256,14 @@ impl<S: Structure> GreyBox<S> {
             samples: gathered.samples,
             free_parameters: gathered.free_parameters,
             initial_states: all_states,
+            levels: Vec::new(),
             termination,
             iterations,
             condition: gathered.condition,
             doubts,
             origin: None,
         }
-        .doubting_errors())
+        .doubting_errors();
+        Ok(if has_noise_model { fit } else { fit.doubting_feedback(data) })
     }
 }

@@ -214,6 +214,7 @@ impl ImpulseResponse {
             samples: rows,
             free_parameters: effective.iter().sum::<f64>().ceil() as usize,
             initial_states: Vec::new(),
+            levels: Vec::new(),
             termination: Termination::Direct,
             iterations: 0,
             condition,

@@ -51,6 +51,7 @@ pub(super) fn fit(
         samples: rows,
         free_parameters: equations.iter().map(free).sum(),
         initial_states: (0..experiments).map(state).collect(),
+        levels: Vec::new(),
         termination: termination(&equations),
         iterations: equations.iter().map(|e| e.lowest.iterations).max().unwrap_or(0),
         condition: equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max),

@@ -134,6 +134,9 @@ impl Polynomial {
         let one = |output: &usize| equation::estimate(self, &orders, data, *output, &held[*output]);
         let equations = parallel::map(&Vec::from_iter(0..data.outputs()), one);
         let fit = assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)?;
+        // A noise model takes care of feedback; without one, and beside dynamics found by simulation, nothing does.
+        let has_noise_model = orders.na + orders.nc + orders.nd > 0 && self.focus == Focus::Prediction;
+        let fit = if has_noise_model { fit } else { fit.doubting_feedback(data) };
         Ok(fit.made_by(self.focus.method(), data))
     }
 

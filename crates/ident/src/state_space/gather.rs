@@ -270,6 +270,7 @@ pub(crate) fn estimate(
         samples: gathered.samples,
         free_parameters: gathered.free_parameters,
         initial_states,
+        levels: Vec::new(),
         termination: Termination::Direct,
         iterations: 0,
         condition: gathered.condition,

@@ -8,7 +8,6 @@ mod weighting;
 use lti::Innovations;
 use numerics::linalg;
 
-use crate::closed_loop::feedback;
 use crate::data::{Experiment, check_missing};
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
 use crate::structure_error::StructureError;
@@ -221,13 +220,24 @@ impl Subspace {
         Ok(Projection::new(&hankel, &factor, self.weighting)?.singular_values().to_vec())
     }
 
-    /// Block rows: as asked for, or enough for the order and what the data can fill ten times over.
+    /// Block rows: as asked for, or enough for the order and what the data can fill ten times over. Where the order is to be
+    /// chosen, short data make it smaller.
     fn horizons(&self, data: &Dataset) -> Result<Horizons, IdentError> {
-        let p = data.outputs();
-        let order = match self.order {
-            StateOrder::Fixed(order) => order,
+        let largest = match self.order {
+            StateOrder::Fixed(order) => return self.horizons_of(order, data),
             StateOrder::Auto { largest } => largest,
         };
+        let first = self.horizons_of(largest, data);
+        match first {
+            Err(IdentError::TooFewSamples { .. }) => {
+                (1..largest).rev().find_map(|order| self.horizons_of(order, data).ok()).map_or(first, Ok)
+            }
+            other => other,
+        }
+    }
+
+    fn horizons_of(&self, order: usize, data: &Dataset) -> Result<Horizons, IdentError> {
+        let p = data.outputs();
         if order == 0 {
             return Err(StructureError::TooFew { what: "states", found: 0, least: 1 }.into());
         }
@@ -254,7 +264,10 @@ impl Subspace {
     fn choose(&self, hankel: &Hankel<'_>, factor: &HankelFactor, correlations: &[f64]) -> Result<usize, IdentError> {
         let order = match self.order {
             StateOrder::Fixed(order) => order,
-            StateOrder::Auto { largest } => significant(correlations, hankel, factor.windows).clamp(1, largest),
+            StateOrder::Auto { largest } => {
+                let held = (hankel.horizons.future.max(2) - 1) * hankel.outputs;
+                significant(correlations, hankel, factor.windows).clamp(1, largest.min(held))
+            }
         };
         check_excitation(hankel, factor, order)?;
         Ok(order)
@@ -269,8 +282,7 @@ impl Subspace {
         fit.doubts.push(Doubt::CovarianceIsLowerBound);
         // Without a noise model nothing holds under feedback.
         if self.weighting != Weighting::Ssarx || !self.noise_model {
-            let found = feedback::found_in(&fit, data)?;
-            fit.doubts.extend(found.into_iter().map(|(output, input)| Doubt::Feedback { output, input }));
+            fit = fit.doubting_feedback(data);
         }
         let method = match self.weighting {
             Weighting::Ssarx => "subspace, SSARX",

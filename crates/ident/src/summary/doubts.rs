@@ -61,6 +61,14 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
             let how = if *simulated { "simulates" } else { "predicts" };
             format!("the model {how} next to nothing of output {}.", output + 1)
         }
+        Doubt::WithinSample { output, input } => format!(
+            "input {} and the errors of output {} move together within a sample: it acts at once, or follows the output.",
+            input + 1,
+            output + 1
+        ),
+        Doubt::FewLines { input, lines, needed, .. } => {
+            format!("input {} has {lines} lines of frequency, and the structure needs {needed}.", input + 1)
+        }
         Doubt::Feedback { output, input } => format!(
             "input {} follows the residual of output {}, as under feedback, so the estimate is biased.",
             input + 1,

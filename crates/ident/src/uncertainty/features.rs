@@ -20,6 +20,10 @@ const LAST: f64 = 1e-3;
 const STENCIL: f64 = 0.1;
 /// Relative step of frequency for a slope.
 const SLOPE: f64 = 1e-4;
+/// A frequency so far below the slowest pole that is not at rest, where a gain that ends has ended; and the factor by which
+/// one that does not end rises over a decade, at least.
+const SLOW: f64 = 1e-2;
+const RISES: f64 = 3.0;
 
 /// A number read off a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,8 +108,26 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// # Errors
     /// Those of the model.
     pub fn dc_gain(&self) -> Result<Option<Feature>, IdentError> {
+        if self.integrates()? {
+            return Ok(None);
+        }
         let gain = self.number(|m| Ok(self.gain_at(m, 0.0)?.re))?;
         Ok(Some(gain).filter(|gain| gain.value.is_finite()))
+    }
+
+    /// Whether a pole at rest shows between this input and output: the gain then rises without end towards low frequencies.
+    fn integrates(&self) -> Result<bool, IdentError> {
+        let system = self.model.system()?;
+        if !system.has_pole_at_rest()? {
+            return Ok(false);
+        }
+        let clock_s = system.sample_time_s();
+        let moving = lti::settled(&system.poles()?, clock_s).into_iter().filter(|(_, is_at_rest)| !is_at_rest);
+        let rates = moving.map(|(pole, _)| lti::Mode::new(pole, clock_s).natural_frequency_rad_s);
+        let slowest = rates.filter(|rate| rate.is_finite()).fold(f64::INFINITY, f64::min);
+        let omega = SLOW * if slowest.is_finite() { slowest } else { clock_s.map_or(1.0, f64::recip) };
+        let (near, nearer) = (self.gain_at(self.model, omega)?.norm(), self.gain_at(self.model, 0.1 * omega)?.norm());
+        Ok(nearer > RISES * near)
     }
 
     /// The lowest frequency in rad/s from which on the gain is less than 1/√2 of that at rest, looked for on a rising grid;

@@ -12,6 +12,9 @@ use crate::{Fit, IdentError, Parametric};
 /// way, and a root no longer moves in proportion to the parameters.
 const NEAR: f64 = 0.2;
 
+/// A pole at rest that moves by less than this part of the fastest pole does not depend on the parameters.
+const STRUCTURAL: f64 = 1e-6;
+
 /// A pole or a zero with its uncertainty to first order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncertainRoot {
@@ -109,7 +112,16 @@ impl<M: Parametric + Dynamics> Fit<M> {
         }
         let system = self.model.system()?;
         let values = system.poles()?;
-        self.pencil_roots(&values, system.states(), |m| Ok(pencil(&m.system()?, false)))
+        let mut roots = self.pencil_roots(&values, system.states(), |m| Ok(pencil(&m.system()?, false)))?;
+        let fastest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        for (root, (value, is_at_rest)) in roots.iter_mut().zip(lti::settled(&values, system.sample_time_s())) {
+            // By its structure the system integrates: its pole is at rest whatever the parameters, and rounding beside it.
+            let deviation = root.largest_deviation();
+            if is_at_rest && (deviation <= STRUCTURAL * fastest || !deviation.is_finite()) {
+                *root = UncertainRoot { value, covariance: [[0.0; 2]; 2], near_multiple: false, ..root.clone() };
+            }
+        }
+        Ok(roots)
     }
 
     /// The zeros from an input to an output.

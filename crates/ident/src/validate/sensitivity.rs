@@ -13,6 +13,8 @@ use crate::{Dataset, Experiment, Fit, IdentError, LinearModel, Parametric};
 const STEPS: [f64; 4] = [1e-3, 1e-5, 1e-7, 1e-9];
 /// Sensitivities below this part of the largest are nothing but rounding.
 const ROUNDING: f64 = 1e-4;
+/// States by which a model may grow as its parameters are moved.
+const FURTHER_STATES: usize = 100;
 /// Most numbers that the sensitivities to initial states may take.
 const MOST: usize = 30_000_000;
 
@@ -88,9 +90,12 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
     if theta.len() != root.nrows() {
         return Err(IdentError::Length { what: "the covariance", expected: theta.len(), found: root.nrows() });
     }
+    let states = |model: &M| Ok::<_, IdentError>(OnData::new(model, data, false)?.form.system().states());
+    let most = states(&fit.model)? + FURTHER_STATES;
+    // A delay that is hardly known would become a model of thousands of states.
     let moved = |k: usize, h: f64| -> Option<M> {
         let moved: Vec<f64> = theta.iter().enumerate().map(|(i, v)| v + h * root[(i, k)]).collect();
-        fit.model.with_parameters(&moved).ok()
+        fit.model.with_parameters(&moved).ok().filter(|model| states(model).is_ok_and(|states| states <= most))
     };
     let mut columns: Vec<Option<Vec<f64>>> = vec![None; root.ncols()];
     for h in STEPS {

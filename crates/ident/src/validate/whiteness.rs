@@ -8,8 +8,8 @@ use super::linearised_residuals::LinearisedResiduals;
 use super::quadratic::{Covariance, HELD, STILL, Sums};
 use super::series::{Series, later_products, pair_counts};
 use super::span::{Block, square_root_of, weigh};
-use crate::IdentError;
 use crate::covariance_root::inverse_root;
+use crate::{IdentError, variance_course};
 
 /// Residuals below this part of what they were before their mean was taken off are a constant and rounding.
 const VARYING: f64 = 1e-12;
@@ -21,7 +21,11 @@ const MOST_SUMS: usize = 500;
 ///
 /// Each is a sum of the errors with what the past determines, so what an estimate takes out of the errors, or its own
 /// errors add to them, changes it as it changes a sum with an input; in `ε_j(t − k)` such changes are of second order. The
-/// covariance of the errors themselves is that of independent ones, `E S_ijk S_i'j'k = n_k Λ_ii' Λ_jj'`.
+/// covariance of the errors themselves is that of independent ones, `E S_ijk S_i'j'k = n_k Λ_ii' Λ_jj'`. Where the errors
+/// change in size over time, it has the mean of `ε_i²(t) ε_j²(t − k)` in place of `Λ_ii Λ_jj`.
+///
+/// # Source
+/// Lobato, Nankervis & Savin, *Testing for autocorrelation using a modified Box–Pierce Q test*, Int. Econ. Rev. 42, 2001.
 pub(super) struct PastSums {
     outputs: usize,
     /// Pairs behind the sums at the lags 0 … M, outputs × outputs.
@@ -36,6 +40,8 @@ pub(super) struct PastSums {
     k: Mat<f64>,
     /// What blocks change of the covariance.
     blocks: Option<Mat<f64>>,
+    /// The deviation of each sum over that of independent errors, by which all columns are divided.
+    spread: Vec<f64>,
 }
 
 /// Of one output: correlations at the lags 0 … M, their deviations, and the test. Where an estimate leaves next to nothing,
@@ -79,6 +85,14 @@ impl PastSums {
             with_errors += crossing;
             blocks = Some(change);
         }
+        let spread = units.spread(outputs, &pairs)?;
+        for (i, spread) in spread.iter().enumerate().filter(|(_, spread)| **spread != 1.0) {
+            columns.row_mut(i).iter_mut().for_each(|v| *v /= spread);
+            if let Some(change) = &mut blocks {
+                change.row_mut(i).iter_mut().for_each(|v| *v /= spread);
+                change.col_mut(i).iter_mut().for_each(|v| *v /= spread);
+            }
+        }
         Ok(PastSums {
             outputs: outputs.len(),
             pairs,
@@ -88,6 +102,7 @@ impl PastSums {
             taken: linearised.removed.ncols(),
             k: linearised.weights.transpose() * &through,
             blocks,
+            spread,
         })
     }
 
@@ -119,8 +134,10 @@ impl PastSums {
         (past.auto[0], past.deviations[0]) = (1.0, 0.0);
         for ((lag, ..), variance) in kept.into_iter().zip(sums.variances()) {
             let pairs = self.pairs[lag][(output, output)];
-            past.auto[lag] = self.columns[(self.place(lag, output, output), 0)] / n;
-            past.deviations[lag] = (variance.max(HELD) * self.inflation * pairs / (n * (n + 2.0))).sqrt();
+            let place = self.place(lag, output, output);
+            past.auto[lag] = self.spread[place] * self.columns[(place, 0)] / n;
+            let deviation = (variance.max(HELD) * self.inflation * pairs / (n * (n + 2.0))).sqrt();
+            past.deviations[lag] = self.spread[place] * deviation;
         }
         Ok(past)
     }
@@ -220,6 +237,36 @@ impl Units<'_> {
             found[(i, j)] = later_products(&self.past[i], &self.past[j], 0)?[0] / pairs[(i, j)].max(1.0);
         }
         Ok(found)
+    }
+
+    /// The deviation of each sum over that of independent errors, `√(mean of ε_i²(t) ε_j²(t − k))`: one where no output changes
+    /// in size.
+    fn spread(&self, outputs: &[Series], pairs: &[Mat<f64>]) -> Result<Vec<f64>, IdentError> {
+        let p = self.past.len();
+        let mut spread = vec![1.0; p * p * self.lags];
+        let known = |(past, output): (&Series, &Series)| {
+            let value = |m: usize, t: usize, v: f64| if output.is_there(m, t) { v } else { f64::NAN };
+            let part = |(m, x): (usize, &Vec<f64>)| x.iter().enumerate().map(|(t, v)| value(m, t, *v)).collect();
+            past.parts.iter().enumerate().map(part).collect::<Vec<Vec<f64>>>()
+        };
+        if !self.past.iter().zip(outputs).any(|both| variance_course::changes(&known(both))) {
+            return Ok(spread);
+        }
+        let squared = |past: &Series| {
+            let parts: Vec<Vec<f64>> = past.parts.iter().map(|x| x.iter().map(|v| v * v).collect()).collect();
+            Series::raw(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        let squares: Vec<Series> = self.past.iter().map(squared).collect();
+        for (i, j) in (0..p).flat_map(|i| (0..p).map(move |j| (i, j))) {
+            let found = later_products(&squares[j], &squares[i], self.lags)?;
+            for lag in 1..=self.lags {
+                let mean = found[lag] / pairs[lag][(i, j)].max(1.0);
+                if mean > 0.0 {
+                    spread[((lag - 1) * p + i) * p + j] = mean.sqrt();
+                }
+            }
+        }
+        Ok(spread)
     }
 
     /// Zero where an output is not there.

@@ -30,6 +30,7 @@ fn packed(model: PolynomialModel, covariance: Mat<f64>, variance: f64, samples: 
         loss: variance,
         samples,
         initial_states: Vec::new(),
+        levels: Vec::new(),
         termination: Termination::Direct,
         iterations: 0,
         condition: 1.0,

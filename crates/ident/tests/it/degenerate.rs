@@ -130,3 +130,21 @@ fn regress_a_root_at_the_unit_circle_is_named() {
     }
     assert!(stopped > 0 && named == stopped, "{stopped} {named}");
 }
+
+/// As text holds it, with six digits and a mean.
+#[test]
+fn regress_an_input_that_is_another_but_for_its_rounding_is_named() {
+    let mut noise = Noise::new(8);
+    let rounded = |v: f64| format!("{v:.5e}").parse::<f64>().unwrap();
+    let u: Vec<f64> = noise.normals(400).iter().map(|v| rounded(v + 30.0)).collect();
+    let y: Vec<f64> = (0..400).map(|t: usize| u[t.saturating_sub(1)] + 0.1 * noise.normal()).collect();
+    let both = Mat::from_fn(400, 2, |t, k| if k == 0 { u[t] } else { rounded(2.0 * u[t] + 5.0) });
+    let data = Dataset::new(0.1, both, Mat::from_fn(400, 1, |t, _| y[t])).unwrap();
+    let said: Vec<String> = ident::advise(&data).iter().map(ToString::to_string).collect();
+    let wanted = "input 2 is 2 times input 1 but for a constant, so that no data can separate their effects; leave one of them out";
+    assert!(said.iter().any(|s| s == wanted), "{said:?}");
+    // Inputs that differ by a hundredth are not the same.
+    let apart = Mat::from_fn(400, 2, |t, k| if k == 0 { u[t] } else { u[t] + 0.01 * (t as f64).sin() });
+    let data = Dataset::new(0.1, apart, Mat::from_fn(400, 1, |t, _| y[t])).unwrap();
+    assert!(!ident::advise(&data).iter().any(|a| matches!(a, ident::Advice::Dependent { .. })));
+}

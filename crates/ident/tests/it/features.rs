@@ -156,3 +156,15 @@ fn steps_are_summed_up_where_they_end() {
     assert_eq!(Features::of_fit(&integrating, 0, 0).dc_gain().unwrap(), None);
     assert_eq!(Features::of_fit(&integrating, 0, 0).step(&grid).unwrap(), None);
 }
+
+/// Two inertias on a shaft turn freely: rounding puts a pole beside zero.
+#[test]
+fn regress_the_pole_of_an_integrator_is_at_rest() {
+    let a = faer::mat![[-8.0, 8.0, -3333.3], [16.0, -16.0, 6666.7], [1.0, -1.0, 0.0]];
+    let system =
+        lti::StateSpace::continuous(a, faer::mat![[1.7], [0.0], [0.0]], faer::mat![[1.0, 0.0, 0.0]], faer::mat![[0.0]])
+            .unwrap();
+    assert!(system.has_pole_at_rest().unwrap() && system.growing_mode().unwrap().is_none());
+    let settled = lti::settled(&system.poles().unwrap(), None);
+    assert_eq!(settled.iter().filter(|(pole, is_at_rest)| *is_at_rest && pole.norm() == 0.0).count(), 1);
+}

@@ -16,6 +16,7 @@ mod degenerate;
 mod delay;
 mod delay_modelled;
 mod document;
+mod doubted_inputs;
 mod examples;
 mod features;
 mod formula;

@@ -188,3 +188,26 @@ fn stat_joint_whiteness_of_two_outputs_holds_its_level() {
         assert!(counts[0] <= 7 && (1..=20).contains(&counts[1]), "{own:?} {unseen:?}");
     }
 }
+
+/// White residuals that are five times as large in the second half, and ones that are not white.
+#[test]
+fn stat_whiteness_holds_its_level_where_the_noise_changes_in_size() {
+    let failed = |memory: f64| {
+        let test = |seed: u64| {
+            let mut noise = Noise::new(300 + seed);
+            let (u, mut e) = (noise.normals(600), 0.0);
+            let sized = |(t, v): (usize, f64)| if t < 300 { v } else { 5.0 * v };
+            let mut next = |v: f64| {
+                e = memory * e + v;
+                e
+            };
+            let y: Vec<f64> = noise.normals(600).into_iter().enumerate().map(sized).map(&mut next).collect();
+            let report = ResidualTest::default().run_on_residuals(&Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+            !report.joint_whiteness.passes(0.99)
+        };
+        (0..100).filter(|seed| test(*seed)).count()
+    };
+    let (white, coloured) = (failed(0.0), failed(0.3));
+    assert!(white <= 5, "{white} of 100 tests of white residuals failed");
+    assert!(coloured >= 95, "{coloured} of 100 tests found the colour");
+}

@@ -52,6 +52,7 @@ pub(crate) fn arx(data: &Dataset, na: usize, nb: usize) -> Result<Fit<Polynomial
         samples,
         free_parameters: d,
         initial_states: Vec::new(),
+        levels: Vec::new(),
         termination: Termination::Direct,
         iterations: 0,
         condition: fit.condition,

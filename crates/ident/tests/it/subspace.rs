@@ -267,3 +267,18 @@ fn ref_slicot_dryer() {
 fn published_first() -> f64 {
     69.8841
 }
+
+#[test]
+fn regress_an_order_is_chosen_on_few_samples() {
+    let mut noise = crate::noise::Noise::new(2);
+    let u: Vec<f64> = noise.normals(30);
+    let mut y = vec![0.0; 30];
+    for t in 1..30 {
+        y[t] = 0.7 * y[t - 1] + u[t - 1] + 0.01 * noise.normal();
+    }
+    let fit = Subspace::auto(10).fit(&Dataset::siso(0.1, &u, &y).unwrap()).unwrap();
+    assert!(
+        fit.model.system().states() <= 3
+            && fit.model.system().poles().unwrap().iter().any(|p| (p.re - 0.7).abs() < 0.1)
+    );
+}

@@ -21,6 +21,7 @@ pub(crate) fn fit_of<M: Parametric>(model: M, covariance: Mat<f64>) -> Fit<M> {
         samples: 1000,
         free_parameters: 2,
         initial_states: Vec::new(),
+        levels: Vec::new(),
         termination: Termination::Direct,
         iterations: 0,
         condition: 1.0,

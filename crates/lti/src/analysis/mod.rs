@@ -8,6 +8,6 @@ mod time_response;
 
 pub use frequency_grid::common_frequency_grid;
 pub use margins::{GainMargin, Margins, PhaseMargin};
-pub use modes::Mode;
+pub use modes::{Mode, settled};
 pub use step_characteristics::StepCharacteristics;
 pub use time_response::TimeGrid;

@@ -86,11 +86,45 @@ impl StateSpace {
     pub fn growing_mode(&self) -> Result<Option<Mode>, LtiError> {
         let rate = |mode: &Mode| -mode.damping * mode.natural_frequency_rad_s;
         let modes = self.modes()?;
-        let sizes = modes.iter().map(|mode| mode.natural_frequency_rad_s).filter(|size| size.is_finite());
-        let limit = AT_REST * sizes.fold(self.sample_time_s().map_or(0.0, f64::recip), f64::max);
+        let limit = rest_limit(&modes, self.sample_time_s());
         let growing = modes.into_iter().filter(|mode| rate(mode) > limit);
         Ok(growing.max_by(|a, b| rate(a).total_cmp(&rate(b))))
     }
+
+    /// Whether a pole is at rest, as that of an integrator is, within rounding beside the fastest.
+    ///
+    /// # Errors
+    /// [`LtiError::NoConvergence`].
+    pub fn has_pole_at_rest(&self) -> Result<bool, LtiError> {
+        Ok(settled(&self.poles()?, self.sample_time_s()).iter().any(|(_, is_at_rest)| *is_at_rest))
+    }
+}
+
+/// Below this rate in rad/s a mode is at rest beside the fastest of these.
+fn rest_limit(modes: &[Mode], sample_time_s: Option<f64>) -> f64 {
+    let sizes = modes.iter().map(|mode| mode.natural_frequency_rad_s).filter(|size| size.is_finite());
+    AT_REST * sizes.fold(sample_time_s.map_or(0.0, f64::recip), f64::max)
+}
+
+/// Poles of one system, those at rest exactly so: at `s = 0` or `z = 1`; and which these are. Rounding puts the pole of an
+/// integrator beside it, where it would have a time constant of a million years.
+///
+/// # Example
+/// ```
+/// use lti::Complex64;
+/// let found = lti::settled(&[Complex64::new(-6e-15, 0.0), Complex64::new(-8.0, 100.0)], None);
+/// assert_eq!(found, [(Complex64::ZERO, true), (Complex64::new(-8.0, 100.0), false)]);
+/// ```
+#[must_use]
+pub fn settled(poles: &[Complex64], sample_time_s: Option<f64>) -> Vec<(Complex64, bool)> {
+    let modes: Vec<Mode> = poles.iter().map(|pole| Mode::new(*pole, sample_time_s)).collect();
+    let limit = rest_limit(&modes, sample_time_s);
+    let rest = if sample_time_s.is_some() { Complex64::ONE } else { Complex64::ZERO };
+    let settle = |mode: &Mode| match mode.natural_frequency_rad_s <= limit {
+        true => (rest, true),
+        false => (mode.pole, false),
+    };
+    modes.iter().map(settle).collect()
 }
 
 impl TransferFunction {

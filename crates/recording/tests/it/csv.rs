@@ -454,3 +454,21 @@ fn regress_numbers_beyond_a_double_are_refused() {
     assert_eq!(problem("time;a\n0,5;1,5e400\n"), (2, Some(2), CsvProblem::TooLarge { text: "1,5e400".into() }));
     assert_eq!(read("time,a\n0,1e300\n1,inf\n").channels[0].samples, [1e300, f64::INFINITY]);
 }
+
+#[test]
+fn regress_clocks_since_1970_are_read_by_their_numbers() {
+    for (unit, per_second) in [("ms", 1_000_i64), ("µs", 1_000_000), ("ns", 1_000_000_000)] {
+        let first = 1_700_000_000 * per_second;
+        let rows = (0..4).map(|k| format!("{},{k}\n", first + k * per_second / 100)).collect::<String>();
+        let r = read(&format!("timestamp,u\n{rows}"));
+        for (k, t) in r.rasters[0].time_s.iter().enumerate() {
+            assert!((t - 0.01 * k as f64).abs() < 1e-6, "{unit}: {t}");
+        }
+        assert_eq!(r.findings, [Finding::CountsSince1970 { unit: unit.into() }]);
+        assert_eq!(r.start_time.unwrap().nanoseconds, 1_700_000_000_000_000_000);
+    }
+    // Seconds are what they are, and so is a long record in a small unit.
+    assert_eq!(read("time,u\n1700000000.00,1\n1700000000.01,2\n").rasters[0].time_s[0], 1_700_000_000.0);
+    assert_eq!(read("time [ms],u\n1700000000000,1\n1700000000010,2\n").rasters[0].time_s[0], 1_700_000_000.0);
+    assert_eq!(read("time [s],u\n5000000,1\n5000001,2\n").rasters[0].time_s[0], 5_000_000.0);
+}

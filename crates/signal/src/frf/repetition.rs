@@ -9,9 +9,9 @@ use super::periodic::{PeriodicSpectra, period_coefficients, periodic_spectra};
 use super::{check_records, check_some};
 use crate::Complex64;
 use crate::correlation::is_constant;
-use crate::distributions::chi_squared_quantile;
+use crate::distributions::{chi_squared_quantile, f_tail};
 use crate::error::{SignalError, check_at_least, check_range};
-use crate::periodicity::detect_common_period;
+use crate::periodicity::{Periodicity, detect_common_period};
 use crate::resample::{Interpolation, interpolate_at};
 use crate::series::{Signal, mean};
 
@@ -24,6 +24,10 @@ const CHANGED: f64 = 1e-3;
 const EXCITED: f64 = 0.01;
 /// Chance that a line of noise counts as excited, or a settled period as not settled.
 const CHANCE: f64 = 1e-3;
+/// The probability above which a repetition may as well be chance, as in a short stretch; and the levels of a signal of which
+/// only the places of its changes say something.
+const LIKELY: f64 = 0.01;
+const FEW_LEVELS: usize = 3;
 /// By how many bins the highest line may miss its place for the period not to be a whole number of samples: leakage of as
 /// much goes to the next bins.
 const OFF_LINE: f64 = 1e-4;
@@ -155,6 +159,40 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
+/// The probability that inputs which do not repeat look like this after one of the periods tried: of values on either side of
+/// a period that correlate so, and where there are but a few levels, of changes in the same places.
+fn by_chance(inputs: &[&[f64]], found: Periodicity) -> f64 {
+    let tried = inputs.first().map_or(0, |u| u.len() / 2) as f64;
+    let one = |u: &&[f64]| {
+        let moves = u[found.period..].windows(2).filter(|w| w[0] != w[1]).count();
+        if has_few_levels(u) {
+            let pairs = u.len() - found.period;
+            let choices = (0..moves).map(|k| ((pairs - k) as f64 / (moves - k) as f64).ln());
+            return (-choices.sum::<f64>()).exp();
+        }
+        // About a line.
+        let freedom = moves as f64 - 2.0;
+        let alike = (1.0 - found.unrepeated).clamp(0.0, 1.0).powi(2);
+        match freedom > 0.0 {
+            true if alike < 1.0 => 0.5 * f_tail(freedom * alike / (1.0 - alike), 1.0, freedom),
+            true => 0.0,
+            false => 1.0,
+        }
+    };
+    tried * inputs.iter().map(one).fold(1.0, f64::min)
+}
+
+/// Whether a signal switches between a few levels.
+fn has_few_levels(u: &[f64]) -> bool {
+    let mut levels: Vec<f64> = Vec::new();
+    u.iter().all(|v| {
+        if !levels.contains(v) {
+            levels.push(*v);
+        }
+        levels.len() <= FEW_LEVELS
+    })
+}
+
 /// The period, and begin and end of the longest stretch in which all inputs repeat. Where the whole record does not, its
 /// halves and its middle are tried: an excitation may begin late or end early.
 fn stretch(inputs: &[&[f64]]) -> Result<Option<(usize, usize, usize)>, SignalError> {
@@ -168,6 +206,10 @@ fn stretch(inputs: &[&[f64]]) -> Result<Option<(usize, usize, usize)>, SignalErr
         let part: Vec<Vec<f64>> = inputs.iter().map(|u| without_line(&u[from..to])).collect();
         let part: Vec<&[f64]> = part.iter().map(Vec::as_slice).collect();
         let Some(found) = detect_common_period(&part, UNREPEATED)? else { continue };
+        let raw: Vec<&[f64]> = inputs.iter().map(|u| &u[from..to]).collect();
+        if by_chance(&raw, found) > LIKELY {
+            continue;
+        }
         let Some((first, end)) = repeating(inputs, found.period, (from, to), None) else { continue };
         // A part of few periods may repeat best after several of them.
         if best.is_none_or(|(period, a, b)| (end - first) * period > (b - a) * found.period) {

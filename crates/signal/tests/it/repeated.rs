@@ -287,3 +287,20 @@ fn stat_intervals_with_a_noisy_input_of_no_whole_period_hold() {
     println!("noisy input, other clock: {coverage}");
     assert!((0.925..=0.975).contains(&coverage), "{coverage}");
 }
+
+/// Stretches between lost samples are short, and some values of a short one look like others by chance.
+#[test]
+fn stat_random_inputs_do_not_repeat_in_short_stretches() {
+    let mut random = Random::new(6);
+    let mut repeating = 0;
+    for length in [10, 14, 20, 30, 45, 60] {
+        for _ in 0..60 {
+            let u: Vec<f64> = (0..length).map(|_| random.normal()).collect();
+            let binary: Vec<f64> = u.iter().map(|v| v.signum()).collect();
+            for x in [u, binary] {
+                repeating += usize::from(repeated_response(&[&x], &[&x], T, None).unwrap().is_some());
+            }
+        }
+    }
+    assert!(repeating <= 3, "{repeating} of 720");
+}

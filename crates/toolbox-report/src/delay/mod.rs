@@ -1,5 +1,6 @@
 //! Dead times beside dynamics, what other methods say, and what to make of it where they disagree.
 
+mod excerpt;
 mod level;
 mod modelled;
 mod others;
@@ -38,14 +39,32 @@ pub struct Delays {
     clock_is_given: bool,
     others: Others,
     modelled: Modelled,
+    /// Samples there are, where the delays are those of a part.
+    of_samples: Option<usize>,
 }
 
 impl Delays {
-    /// Delays of up to `longest` samples; `step` hears what is done next.
+    /// Delays of up to `longest` samples; `step` hears what is done next. Those of long data come from the part in which the
+    /// inputs vary most, unless it leaves one open.
     ///
     /// # Errors
     /// Where the data are too short.
     pub fn of(
+        data: Dataset,
+        known: &Known<'_>,
+        longest: usize,
+        step: impl Fn(&'static str),
+    ) -> Result<Self, IdentError> {
+        if let Some(part) = excerpt::liveliest(&data)?
+            && let Ok(found) = Self::of_all(part, known, longest, &step)
+            && found.modelled.is_settled()
+        {
+            return Ok(Delays { of_samples: Some(data.samples()), ..found });
+        }
+        Self::of_all(data, known, longest, step)
+    }
+
+    fn of_all(
         data: Dataset,
         known: &Known<'_>,
         longest: usize,
@@ -57,7 +76,7 @@ impl Delays {
         let dating = dating(known.adjustments, data.sample_time_s());
         let options = ModelledDelay { longest, dating, level: LEVEL };
         let modelled = Modelled::of(&options, (&data, known.adjustments), &others, known.between_is_given);
-        Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled })
+        Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled, of_samples: None })
     }
 
     /// What each method says, what is claimed, and what to doubt.
@@ -70,7 +89,7 @@ impl Delays {
         self.others.rows(data, &mut table);
         let mut all = vec![line(self.clock()), Block::Table(table)];
         all.extend(self.modelled.claims(data));
-        all.extend(self.modelled.notes().iter().map(|note| finding(Tone::Plain, "note", note)));
+        all.extend(self.notes().iter().map(|note| finding(Tone::Plain, "note", note)));
         all.extend(self.doubts().iter().map(|doubt| finding(Tone::Caution, "doubt", doubt)));
         let figures = self.others.figures(data, |input| self.modelled.interval(input));
         all.extend(figures.into_iter().map(Block::Figure));
@@ -84,9 +103,17 @@ impl Delays {
         result["clock"] = self.clock().into();
         result["delay"] = self.modelled.claims_json(&self.data);
         result["models"] = self.modelled.json(&self.data);
-        result["notes"] = json!(self.modelled.notes());
+        result["notes"] = json!(self.notes());
         result["doubts"] = json!(self.doubts());
         result
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let part = self.of_samples.map(|all| {
+            let part = self.data.samples();
+            format!("found from the {part} of {all} samples in which the inputs vary most; the others would hardly sharpen it")
+        });
+        part.into_iter().chain(self.modelled.notes()).collect()
     }
 
     fn doubts(&self) -> Vec<String> {

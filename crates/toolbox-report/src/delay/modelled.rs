@@ -52,6 +52,11 @@ impl Modelled {
         self.unclaimed[input].is_none()
     }
 
+    /// Whether a model could be relied on, whatever keeps its interval from being claimed.
+    pub(super) fn is_settled(&self) -> bool {
+        self.found.as_ref().is_ok_and(|found| found.claimed().is_some())
+    }
+
     /// What the best model says of an input, in samples, claimed or not.
     pub(super) fn interval(&self, input: usize) -> Option<(f64, f64)> {
         self.found.as_ref().ok().map(|found| found.best().intervals[input])
@@ -280,9 +285,11 @@ fn words(fault: &DelayFault, name: &str) -> String {
     match fault {
         DelayFault::Outdone => "a richer model fits better".to_owned(),
         DelayFault::NotConverged => "the search did not converge".to_owned(),
-        DelayFault::AtLongest { .. } => {
-            format!("the longest delay{of} that was looked for is the best; raise --longest")
-        }
+        DelayFault::AtLongest { tried, .. } => format!(
+            "the interval{of} ends at the longest delay that was looked for, {tried} samples, and the true delay may be longer; \
+             type --longest {}",
+            2 * tried
+        ),
         DelayFault::Undetermined { .. } => {
             format!(
                 "the data cannot show the delay{of}: the input may have no effect, or too little of it is in the output"
@@ -295,8 +302,8 @@ fn words(fault: &DelayFault, name: &str) -> String {
             digits(*strongest_hz)
         ),
         DelayFault::TooEarly { .. } => format!(
-            "the output answers before the input{of} moves: the clocks differ, or the input is not held (--between), or the \
-             output acts on it"
+            "the output answers at once, or before the input{of} moves: the input acts directly, as with a lead, or the clocks \
+             differ, or the input is not held (--between), or the output acts on it"
         ),
         DelayFault::DynamicsMissing { p_value } => {
             format!("its residuals depend on past inputs: dynamics are missing ({})", probability(*p_value))

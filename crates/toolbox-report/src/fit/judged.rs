@@ -1,6 +1,7 @@
 //! How good a model is on the data it was fitted to, and on others.
 
 use ident::prediction::{InitialState, Response};
+use ident::uncertainty::Dynamics;
 use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
 use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError, StructureError};
 
@@ -12,6 +13,9 @@ use crate::residuals::{self, REGION};
 const LAGS: usize = 25;
 /// Below this fit, in percent, a model explains next to nothing.
 const LITTLE: f64 = 5.0;
+
+/// From this fit on, in percent, a model explains most of an output.
+const MOSTLY: f64 = 50.0;
 
 /// How good a model is.
 pub struct Verdict {
@@ -32,16 +36,23 @@ pub(super) struct Judged {
     pub(super) simulated: Result<Judgement, IdentError>,
     /// By the mean over periods, where inputs repeat.
     pub(super) repeated: Vec<Repeated>,
+    /// Whether the model is not stable, so that its simulation says nothing of it.
+    pub(super) diverges: bool,
 }
 
 impl Judged {
     fn new(name: &'static str, fit: &Fit<AnyModel>, data: &Dataset) -> Self {
+        let diverges = fit.model.system().and_then(|system| system.growing_mode()).is_ok_and(|mode| mode.is_some());
         let simulated = judge(&fit.model, data, None, &InitialState::Estimated);
         Judged {
+            diverges,
             name,
             experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
             predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
-            repeated: simulated.as_ref().map_or_else(|_| Vec::new(), |judged| repeated(data, &judged.response)),
+            repeated: match &simulated {
+                Ok(judged) if !diverges => repeated(data, &judged.response),
+                _ => Vec::new(),
+            },
             simulated,
         }
     }
@@ -78,11 +89,17 @@ impl Verdict {
             }
             // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
             let predicted = is_little(&own.predicted);
-            if predicted || (data.inputs() > 0 && is_little(&own.simulated)) {
+            if predicted || (data.inputs() > 0 && !own.diverges && is_little(&own.simulated)) {
                 doubts.push(Doubt::ExplainsLittle { output, simulated: !predicted });
             }
         }
         doubts
+    }
+
+    /// Whether the prediction explains most of every output of the estimation data.
+    pub(super) fn predicts(&self) -> bool {
+        let predicted = self.judged.first().and_then(|own| own.predicted.as_ref().ok());
+        predicted.is_some_and(|judged| judged.fit_percent.iter().flatten().all(|fit| *fit > MOSTLY))
     }
 
     /// Why there are no residual tests, if there are none.
@@ -100,16 +117,17 @@ impl Verdict {
         let mut all = Vec::new();
         for judged in &self.judged {
             let both = [("simulated", &judged.simulated), ("predicted", &judged.predicted)];
-            for (how, reason) in both.into_iter().filter_map(|(how, j)| Some((how, j.as_ref().err()?))) {
+            let both = both.into_iter().skip(usize::from(judged.diverges));
+            for (how, reason) in both.filter_map(|(how, j)| Some((how, j.as_ref().err()?))) {
                 all.push(format!("the model could not be {how} on the {} data: {reason}", judged.name));
             }
         }
         all
     }
 
-    /// The response to the last of the data, simulated.
+    /// The response to the last of the data, simulated; none of a model that is not stable.
     pub fn simulated(&self) -> Option<&Response> {
-        self.judged.last()?.simulated.as_ref().ok().map(|judged| &judged.response)
+        self.judged.last().filter(|judged| !judged.diverges)?.simulated.as_ref().ok().map(|judged| &judged.response)
     }
 
     /// The simulation, beside it the prediction where a noise model makes it another, and the residual tests.
@@ -117,7 +135,8 @@ impl Verdict {
         let mut all = Vec::new();
         if let Some(judged) = self.judged.last() {
             let predicted = has_noise_model.then_some(("predicted one step", &judged.predicted));
-            let pair = std::iter::once(("simulated", &judged.simulated)).chain(predicted);
+            let simulated = (!judged.diverges).then_some(("simulated", &judged.simulated));
+            let pair = simulated.into_iter().chain(predicted);
             let there = pair.filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
             let shown = there.map(|(name, response)| Shown { name, data, response });
             all.extend(comparison(&shown.collect::<Vec<_>>()));

@@ -8,7 +8,7 @@ mod table;
 use ident::uncertainty::Dynamics;
 use ident::validate::{Judgement, ResidualReport};
 use ident::{AnyModel, Dataset, Doubt, Fit, IdentError, Label, LinearModel, ModelDocument, Parametric};
-use page::decimal::{percent, significant};
+use page::decimal::{digits, percent, significant};
 use page::{Align, Block, Blocks, Page, Table, Tone};
 use serde_json::{Value, json};
 
@@ -99,6 +99,7 @@ impl Estimated {
             "adjustments": adjustments.iter().map(AsRef::as_ref).collect::<Vec<&str>>(),
             "standard_errors": self.fit.standard_errors(),
             "intervals_95": intervals,
+            "levels": self.fit.levels,
             "derived": derived::json(&self.fit),
             "criteria": self.verdict.criteria,
             "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
@@ -119,6 +120,7 @@ impl Estimated {
             significant(document.sample_time_s),
             words::counted(self.experiments, "experiment"),
         )));
+        all.push(self.levels());
         let (grave, others): (Vec<_>, Vec<_>) =
             self.doubts().into_iter().partition(|(weight, _)| *weight == Weight::Grave);
         let findings = |doubts: Vec<(Weight, String)>| -> Blocks {
@@ -132,6 +134,20 @@ impl Estimated {
         all.push(self.tests());
         all.push(findings(others));
         all
+    }
+
+    /// The levels that were estimated with the model, beside what was subtracted before.
+    fn levels(&self) -> Blocks {
+        let [levels] = self.fit.levels.as_slice() else { return Blocks::default() };
+        let of = |(label, level): (&Label, &f64)| {
+            let unit = if label.unit.is_empty() { String::new() } else { format!(" {}", label.unit) };
+            line(format!(
+                "level of {}, estimated with the model: {}{unit} above what was subtracted",
+                label.name,
+                digits(*level, 4)
+            ))
+        };
+        self.document.outputs.iter().zip(levels).map(of).collect()
     }
 
     /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of others.
@@ -184,8 +200,13 @@ impl Estimated {
             (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
             _ => String::new(),
         };
-        let word = |doubt| {
-            (Weight::of(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
+        let word = |doubt: &Doubt| {
+            let weight = match doubt {
+                // What only a controller keeps stable is predicted well all the same.
+                Doubt::Unstable if self.verdict.predicts() => Weight::Doubt,
+                _ => Weight::of(doubt),
+            };
+            (weight, format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
         };
         let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().map(word).collect();
         all.extend(first.map(|text| (Weight::Doubt, text)));
@@ -237,9 +258,9 @@ impl Estimated {
                     let fit = |j: &Result<Judgement, IdentError>| {
                         percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
                     };
-                    // Without inputs there is nothing to simulate from.
-                    let simulated =
-                        if self.document.inputs.is_empty() { "–".to_owned() } else { fit(&judged.simulated) };
+                    // Without inputs there is nothing to simulate from, and what runs away measures nothing.
+                    let has_simulation = !self.document.inputs.is_empty() && !judged.diverges;
+                    let simulated = if has_simulation { fit(&judged.simulated) } else { "–".to_owned() };
                     table.row([name(&on), name(&label.name), simulated.into(), fit(&judged.predicted).into()]);
                 }
             }
@@ -264,9 +285,12 @@ fn judged_json(judged: &Judged) -> Value {
     json!({
         "data": judged.name,
         "experiments": judged.experiments,
-        "fit_percent_simulated": fit(&judged.simulated),
+        "fit_percent_simulated": fit(&judged.simulated).filter(|_| !judged.diverges),
         "fit_percent_predicted": fit(&judged.predicted),
-        "error_simulated": error(&judged.simulated),
+        "error_simulated": match judged.diverges {
+            true => Some("the model is not stable, and its simulation measures nothing".to_owned()),
+            false => error(&judged.simulated),
+        },
         "error_predicted": error(&judged.predicted),
         "repeated": judged.repeated.iter().map(Repeated::json).collect::<Vec<_>>(),
     })

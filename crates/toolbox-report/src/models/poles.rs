@@ -120,8 +120,10 @@ fn roots(
         near_multiple: false,
         degrees_of_freedom: f64::INFINITY,
     };
-    let zpk = model.document.model.system()?.to_zero_pole_gain(output, input)?;
-    Ok((zpk.poles().iter().map(certain).collect(), zpk.zeros().iter().map(certain).collect()))
+    let system = model.document.model.system()?;
+    let zpk = system.to_zero_pole_gain(output, input)?;
+    let poles = lti::settled(zpk.poles(), system.sample_time_s());
+    Ok((poles.iter().map(|(value, _)| certain(value)).collect(), zpk.zeros().iter().map(certain).collect()))
 }
 
 /// Tables of the roots; the two of a pair share a row.
@@ -153,6 +155,10 @@ fn table(model: &Model, set: &Roots, level: f64) -> Table {
     ]);
     for root in one_of_each_pair(&set.roots) {
         table.row(row(root, &root.mode(model.sample_time_s()), level));
+        let rest = if model.sample_time_s().is_some() { Complex64::ONE } else { Complex64::ZERO };
+        if set.is_pole && root.value == rest {
+            table.note("an integrator: at rest within rounding");
+        }
         if root.near_multiple {
             table.note("no intervals: with its uncertainty it reaches another root");
         }

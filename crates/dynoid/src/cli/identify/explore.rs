@@ -65,9 +65,9 @@ The delay is the dead time of the simplest model whose residuals are independent
 pub(crate) struct DelayArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
-    /// Longest delay to try, in samples of the fastest channel
-    #[arg(long, default_value_t = 30, value_parser = number::count)]
-    pub(crate) longest: usize,
+    /// Longest delay to try, in samples of the fastest channel [default: 30, and a quarter of a short recording]
+    #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
+    pub(crate) longest: Option<usize>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
 }

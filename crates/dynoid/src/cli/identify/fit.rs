@@ -2,7 +2,7 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::data::FitArguments;
+use super::data::{Detrend, FitArguments};
 use super::greybox::GreyBoxArguments;
 use crate::cli::number;
 
@@ -22,6 +22,38 @@ pub(crate) enum Initial {
     Estimated,
     /// At rest
     Zero,
+}
+
+/// Whether the level of the output is estimated with the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Offset {
+    /// A constant of the output of each recording is estimated too
+    Estimated,
+    /// The output is zero where the input is
+    None,
+}
+
+/// The level of the output.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct OffsetArgument {
+    /// The level of the output. A mean is not the level at which the system rests: `--offset` alone estimates it with the model
+    /// [default: estimated, and none with --detrend none]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHICH",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "estimated"
+    )]
+    offset: Option<Offset>,
+}
+
+impl OffsetArgument {
+    /// Whether it is estimated.
+    pub(crate) fn is_estimated(self, detrend: Detrend) -> bool {
+        self.offset.map_or(detrend != Detrend::None, |offset| offset == Offset::Estimated)
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -148,9 +180,8 @@ pub(crate) struct TransferFunctionArguments {
     /// Number of poles at zero from each input; with `--detrend none`
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
     pub(crate) integrators: usize,
-    /// Estimate a constant offset of the output of each recording too
-    #[arg(long)]
-    pub(crate) offset: bool,
+    #[command(flatten)]
+    pub(crate) offset: OffsetArgument,
     /// Allow unstable poles
     #[arg(long)]
     pub(crate) unstable: bool,
@@ -185,6 +216,8 @@ pub(crate) struct ProcessArguments {
     /// record, zeta from 0 to 10]
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     pub(crate) bound: Vec<String>,
+    #[command(flatten)]
+    pub(crate) offset: OffsetArgument,
 }
 
 #[derive(Debug, Args)]

@@ -1,10 +1,12 @@
 //! Where a model rests: what is taken off the recordings that it meets.
 
-use ident::{Dataset, IdentError, Line, ModelDocument, Source, Trend, TrendShape};
+use faer::Mat;
+use ident::{AnyModel, Dataset, Experiment, Fit, IdentError, Line, ModelDocument, Source, Trend, TrendShape};
 use toolbox_report::operating_point::TakenOff;
 
-use super::data;
+use super::data::{self, Loaded};
 use crate::cli::identify::MeetDetrend;
+use crate::error::CliError;
 
 /// What is taken off recordings that a model meets.
 pub(super) fn trend(
@@ -52,4 +54,64 @@ pub(super) fn taken_off(detrend: MeetDetrend) -> TakenOff {
         MeetDetrend::Mean | MeetDetrend::Line => TakenOff::Own,
         MeetDetrend::None => TakenOff::Nothing,
     }
+}
+
+/// Data less the levels that were estimated with a model, which become part of its operating point: of the estimation data,
+/// and of others those of the same recording, or the mean of all.
+pub(super) fn with_levels(
+    fit: &Fit<AnyModel>,
+    estimation: Loaded,
+    unseen: Option<Loaded>,
+) -> Result<(Loaded, Option<Loaded>), CliError> {
+    if fit.levels.is_empty() {
+        return Ok((estimation, unseen));
+    }
+    let failed = |source| CliError::identify("the level of the outputs", source);
+    let levels: Vec<Vec<f64>> = (0..estimation.sources.len()).map(|n| level_of(n, fit, &estimation)).collect();
+    let own = estimation.sources.clone();
+    let data = fit.without_levels(&estimation.data).map_err(failed)?;
+    let trend = raised(estimation.trend.as_ref(), &levels, data.inputs()).map_err(failed)?;
+    let estimation = Loaded { data, trend: Some(trend), ..estimation };
+    let Some(unseen) = unseen else { return Ok((estimation, None)) };
+    let outputs = estimation.data.outputs();
+    let mean = (0..outputs).map(|i| levels.iter().map(|of| of[i]).sum::<f64>() / levels.len() as f64);
+    let mean: Vec<f64> = mean.collect();
+    let known = |source: &Source| own.iter().position(|own| own.sha256 == source.sha256);
+    let of = |source: &Source| known(source).map_or_else(|| mean.clone(), |n| levels[n].clone());
+    let levels: Vec<Vec<f64>> = unseen.sources.iter().map(of).collect();
+    let mut places = unseen.recording.iter();
+    let data = unseen.data.map_experiments(|e| {
+        let level = places.next().map_or(&mean, |n| &levels[*n]);
+        let outputs = Mat::from_fn(e.len(), level.len(), |t, i| e.outputs[(t, i)] - level[i]);
+        Ok(Experiment { outputs, ..e.clone() })
+    });
+    let data = data.map_err(failed)?;
+    let trend = raised(unseen.trend.as_ref(), &levels, data.inputs()).map_err(failed)?;
+    Ok((estimation, Some(Loaded { data, trend: Some(trend), ..unseen })))
+}
+
+/// The level of each output in a recording: the mean over its parts, by their lengths.
+fn level_of(recording: usize, fit: &Fit<AnyModel>, data: &Loaded) -> Vec<f64> {
+    let parts = || {
+        let all = data.recording.iter().zip(data.data.experiments()).zip(&fit.levels);
+        all.filter(|((of, _), _)| **of == recording).map(|((_, experiment), level)| (experiment.len() as f64, level))
+    };
+    let whole: f64 = parts().map(|(length, _)| length).sum();
+    let mean = |i: usize| parts().map(|(length, level)| length * level[i]).sum::<f64>() / whole.max(1.0);
+    (0..data.data.outputs()).map(mean).collect()
+}
+
+/// What was taken off, with these levels of the outputs besides.
+fn raised(trend: Option<&Trend>, levels: &[Vec<f64>], inputs: usize) -> Result<Trend, IdentError> {
+    let rest = vec![Line::level(0.0); inputs];
+    let of_inputs = |n: usize| trend.map_or_else(|| rest.clone(), |trend| trend.inputs(n).to_vec());
+    let of_outputs = |(n, levels): (usize, &Vec<f64>)| {
+        let line = |(i, level): (usize, &f64)| {
+            let before = trend.and_then(|trend| trend.outputs(n).get(i).copied()).unwrap_or(Line::level(0.0));
+            Line { level: before.level + level, ..before }
+        };
+        levels.iter().enumerate().map(line).collect()
+    };
+    let outputs = levels.iter().enumerate().map(of_outputs).collect();
+    Trend::per_experiment((0..levels.len()).map(of_inputs).collect(), outputs)
 }

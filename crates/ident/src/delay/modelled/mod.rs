@@ -1,17 +1,17 @@
 //! The delay beside dynamics, from the error of a simulated output.
 
-mod lines;
 mod model;
 mod pure;
 mod ripple;
 mod structure;
 
 use super::signals;
+use crate::continuous::ContinuousChannel;
 use crate::data::check_range;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
+use crate::excited_lines::Lines;
 use crate::structure_error::StructureError;
 use crate::{Dataset, Experiment, IdentError, Intersample};
-use lines::Lines;
 pub use model::{DelayFault, DelayModel, ModelledDelay};
 use model::{LEAD, ROUNDING};
 use structure::Structure;
@@ -105,14 +105,15 @@ impl ModelledDelay {
         let best = choice(&models).unwrap_or_else(|| outdone.iter().position(|is| !is).unwrap_or(models.len() - 1));
         for (model, is_outdone) in models.iter_mut().zip(outdone) {
             if is_outdone {
-                model.faults.push(DelayFault::Outdone);
+                model.faults.insert(0, DelayFault::Outdone);
             }
         }
         let (intervals, late_intervals) = (widened(&models, best), widened_late(&models, best));
         let best_model = &mut models[best];
         (best_model.intervals, best_model.late_intervals) = (intervals, late_intervals);
-        let undetermined = self.undetermined(best_model);
+        let (undetermined, at_longest) = (self.undetermined(best_model), self.at_longest(best_model));
         best_model.faults.extend(undetermined);
+        best_model.faults.splice(..0, at_longest);
         let few = best_model.few_lines(data);
         best_model.faults.splice(..0, few);
         Ok(DelayModels { models, best })
@@ -124,6 +125,14 @@ impl ModelledDelay {
         let is_wide = |(low, high): &(f64, f64)| high - low > UNDETERMINED * self.longest as f64;
         let all = best.intervals.iter().enumerate().filter(|(_, interval)| !explains || is_wide(interval));
         all.map(|(input, _)| DelayFault::Undetermined { input }).collect()
+    }
+
+    /// The inputs whose interval ends where the search did: the true dead time may lie beyond, and dynamics make up for it.
+    fn at_longest(&self, best: &DelayModel) -> Vec<DelayFault> {
+        let tried = self.longest;
+        let is_known = |input: usize| best.faults.contains(&DelayFault::AtLongest { input, tried });
+        let touching = (0..best.intervals.len()).filter(|input| best.intervals[*input].1 >= tried as f64);
+        touching.filter(|input| !is_known(*input)).map(|input| DelayFault::AtLongest { input, tried }).collect()
     }
 
     /// The error of an estimate together with that of the instants.
@@ -201,7 +210,8 @@ impl DelayModel {
         let error = (1.0 - self.fit_percent / 100.0).powi(2).max(ROUNDING);
         let share = SEEN * self.inflation * error / ((1.0 - error).max(ROUNDING) * self.samples as f64);
         let of = |input: usize| {
-            let found = Lines::of(data, input, self.channels.get(input), share.min(0.5)).all_hz;
+            let system = self.channels.get(input).and_then(|channel| channel.transfer_function().ok());
+            let found = Lines::of(data, input, system.as_ref(), share.min(0.5)).all_hz;
             let strongest_hz = found.first().copied().unwrap_or(0.0);
             (found.len() < needed).then_some(DelayFault::FewLines { input, lines: found.len(), needed, strongest_hz })
         };

@@ -100,12 +100,15 @@ pub enum DelayFault {
     Outdone,
     /// The search did not converge.
     NotConverged,
-    /// The longest dead time is the best.
+    /// The longest dead time is the best, or cannot be told from it: the true one may be longer than what was searched.
     AtLongest {
         /// Index of the input.
         input: usize,
+        /// The longest dead time that was searched, in samples.
+        tried: usize,
     },
-    /// The output answers before the input moves: instants that do not fit together, or an input that is not held.
+    /// The output answers at once, or before the input moves: a direct way, instants that do not fit together, or an input that
+    /// is not held.
     TooEarly {
         /// Index of the input.
         input: usize,

@@ -34,7 +34,7 @@ pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel)
     let widened = options.reach() * options.dating;
     let mut faults: Vec<DelayFault> = Vec::new();
     if last == longest {
-        faults.push(DelayFault::AtLongest { input: 0 });
+        faults.push(DelayFault::AtLongest { input: 0, tried: options.longest });
     } else if high + widened < 0.0 {
         faults.push(DelayFault::TooEarly { input: 0 });
     }

@@ -126,7 +126,7 @@ impl Structure<'_> {
             };
             let high = samples + reach * standard_error;
             if is_held && samples > 0.0 {
-                model.faults.push(DelayFault::AtLongest { input });
+                model.faults.push(DelayFault::AtLongest { input, tried: self.options.longest });
             } else if high < 0.0 || is_held {
                 model.faults.push(DelayFault::TooEarly { input });
             }

@@ -80,6 +80,15 @@ impl Files {
         named(data, &self.sources(data))
     }
 
+    /// How the time of recordings was read, where only their numbers show it.
+    pub(super) fn clocks(&self) -> Vec<String> {
+        let said = |file: &File| {
+            let about_time = file.recording.findings.iter().filter(|finding| finding.is_about_time());
+            about_time.map(|finding| format!("{}: {finding}", file.name)).collect::<Vec<_>>()
+        };
+        self.all.iter().flat_map(said).collect()
+    }
+
     /// A warning for each recording whose content was given before under another name.
     pub(super) fn doubles(&self) -> Vec<String> {
         let double = |(index, file): (usize, &File)| {

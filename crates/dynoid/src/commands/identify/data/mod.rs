@@ -91,6 +91,7 @@ pub(super) fn take_about(
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
     faults::check_sizes(&data, &files.named(&data))?;
     let mut notes: Vec<Note> = files.doubles().into_iter().map(Note::Warning).collect();
+    notes.extend(files.clocks().into_iter().map(Note::Done));
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));

@@ -12,6 +12,8 @@ use crate::terminal::Terminal;
 
 /// Steps of the display of progress: the comparison, and the models.
 const STEPS: u64 = 2;
+/// Delays that are tried by default, in samples.
+const LONGEST: usize = 30;
 
 /// `dynoid data delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -27,7 +29,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     let gaps = if spacing == Some(1) { Gaps::OfAll } else { Gaps::OfInputs };
     let loaded = loaded.cut_at(gaps)?;
     say(&loaded.notes, &mut Vec::new(), terminal);
-    check_longest(&loaded.data, arguments.longest)?;
+    let longest = longest(&loaded.data, arguments.longest)?;
     let known = Known {
         adjustments: &loaded.adjustments,
         spacing,
@@ -35,7 +37,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
         between_is_given: arguments.data.between.is_some(),
     };
     let progress = terminal.progress(STEPS);
-    let found = Delays::of(loaded.data, &known, arguments.longest, |what| {
+    let found = Delays::of(loaded.data, &known, longest, |what| {
         progress.say(what);
         progress.step();
     });
@@ -45,11 +47,13 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     Ok(Outcome::Done)
 }
 
-fn check_longest(data: &Dataset, longest: usize) -> Result<(), CliError> {
+/// The longest delay to look for: what was asked for, or what the data allow.
+fn longest(data: &Dataset, given: Option<usize>) -> Result<usize, CliError> {
     let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    let Some(longest) = given else { return Ok(LONGEST.min(samples / 4).max(1)) };
     if longest == 0 || longest >= samples / 2 {
         let what = format!("--longest {longest}: give at least 1, and less than half of the {samples} samples on end");
         return Err(CliError::Usage { what });
     }
-    Ok(())
+    Ok(longest)
 }

@@ -104,7 +104,8 @@ fn transfer_function(arguments: &TransferFunctionArguments, data: &Dataset) -> R
         TransferFunctionBy::Oe => options,
         TransferFunctionBy::Srivc => options.by(TransferFunctionMethod::InstrumentalVariables),
     };
-    options = if arguments.offset { options.with_offset() } else { options };
+    let has_offset = arguments.offset.is_estimated(arguments.fit.data.detrend);
+    options = if has_offset { options.with_offset() } else { options };
     options = if arguments.unstable { options.allow_unstable() } else { options };
     options = if arguments.initial == Initial::Zero { options.from_rest() } else { options };
     let ranges = delays(&arguments.delay)?;
@@ -122,6 +123,9 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
     if let Some(text) = &arguments.delay {
         let range = Delay::read(text)?;
         options = options.with_delay_between(&[(range.low_s, range.high_s)]);
+    }
+    if arguments.offset.is_estimated(arguments.fit.data.detrend) {
+        options = options.with_offset();
     }
     for text in &arguments.hold {
         let (name, value) = held(text)?;

@@ -39,6 +39,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     progress.say(&format!("estimating {wanted}"));
     let fit = estimate::estimate(command, structure, &estimation.data, &progress);
     let mut fit = fit.map_err(|error| refused(error, command, &estimation))?;
+    let (estimation, unseen) = operating_point::with_levels(&fit, estimation, unseen)?;
     progress.say("judging the model");
     let others = unseen.as_ref().map(|u| (&u.data, which_data(&u.sources, &estimation.sources)));
     let verdict = Verdict::new(&fit, &estimation.data, others);

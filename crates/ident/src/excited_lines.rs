@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use lti::TransferFunction;
 use signal::Complex64;
 use signal::spectrum::fft_real;
 use signal::window::Window;
 
 use crate::Dataset;
-use crate::continuous::{ContinuousChannel, RationalChannel};
 
 /// Lines counted at most: more than any model here takes.
 const MOST: usize = 8;
@@ -20,21 +20,21 @@ const LOBE: usize = 4;
 
 /// The lines that carry an input's part of the output.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Lines {
+pub(crate) struct Lines {
     /// Frequencies, the strongest of each experiment first.
-    pub(super) all_hz: Vec<f64>,
+    pub(crate) all_hz: Vec<f64>,
 }
 
 impl Lines {
-    /// The fewest lines without which less than `share` of the power of an input behind `channel` is left, at most [`MOST`].
-    pub(super) fn of(data: &Dataset, input: usize, channel: Option<&RationalChannel>, share: f64) -> Self {
+    /// The fewest lines without which less than `share` of the power of an input behind a system is left, at most [`MOST`].
+    pub(crate) fn of(data: &Dataset, input: usize, system: Option<&TransferFunction>, share: f64) -> Self {
         let mut experiments: Vec<&[f64]> = data.experiments().iter().map(|e| e.input(input)).collect();
         experiments.sort_by_key(|x| std::cmp::Reverse(x.len()));
         let mut all_hz: Vec<f64> = Vec::new();
         for x in experiments {
             let bin_hz = 1.0 / (x.len().max(1) as f64 * data.sample_time_s());
             let apart = |a: f64, b: f64| (a - b).abs() > LOBE as f64 * bin_hz;
-            let power = power(x, bin_hz, channel);
+            let power = power(x, bin_hz, system);
             for line in strongest(power, share.max(NEGLIGIBLE)).into_iter().map(|bin| bin as f64 * bin_hz) {
                 if all_hz.len() < MOST && all_hz.iter().all(|known| apart(*known, line)) {
                     all_hz.push(line);
@@ -45,16 +45,15 @@ impl Lines {
     }
 }
 
-/// The power of an input behind a channel, bin by bin; a delay does not bear on it.
-fn power(x: &[f64], bin_hz: f64, channel: Option<&RationalChannel>) -> Vec<f64> {
+/// The power of an input behind a system, bin by bin; a delay does not bear on it.
+fn power(x: &[f64], bin_hz: f64, system: Option<&TransferFunction>) -> Vec<f64> {
     let taper = Window::Blackman.periodic(x.len()).unwrap_or_default();
     let known = || x.iter().zip(&taper).filter(|(v, _)| !v.is_nan());
     let level = known().map(|(v, w)| v * w).sum::<f64>() / known().map(|(_, w)| w).sum::<f64>();
     let tapered: Vec<f64> = x.iter().zip(&taper).map(|(v, w)| if v.is_nan() { 0.0 } else { (v - level) * w }).collect();
-    let system = channel.and_then(|channel| channel.transfer_function().ok());
     let gain = |bin: usize| {
         let at = Complex64::new(0.0, TAU * bin as f64 * bin_hz);
-        system.as_ref().map_or(1.0, |system| system.evaluate(at).norm_sqr())
+        system.map_or(1.0, |system| system.evaluate(at).norm_sqr())
     };
     let spectrum = fft_real(&tapered).unwrap_or_default();
     let power = spectrum.iter().enumerate().map(|(bin, v)| v.norm_sqr() * gain(bin));
