@@ -21,7 +21,7 @@ pub(crate) enum Outcome {
     Done,
     /// The study finds the data insufficient for a model.
     Insufficient,
-    /// The check does not find the experiment safe.
+    /// The check does not find the experiment safe, or the bench cannot run the test, or a run of it is not valid.
     NotSafe,
     /// The bench is not the same any more.
     Changed,
@@ -227,6 +227,12 @@ pub(crate) enum CliError {
     /// An experiment that cannot be checked.
     #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
     NotCheckable { path: PathBuf, reason: String },
+    /// A table of an engine, a cycle or a vehicle.
+    #[error("{}: {reason}", .path.display())]
+    CycleTable { path: PathBuf, reason: String },
+    /// A recording that is no run of the test.
+    #[error("{}: the run cannot be judged: {reason}", .path.display())]
+    NotAsTest { path: PathBuf, reason: String },
     /// A bench that cannot be simulated.
     #[error("{}: {source}", .path.display())]
     VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },

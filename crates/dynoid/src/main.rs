@@ -55,6 +55,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),
         Command::Engine(arguments) => commands::engine::run(arguments, terminal),
         Command::Friction(arguments) => commands::friction::run(arguments, terminal),
+        Command::Can(arguments) => commands::can::run(arguments, terminal),
         Command::Experiment { command } => match command {
             ExperimentCommand::List(arguments) => experiment::list::run(arguments, terminal),
             ExperimentCommand::Design(arguments) => experiment::design::run(arguments, terminal),

@@ -9,6 +9,7 @@
 mod assumptions;
 mod bench_model;
 pub mod brief;
+pub mod can;
 pub mod catalogue;
 pub mod comparison;
 pub mod controller;

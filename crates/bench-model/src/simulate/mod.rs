@@ -6,6 +6,7 @@
 //! initial speed and demand.
 
 mod controller;
+mod course;
 mod encoder;
 mod error;
 mod inputs;
@@ -17,6 +18,7 @@ use std::borrow::Cow;
 
 use crate::model::BenchModel;
 use controller::Pi;
+pub use course::{Course, CourseInputs, simulate_course};
 use encoder::Encoder;
 pub use error::SimulationError;
 pub use inputs::{DynoInput, InitialState, Inputs};

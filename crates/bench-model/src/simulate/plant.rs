@@ -65,6 +65,7 @@ pub(super) fn samples_back(delay: f64, position: f64) -> usize {
 }
 
 /// A part of the sample interval within which the demand at the lag does not change.
+#[derive(Debug, Clone)]
 pub(super) struct Substep {
     pub(super) from: f64,
     pub(super) to: f64,
@@ -189,7 +190,7 @@ impl Substep {
         self.transition[TORQUE][TORQUE] * torque_nm + (self.first[TORQUE][0] + self.last[TORQUE][0]) * demand_nm
     }
 
-    fn apply(&self, x: &[f64; STATES], u0: [f64; INPUTS], u1: [f64; INPUTS]) -> [f64; STATES] {
+    pub(super) fn apply(&self, x: &[f64; STATES], u0: [f64; INPUTS], u1: [f64; INPUTS]) -> [f64; STATES] {
         std::array::from_fn(|i| {
             let free: f64 = (0..STATES).map(|j| self.transition[i][j] * x[j]).sum();
             let forced: f64 = (0..INPUTS).map(|j| self.first[i][j] * u0[j] + self.last[i][j] * u1[j]).sum();

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 mod analysis;
+mod course;
 mod document;
 mod linear_form;
 mod model;

@@ -23,7 +23,7 @@ pub use quantity::Quantity;
 use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
 use spread::Drawn;
-pub use spread::{BenchSpread, Prior};
+pub use spread::{BenchSpread, Prior, slowed};
 pub use verdict::{ALLOWED, Proportion, Safety};
 
 /// Share of the bandwidth that the speed control of an engine of which nothing is known has at least.

@@ -15,7 +15,7 @@ pub(super) struct Drawn {
 }
 
 /// The engine with a share of its speed control's bandwidth, at the same damping: K_p by the share, K_i by its square.
-pub(super) fn slowed(engine: &EngineParameters, share: f64) -> EngineParameters {
+pub fn slowed(engine: &EngineParameters, share: f64) -> EngineParameters {
     EngineParameters {
         speed_control_proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad * share,
         speed_control_integral_nm_per_rad: engine.speed_control_integral_nm_per_rad * share * share,
@@ -54,7 +54,7 @@ impl Default for Prior {
 
 impl BenchSpread<'_> {
     /// A bench; `None` where hardly any draw is possible.
-    pub(super) fn draw(&self, nominal: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
+    pub fn draw(&self, nominal: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
         match self {
             BenchSpread::Estimated(uncertainty) => uncertainty.draw(nominal, random),
             BenchSpread::Prior(prior) => {

@@ -1,6 +1,7 @@
 //! The command line: commands, options, help.
 
 pub(crate) mod bench;
+pub(crate) mod can;
 pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod diff;
@@ -97,6 +98,8 @@ pub(crate) enum Command {
     Engine(engine::EngineArguments),
     /// Estimate friction and inertia of the dynamometer
     Friction(friction::FrictionArguments),
+    /// Can this bench run this test? Was this run of it valid?
+    Can(can::CanArguments),
     /// Plan experiments: list, design, check, simulate, next
     #[command(after_help = experiment::EXAMPLES)]
     Experiment {

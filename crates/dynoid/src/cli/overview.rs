@@ -11,7 +11,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
     ),
-    ("Experiments", &["experiment"]),
+    ("Tests and experiments", &["can", "experiment"]),
     ("Recordings", &["inspect", "convert"]),
     ("Linear models of any channels", &["data", "fit", "model"]),
 ];

@@ -180,7 +180,16 @@ fn read_inertia(bench: &Section<'_, '_>, key: &str, faults: &mut Faults<'_>) -> 
 }
 
 fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
-    let keys = ["torque", "shaft_torque", "speed", "torque_slew", "shaft_torque_slew", "time_at_resonance"];
+    let keys = [
+        "torque",
+        "shaft_torque",
+        "speed",
+        "torque_slew",
+        "shaft_torque_slew",
+        "time_at_resonance",
+        "power",
+        "speed_gradient",
+    ];
     section.only(&keys, faults);
     let slew = "\"5000 Nm/s\"";
     Limits {
@@ -190,6 +199,14 @@ fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
         torque_slew_nm_per_s: read_limit(section, "torque_slew", Quantity::TorqueRate, slew, faults),
         shaft_torque_slew_nm_per_s: read_limit(section, "shaft_torque_slew", Quantity::TorqueRate, slew, faults),
         time_at_resonance_s: read_limit(section, "time_at_resonance", Quantity::Time, "\"5 s\"", faults),
+        power_w: read_limit(section, "power", Quantity::Power, "\"200 kW\"", faults),
+        speed_gradient_rad_s2: read_limit(
+            section,
+            "speed_gradient",
+            Quantity::AngularAcceleration,
+            "\"5000 rpm/s\"",
+            faults,
+        ),
     }
 }
 

@@ -60,6 +60,10 @@ pub struct Limits {
     pub shaft_torque_slew_nm_per_s: Option<f64>,
     /// Longest time that the firing may stay near the resonance, s.
     pub time_at_resonance_s: Option<f64>,
+    /// Largest power of the dynamometer, W.
+    pub power_w: Option<f64>,
+    /// Largest change of the speed, rad/s².
+    pub speed_gradient_rad_s2: Option<f64>,
 }
 
 /// What is known of the shaft before anything was estimated: for predictions and simulations alone, no study looks at it.

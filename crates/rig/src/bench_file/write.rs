@@ -58,6 +58,8 @@ engine_inertia = "{PLACEHOLDER}"
 # torque_slew = "5000 Nm/s"        # of the torque demand
 # shaft_torque_slew = "5000 Nm/s"
 # time_at_resonance = "5 s"        # longest stay of the firing near the shaft's resonance
+# power = "200 kW"                 # of the dynamometer
+# speed_gradient = "5000 rpm/s"
 
 # What is known of the shaft, for experiments that are predicted or simulated before a model is estimated: its resonance,
 # or its stiffness.
@@ -122,6 +124,8 @@ fn write_limits(text: &mut String, limits: Limits) {
         ("torque_slew", limits.torque_slew_nm_per_s, "Nm/s"),
         ("shaft_torque_slew", limits.shaft_torque_slew_nm_per_s, "Nm/s"),
         ("time_at_resonance", limits.time_at_resonance_s, "s"),
+        ("power", limits.power_w, "W"),
+        ("speed_gradient", limits.speed_gradient_rad_s2, "rad/s²"),
     ];
     write_values(text, &values);
 }

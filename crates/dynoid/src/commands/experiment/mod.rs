@@ -5,6 +5,6 @@ pub(crate) mod design;
 pub(crate) mod list;
 pub(crate) mod next;
 mod optimal;
-mod planned;
+pub(in crate::commands) mod planned;
 pub(crate) mod simulate;
-mod stated;
+pub(in crate::commands) mod stated;

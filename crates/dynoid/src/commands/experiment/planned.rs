@@ -80,7 +80,7 @@ fn usage(experiment: &str, error: CatalogueError) -> CliError {
 }
 
 /// Names and values that were given, in either way.
-fn given(arguments: &PlanArguments) -> Result<Vec<(String, String)>, CliError> {
+pub(in crate::commands) fn given(arguments: &PlanArguments) -> Result<Vec<(String, String)>, CliError> {
     let number = |name: &str, value: Option<f64>| value.map(|value| (name.to_owned(), value.to_string()));
     let mut given: Vec<(String, String)> =
         [number("speed", arguments.speed), number("duration", arguments.duration)].into_iter().flatten().collect();

@@ -1,0 +1,291 @@
+//! Speed control over a long time.
+//!
+//! Demand and engine torque are straight from one point of a coarse grid to the next. As long as the torque demand keeps away from
+//! its limit, controller and bench are linear. Their samples from one point to the next are then one matrix, which is found by
+//! stepping through them once. Near the limit, the bench is stepped sample by sample, with limit and anti-windup.
+
+use super::plant::{STATES, Substep, samples_back};
+use crate::model::{BenchModel, FeedForwardGains, PiController};
+use crate::simulate::error::SimulationError;
+use crate::simulate::inputs::InitialState;
+
+/// Part of the torque limit from which on every sample is stepped.
+const NEAR_LIMIT: f64 = 0.95;
+/// Speed demand of the error, feed-forward of the speed and engine torque, each at both ends of a step; feed-forward of the
+/// acceleration before the step and in it.
+const INPUTS: usize = 8;
+/// I, behind ω_d, ω_e, Δθ and T_d.
+const INTEGRAL: usize = 4;
+/// First of the controller's last outputs, the latest first; the angles turned in the last samples follow them.
+const OUTPUTS: usize = 5;
+
+/// What a long run is driven by: values at the points of a coarse grid, straight in between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CourseInputs<'a> {
+    /// Samples of the controller from one point to the next.
+    pub step_samples: usize,
+    /// ω_d*, rad/s.
+    pub speed_demand_rad_s: &'a [f64],
+    /// T_e, Nm.
+    pub engine_torque_nm: &'a [f64],
+}
+
+/// What the bench did, one value a point of the grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Course {
+    /// Time from point to point, s.
+    pub step_s: f64,
+    /// ω_d, rad/s.
+    pub dyno_speed_rad_s: Vec<f64>,
+    /// ω_e, rad/s.
+    pub engine_speed_rad_s: Vec<f64>,
+    /// T_shaft, Nm.
+    pub shaft_torque_nm: Vec<f64>,
+    /// T_d*, Nm, limited.
+    pub torque_demand_nm: Vec<f64>,
+    /// Steps that were made sample by sample, since T_d* was near its limit.
+    pub stepped: usize,
+}
+
+/// Simulates speed control over a long time, see [`CourseInputs`].
+///
+/// Speeds are those of the shaft's ends, and no readings of encoders. The gate of the encoder is rounded to samples in between which
+/// its angle is straight.
+///
+/// # Errors
+/// A part that speed control needs is missing, inputs of unequal length or fewer than two points.
+pub fn simulate_course(
+    model: &BenchModel,
+    inputs: &CourseInputs<'_>,
+    start: &InitialState,
+) -> Result<Course, SimulationError> {
+    let points = inputs.speed_demand_rad_s.len();
+    if points < 2 || inputs.engine_torque_nm.len() != points {
+        let found = inputs.engine_torque_nm.len();
+        return Err(SimulationError::Length { what: "engine torque", expected: points.max(2), found });
+    }
+    let bench = Bench::new(model)?;
+    let step_samples = inputs.step_samples.max(1);
+    let linear = Lifted::of(&bench, step_samples);
+    let mut z = bench.start(start);
+    let mut next = z.clone();
+    let mut course = Course::with_capacity(points, step_samples as f64 * bench.pi.sample_time_s);
+    let near_nm = NEAR_LIMIT * bench.limit_nm;
+    course.push(&bench, &z, &bench.inputs(inputs, 0));
+    for k in 0..points - 1 {
+        let input = bench.inputs(inputs, k);
+        linear.apply(&z, &input, &mut next);
+        let at_start_nm = bench.wanted_nm(&z, input[0], input[2] + input[6]);
+        let at_end_nm = bench.wanted_nm(&next, input[1], input[3] + input[7]);
+        if at_start_nm.abs().max(at_end_nm.abs()) > near_nm {
+            course.stepped += 1;
+            next.copy_from_slice(&z);
+            (0..step_samples).for_each(|sample| bench.step(&mut next, &input, (sample, step_samples), bench.limit_nm));
+        }
+        std::mem::swap(&mut z, &mut next);
+        course.push(&bench, &z, &bench.inputs(inputs, k + 1));
+    }
+    Ok(course)
+}
+
+/// Controller, torque control and mechanics, stepped sample by sample.
+struct Bench {
+    substeps: Vec<Substep>,
+    pi: PiController,
+    feed_forward: Option<FeedForwardGains>,
+    limit_nm: f64,
+    stiffness_nm_per_rad: f64,
+    damping_nm_s_per_rad: f64,
+    gate_samples: f64,
+    /// Samples by which ω_d* is late in the error and in the feed-forward.
+    lags: (f64, f64),
+    /// How many outputs of the controller, and angles, are kept.
+    kept: (usize, usize),
+}
+
+impl Bench {
+    fn new(model: &BenchModel) -> Result<Self, SimulationError> {
+        let pi = model.speed_controller.ok_or(SimulationError::MissingPart { part: "speed controller" })?;
+        let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?;
+        let substeps = Substep::of_a_sample(model, Some(torque_control), pi.sample_time_s)?;
+        let gate_samples = (model.encoder_gate_s / pi.sample_time_s).max(0.0);
+        let oldest = substeps.iter().map(|part| part.delayed_back).max().unwrap_or(0);
+        let reported = samples_back(pi.delay_s / pi.sample_time_s, 0.0);
+        let samples = |time_s: f64| (time_s / pi.sample_time_s).round();
+        Ok(Bench {
+            substeps,
+            pi,
+            feed_forward: model.feed_forward,
+            limit_nm: model.torque_limit_nm.unwrap_or(f64::INFINITY),
+            stiffness_nm_per_rad: model.mechanics.stiffness_nm_per_rad,
+            damping_nm_s_per_rad: model.mechanics.damping_nm_s_per_rad,
+            gate_samples,
+            lags: (
+                samples(pi.demand_delay_s - pi.delay_s),
+                samples(model.feed_forward.map_or(0.0, |feed_forward| feed_forward.delay_s)),
+            ),
+            kept: (oldest.max(reported) + 1, gate_samples.ceil() as usize),
+        })
+    }
+
+    fn states(&self) -> usize {
+        OUTPUTS + self.kept.0 + self.kept.1
+    }
+
+    fn start(&self, start: &InitialState) -> Vec<f64> {
+        let mut z = vec![0.0; self.states()];
+        let first = [
+            start.dyno_speed_rad_s,
+            start.engine_speed_rad_s,
+            start.twist_rad,
+            start.air_gap_torque_nm,
+            start.integrator_nm,
+        ];
+        z[..OUTPUTS].copy_from_slice(&first);
+        z[OUTPUTS..OUTPUTS + self.kept.0].fill(start.integrator_nm);
+        let turned = start.dyno_speed_rad_s * self.pi.sample_time_s;
+        z[OUTPUTS + self.kept.0..].iter_mut().zip(1..).for_each(|(angle, back)| *angle = turned * f64::from(back));
+        z
+    }
+
+    /// The inputs of the step from point `k` on; at the last point both ends are that point.
+    fn inputs(&self, inputs: &CourseInputs<'_>, k: usize) -> [f64; INPUTS] {
+        let step = inputs.step_samples.max(1) as f64;
+        let last = inputs.speed_demand_rad_s.len() - 1;
+        let demand = |point: f64| {
+            let place = point.clamp(0.0, last as f64);
+            let (low, share) = (place.floor() as usize, place.fract());
+            let (value, next) = (inputs.speed_demand_rad_s[low], inputs.speed_demand_rad_s[(low + 1).min(last)]);
+            value + share * (next - value)
+        };
+        let end = (k + 1).min(last);
+        let late = |point: usize, samples: f64| demand(point as f64 - samples / step);
+        let fed =
+            |point: usize| self.feed_forward.map_or(0.0, |gains| gains.speed_nm_s_per_rad * late(point, self.lags.1));
+        let accelerated = |from: usize, to: usize| {
+            let change = inputs.speed_demand_rad_s[to] - inputs.speed_demand_rad_s[from];
+            let acceleration = change / (step * self.pi.sample_time_s);
+            self.feed_forward.map_or(0.0, |gains| gains.acceleration_nm_s2_per_rad * acceleration)
+        };
+        [
+            late(k, self.lags.0),
+            late(end, self.lags.0),
+            fed(k),
+            fed(end),
+            inputs.engine_torque_nm[k],
+            inputs.engine_torque_nm[end],
+            accelerated(k.saturating_sub(1), k),
+            accelerated(k, end),
+        ]
+    }
+
+    /// The speed that the controller reads.
+    fn reading(&self, z: &[f64]) -> f64 {
+        if self.gate_samples <= 0.0 {
+            return z[0];
+        }
+        let angles = &z[OUTPUTS + self.kept.0..];
+        let (whole, share) = (self.gate_samples.floor() as usize, self.gate_samples.fract());
+        let back = |samples: usize| if samples == 0 { 0.0 } else { angles[samples - 1] };
+        let turned = back(whole) + if share > 0.0 { share * (back(whole + 1) - back(whole)) } else { 0.0 };
+        turned / (self.gate_samples * self.pi.sample_time_s)
+    }
+
+    /// T_d* at a point, without limit: the controller's output of then, or an older one, and the feed-forward.
+    fn wanted_nm(&self, z: &[f64], demand_rad_s: f64, feed_forward_nm: f64) -> f64 {
+        let output = match samples_back(self.pi.delay_s / self.pi.sample_time_s, 0.0) {
+            0 => self.pi.proportional_nm_s_per_rad * (self.reading(z) - demand_rad_s) + z[INTEGRAL],
+            back => z[OUTPUTS + back - 1],
+        };
+        output + feed_forward_nm
+    }
+
+    fn shaft_torque_nm(&self, z: &[f64]) -> f64 {
+        self.stiffness_nm_per_rad * z[2] + self.damping_nm_s_per_rad * (z[1] - z[0])
+    }
+
+    /// One sample of `of` in a step.
+    fn step(&self, z: &mut [f64], input: &[f64; INPUTS], (sample, of): (usize, usize), limit_nm: f64) {
+        let at = |end: usize, place: f64| input[end] + (input[end + 1] - input[end]) * place / of as f64;
+        let place = sample as f64;
+        let error = self.reading(z) - at(0, place);
+        let output = self.pi.proportional_nm_s_per_rad * error + z[INTEGRAL];
+        let change = self.pi.integral_nm_per_rad * self.pi.sample_time_s * error;
+        let fed = |place: f64| at(2, place) + input[if place <= self.lags.1 { 6 } else { 7 }];
+        let demand = output + fed(place);
+        if !(demand.abs() > limit_nm && change * demand > 0.0) {
+            z[INTEGRAL] += change;
+        }
+        let outputs = &mut z[OUTPUTS..OUTPUTS + self.kept.0];
+        outputs.rotate_right(1);
+        outputs[0] = output;
+        let mut x: [f64; STATES] = [z[0], z[1], z[2], z[3], 0.0, 0.0];
+        for part in &self.substeps {
+            let fed = fed(place - part.immediate_back as f64);
+            let braking = (z[OUTPUTS + part.delayed_back] + fed).clamp(-limit_nm, limit_nm);
+            let driving = |within: f64| at(4, place + within);
+            x = part.apply(&x, [braking, driving(part.from), 0.0], [braking, driving(part.to), 0.0]);
+        }
+        z[..INTEGRAL].copy_from_slice(&x[..INTEGRAL]);
+        let angles = &mut z[OUTPUTS + self.kept.0..];
+        if !angles.is_empty() {
+            angles.rotate_right(1);
+            angles[0] = 0.0;
+            angles.iter_mut().for_each(|angle| *angle += x[4]);
+        }
+    }
+}
+
+/// The samples of a step as one matrix, column by column: states, then inputs.
+struct Lifted {
+    states: usize,
+    columns: Vec<f64>,
+}
+
+impl Lifted {
+    fn of(bench: &Bench, samples: usize) -> Self {
+        let states = bench.states();
+        let mut columns = Vec::with_capacity(states * (states + INPUTS));
+        for column in 0..states + INPUTS {
+            let mut z = vec![0.0; states];
+            let mut input = [0.0; INPUTS];
+            match column.checked_sub(states) {
+                None => z[column] = 1.0,
+                Some(of) => input[of] = 1.0,
+            }
+            (0..samples).for_each(|sample| bench.step(&mut z, &input, (sample, samples), f64::INFINITY));
+            columns.extend(z);
+        }
+        Lifted { states, columns }
+    }
+
+    /// Column by column, since the sums of the rows then do not wait for one another.
+    fn apply(&self, z: &[f64], input: &[f64; INPUTS], next: &mut [f64]) {
+        next.fill(0.0);
+        for (value, column) in z.iter().chain(input).zip(self.columns.chunks_exact(self.states)) {
+            next.iter_mut().zip(column).for_each(|(next, part)| *next += part * value);
+        }
+    }
+}
+
+impl Course {
+    fn with_capacity(points: usize, step_s: f64) -> Self {
+        let series = || Vec::with_capacity(points);
+        Course {
+            step_s,
+            dyno_speed_rad_s: series(),
+            engine_speed_rad_s: series(),
+            shaft_torque_nm: series(),
+            torque_demand_nm: series(),
+            stepped: 0,
+        }
+    }
+
+    fn push(&mut self, bench: &Bench, z: &[f64], input: &[f64; INPUTS]) {
+        self.dyno_speed_rad_s.push(z[0]);
+        self.engine_speed_rad_s.push(z[1]);
+        self.shaft_torque_nm.push(bench.shaft_torque_nm(z));
+        let wanted = bench.wanted_nm(z, input[0], input[2] + input[6]);
+        self.torque_demand_nm.push(wanted.clamp(-bench.limit_nm, bench.limit_nm));
+    }
+}

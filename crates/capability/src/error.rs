@@ -1,0 +1,27 @@
+//! Why nothing can be said.
+
+use bench_model::prediction::PredictionError;
+use bench_model::simulate::SimulationError;
+use cycle::CycleError;
+
+/// Why a test cannot be judged.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CapabilityError {
+    /// The bench cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The bench cannot be predicted.
+    #[error(transparent)]
+    Prediction(#[from] PredictionError),
+    /// A requirement cannot be applied.
+    #[error(transparent)]
+    Cycle(#[from] CycleError),
+    /// The uncertainty holds hardly any possible bench.
+    #[error(
+        "the parameters are so uncertain that hardly any bench drawn from them is possible; give better data to the study, or leave out --model"
+    )]
+    NoBench,
+    /// No samples.
+    #[error("at least one bench must be drawn")]
+    NoSamples,
+}

@@ -1,0 +1,304 @@
+//! The largest sine that a bench can be asked for, over frequency and speed, and the largest gradient of the speed.
+//!
+//! Short of its limits the bench is linear, so what a sine adds grows with its amplitude. A limit binds where the mean, the firing
+//! pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map takes that case.
+
+use std::f64::consts::{PI, TAU};
+
+use bench_model::model::BenchModel;
+use design::safety::BenchSpread;
+use numerics::{order, parallel};
+use rig::bench_file::Limits;
+use rig::bench_parameters::EngineParameters;
+use rig::random::Source;
+use serde::Serialize;
+use signal::Complex64;
+
+use crate::error::CapabilityError;
+use crate::extremes::LimitOf;
+use crate::pulses::Pulses;
+
+/// Changes of T_d* and of the speed count over these times, s.
+const CHANGES_S: (f64, f64) = (0.01, 0.05);
+
+/// What the sine is demanded of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SineOf {
+    /// N_d* in speed control (NT).
+    Speed,
+    /// T_d* in torque control, engine in speed control (TN).
+    Torque,
+}
+
+/// What a map rests on.
+#[derive(Debug, Clone, Copy)]
+pub struct MapInputs<'a> {
+    /// The bench.
+    pub model: &'a BenchModel,
+    /// Its engine.
+    pub engine: &'a EngineParameters,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+    /// How benches differ from it.
+    pub spread: BenchSpread<'a>,
+    /// Mean torque, Nm.
+    pub torque_nm: f64,
+    /// Benches drawn.
+    pub samples: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+/// One place of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Place {
+    /// Largest amplitude that 95 %, 50 % and 5 % of the benches can do, rad/s or Nm; infinite where no limit is stated.
+    pub amplitude: [f64; 3],
+    /// The limit that binds on the nominal bench; a sine that would stop it counts as one beyond the limit of the speed.
+    pub binds: Option<LimitOf>,
+}
+
+/// Largest amplitudes over frequency and speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CapabilityMap {
+    /// Of what.
+    pub of: SineOf,
+    /// Frequencies, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Speeds, rad/s.
+    pub speed_rad_s: Vec<f64>,
+    /// A row a speed, a place a frequency.
+    pub places: Vec<Vec<Place>>,
+    /// Frequency up to which the response stays within 10 % and within 3 dB on the nominal bench, Hz; `None` beyond the map.
+    pub bandwidth_hz: [Option<f64>; 2],
+}
+
+/// The largest gradient of the speed at one speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gradient {
+    /// The speed, rad/s.
+    pub speed_rad_s: f64,
+    /// Largest gradient upwards, rad/s².
+    pub up_rad_s2: f64,
+    /// Largest gradient downwards, rad/s².
+    pub down_rad_s2: f64,
+    /// The limits that bind.
+    pub binds: [Option<LimitOf>; 2],
+}
+
+/// What 1 rad/s or 1 Nm of a demand makes of each quantity, at one frequency.
+#[derive(Debug, Clone, Copy)]
+struct Gains {
+    /// The quantity demanded.
+    followed: Complex64,
+    dyno_speed: f64,
+    engine_speed: f64,
+    demand: f64,
+    shaft: f64,
+}
+
+/// The map over these frequencies and speeds.
+///
+/// # Errors
+/// The model lacks torque control, or speed control for sines of the speed; an uncertainty without possible benches.
+pub fn map(
+    inputs: &MapInputs<'_>,
+    of: SineOf,
+    frequency_hz: &[f64],
+    speed_rad_s: &[f64],
+) -> Result<CapabilityMap, CapabilityError> {
+    let mut random = Source::Safety.stream(inputs.seed);
+    let benches = (0..inputs.samples)
+        .map(|_| inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench))
+        .collect::<Result<Vec<_>, _>>()?;
+    if benches.is_empty() {
+        return Err(CapabilityError::NoSamples);
+    }
+    let amplitudes = |model: &BenchModel| one_bench(inputs, model, of, frequency_hz, speed_rad_s);
+    let all = parallel::map(&benches, amplitudes).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let nominal = amplitudes(inputs.model)?;
+    let place = |k: usize| {
+        let mut values: Vec<f64> = all.iter().map(|bench| bench[k].0).collect();
+        values.sort_by(f64::total_cmp);
+        let quantile = |share| order::quantile_of_sorted(&values, share).unwrap_or(f64::NAN);
+        Place { amplitude: [quantile(0.05), quantile(0.5), quantile(0.95)], binds: nominal[k].1 }
+    };
+    let columns = frequency_hz.len();
+    let row = |row: usize| (0..columns).map(|column| place(row * columns + column)).collect();
+    let followed = |frequency_hz: f64| Ok(gains(inputs, inputs.model, of, TAU * frequency_hz)?.followed.norm());
+    Ok(CapabilityMap {
+        of,
+        frequency_hz: frequency_hz.to_vec(),
+        speed_rad_s: speed_rad_s.to_vec(),
+        places: (0..speed_rad_s.len()).map(row).collect(),
+        bandwidth_hz: [bandwidth(followed, (0.9, 1.1))?, bandwidth(followed, (0.5_f64.sqrt(), 2.0_f64.sqrt()))?],
+    })
+}
+
+/// The first frequency between 0.1 and 300 Hz at which the gain leaves a range.
+fn bandwidth(
+    gain: impl Fn(f64) -> Result<f64, CapabilityError>,
+    (low, high): (f64, f64),
+) -> Result<Option<f64>, CapabilityError> {
+    for k in 0..=1000 {
+        let frequency_hz = 0.1 * 3000.0_f64.powf(f64::from(k) / 1000.0);
+        if !(low..=high).contains(&gain(frequency_hz)?) {
+            return Ok(Some(frequency_hz));
+        }
+    }
+    Ok(None)
+}
+
+fn one_bench(
+    inputs: &MapInputs<'_>,
+    model: &BenchModel,
+    of: SineOf,
+    frequency_hz: &[f64],
+    speed_rad_s: &[f64],
+) -> Result<Vec<(f64, Option<LimitOf>)>, CapabilityError> {
+    let gains = frequency_hz.iter().map(|f| Ok((TAU * f, gains(inputs, model, of, TAU * f)?)));
+    let gains = gains.collect::<Result<Vec<_>, CapabilityError>>()?;
+    let range = speed_rad_s.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(*w), high.max(*w)));
+    let pulses = Pulses::of(model, inputs.engine, range);
+    let rows = speed_rad_s.iter().flat_map(|speed| {
+        let (high, low, slew) = pulses.around(inputs.torque_nm, inputs.torque_nm, *speed);
+        let rest = Rest { speed: *speed, torque: inputs.torque_nm.abs(), shaft: high.abs().max(low.abs()), slew };
+        gains.iter().map(move |(omega, gains)| rest.largest(gains, *omega, &inputs.limits))
+    });
+    Ok(rows.collect())
+}
+
+/// What the limits leave before the sine.
+#[derive(Clone, Copy)]
+struct Rest {
+    speed: f64,
+    torque: f64,
+    /// With pulses.
+    shaft: f64,
+    slew: f64,
+}
+
+impl Rest {
+    /// The largest amplitude, and the limit that binds.
+    fn largest(&self, gains: &Gains, omega: f64, limits: &Limits) -> (f64, Option<LimitOf>) {
+        let slope = |gain: f64, over_s: f64| gain * 2.0 * (0.5 * omega * over_s).min(0.5 * PI).sin() / over_s;
+        let room = |of: LimitOf, rest: f64, gain: f64| {
+            let limit = of.limit(limits)?;
+            Some(((limit - rest).max(0.0) / gain, Some(of)))
+        };
+        let rooms = [
+            room(LimitOf::ShaftTorque, self.shaft, gains.shaft),
+            room(LimitOf::ShaftTorqueSlew, self.slew, gains.shaft * omega),
+            room(LimitOf::TorqueDemand, self.torque, gains.demand),
+            room(LimitOf::TorqueSlew, 0.0, slope(gains.demand, CHANGES_S.0)),
+            room(LimitOf::Speed, self.speed, gains.dyno_speed.max(gains.engine_speed)),
+            // The bench does not turn backwards.
+            Some((self.speed / gains.dyno_speed, Some(LimitOf::Speed))),
+            room(LimitOf::SpeedGradient, 0.0, slope(gains.dyno_speed, CHANGES_S.1)),
+            limits.power_w.map(|limit| (self.of_power(gains, limit), Some(LimitOf::Power))),
+        ];
+        rooms.into_iter().flatten().fold((f64::INFINITY, None), |least, one| if one.0 < least.0 { one } else { least })
+    }
+
+    /// A with (T + A g_T)(ω + A g_ω) at the limit.
+    fn of_power(&self, gains: &Gains, limit_w: f64) -> f64 {
+        let a = gains.demand * gains.dyno_speed;
+        let b = self.torque * gains.dyno_speed + self.speed * gains.demand;
+        let left = (limit_w - self.torque * self.speed).max(0.0);
+        2.0 * left / (b + (b * b + 4.0 * a * left).sqrt())
+    }
+}
+
+fn gains(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf, omega: f64) -> Result<Gains, CapabilityError> {
+    let missing = |part| bench_model::simulate::SimulationError::MissingPart { part };
+    let control = model.torque_control.ok_or_else(|| missing("torque control"))?;
+    match of {
+        SineOf::Speed => {
+            let pi = model.speed_controller.ok_or_else(|| missing("speed controller"))?;
+            let speed = model.speed_demand_to_speed(omega).ok_or_else(|| missing("speed controller"))?;
+            let drive = pi.hold(omega) * control.response(omega);
+            let demand = speed / (drive * model.mechanics.torque_to_speed(omega));
+            let shaft = demand * drive * model.mechanics.torque_to_shaft(omega);
+            let engine = shaft / (Complex64::new(0.0, omega) * model.mechanics.engine_inertia_kg_m2);
+            Ok(Gains {
+                followed: speed,
+                dyno_speed: speed.norm(),
+                engine_speed: engine.norm(),
+                demand: demand.norm(),
+                shaft: shaft.norm(),
+            })
+        }
+        SineOf::Torque => {
+            let torque = control.response(omega);
+            let (dyno, engine) = governed(inputs.engine, model, omega);
+            let shaft = spring(model, omega) * (engine - dyno);
+            Ok(Gains {
+                followed: torque,
+                dyno_speed: (torque * dyno).norm(),
+                engine_speed: (torque * engine).norm(),
+                demand: 1.0,
+                shaft: (torque * shaft).norm(),
+            })
+        }
+    }
+}
+
+/// K/(jω) + B.
+fn spring(model: &BenchModel, omega: f64) -> Complex64 {
+    let mechanics = &model.mechanics;
+    Complex64::new(mechanics.damping_nm_s_per_rad, -mechanics.stiffness_nm_per_rad / omega)
+}
+
+/// Speeds of both ends for 1 Nm of T_d, with the engine in speed control.
+fn governed(engine: &EngineParameters, model: &BenchModel, omega: f64) -> (Complex64, Complex64) {
+    let mechanics = &model.mechanics;
+    let spring = spring(model, omega);
+    let control = Complex64::new(
+        engine.speed_control_proportional_nm_s_per_rad,
+        -engine.speed_control_integral_nm_per_rad / omega,
+    );
+    let of_dyno = Complex64::new(0.0, omega * mechanics.dyno_inertia_kg_m2) + spring;
+    let of_engine = Complex64::new(0.0, omega * mechanics.engine_inertia_kg_m2) + spring + control;
+    let determinant = of_dyno * of_engine - spring * spring;
+    (-of_engine / determinant, -spring / determinant)
+}
+
+/// The largest gradients of the speed while the engine gives a constant torque: T_d = T_e − (J_d + J_e) α and
+/// T_shaft = T_e − J_e α keep their limits.
+///
+/// # Example
+/// ```
+/// # use bench_model::model::{BenchModel, Mechanics};
+/// let mechanics = Mechanics {
+///     dyno_inertia_kg_m2: 0.55,
+///     engine_inertia_kg_m2: 0.28,
+///     stiffness_nm_per_rad: 2400.0,
+///     damping_nm_s_per_rad: 6.0,
+/// };
+/// let limits = rig::bench_file::Limits { torque_nm: Some(400.0), ..Default::default() };
+/// let gradient = capability::map::gradient(&mechanics, &limits, 0.0, 150.0);
+/// assert_eq!((gradient.up_rad_s2 / units::RPM_RAD_S).round(), 4602.0);
+/// ```
+pub fn gradient(
+    mechanics: &bench_model::model::Mechanics,
+    limits: &Limits,
+    engine_nm: f64,
+    speed_rad_s: f64,
+) -> Gradient {
+    let both = mechanics.dyno_inertia_kg_m2 + mechanics.engine_inertia_kg_m2;
+    let power_nm = limits.power_w.map(|power| power / speed_rad_s.abs().max(1e-9));
+    let bounds = |sign: f64| {
+        let torque =
+            |limit: Option<f64>, inertia: f64, of| Some((((limit? + sign * engine_nm) / inertia).max(0.0), Some(of)));
+        let rooms = [
+            torque(limits.torque_nm, both, LimitOf::TorqueDemand),
+            torque(limits.shaft_torque_nm, mechanics.engine_inertia_kg_m2, LimitOf::ShaftTorque),
+            torque(power_nm, both, LimitOf::Power),
+            limits.speed_gradient_rad_s2.map(|limit| (limit, Some(LimitOf::SpeedGradient))),
+        ];
+        rooms.into_iter().flatten().fold((f64::INFINITY, None), |least, one| if one.0 < least.0 { one } else { least })
+    };
+    let (up, down) = (bounds(1.0), bounds(-1.0));
+    Gradient { speed_rad_s, up_rad_s2: up.0, down_rad_s2: down.0, binds: [up.1, down.1] }
+}

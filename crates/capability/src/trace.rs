@@ -1,0 +1,41 @@
+//! What one bench does in a test.
+
+use serde::Serialize;
+
+/// Demands and what came of them, on one clock.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Trace {
+    /// Time of the first value on the clock of the test, s.
+    pub start_s: f64,
+    /// Time between values, s.
+    pub step_s: f64,
+    /// Speed demanded, rad/s.
+    pub speed_demand_rad_s: Vec<f64>,
+    /// Speed that should follow it: of the engine in a cycle and in TN, of the dynamometer in other tests in NT, rad/s.
+    pub speed_rad_s: Vec<f64>,
+    /// Torque demanded, Nm.
+    pub torque_demand_nm: Vec<f64>,
+    /// Torque that should follow it: T_shaft in NT, T_d in TN, Nm.
+    pub torque_nm: Vec<f64>,
+    /// ω_d, rad/s.
+    pub dyno_speed_rad_s: Vec<f64>,
+    /// ω_e, rad/s; empty without a shaft.
+    pub engine_speed_rad_s: Vec<f64>,
+    /// T_shaft, Nm; empty without a shaft.
+    pub shaft_torque_nm: Vec<f64>,
+    /// T_d*, Nm, limited.
+    pub dyno_demand_nm: Vec<f64>,
+}
+
+impl Trace {
+    /// Time of a value, s.
+    pub fn time_s(&self, place: usize) -> f64 {
+        self.start_s + place as f64 * self.step_s
+    }
+
+    /// Whether every value is finite and of a size that a bench can have.
+    pub(crate) fn is_bounded(&self) -> bool {
+        let is_bounded = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);
+        is_bounded(&self.dyno_speed_rad_s) && is_bounded(&self.shaft_torque_nm)
+    }
+}

@@ -1,0 +1,247 @@
+//! Whether a run of a cycle is valid: every shift and every choice of omissions is tried, and it is valid if one of them is.
+
+use serde::Serialize;
+
+use crate::error::CycleError;
+use crate::feedback::{Feedback, Points, Seconds};
+use crate::omission::{Omission, Rows};
+use crate::reference::{Reference, Scales};
+use crate::regression::Regression;
+use crate::requirement::{Criterion, Limit, RequirementSet, Signal, Statistic};
+
+/// Shifts are tried in steps of this, s.
+const SHIFT_STEP_S: f64 = 0.1;
+/// Decimals to which slopes and r² are rounded before they are compared.
+const SLOPE_DECIMALS: i32 = 3;
+/// Decimals of a per cent, a Nm or a kW.
+const LIMIT_DECIMALS: i32 = 1;
+/// Speeds below this part of the largest are standstill.
+const STANDSTILL: f64 = 1e-3;
+
+/// One number against its limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Checked {
+    /// Of which signal.
+    pub signal: Signal,
+    /// Which number.
+    pub statistic: Statistic,
+    /// The number, SI; of an intercept its magnitude.
+    pub value: f64,
+    /// Lowest that is allowed; none where only a largest is.
+    pub low: Option<f64>,
+    /// Largest that is allowed, SI.
+    pub high: Option<f64>,
+    /// Whether the rounded number keeps the limit.
+    pub passes: bool,
+    /// How far it is beyond, as a part of the room that the limit gives: 1 is at the limit, below is better.
+    pub use_of_limit: f64,
+}
+
+/// How a run of a cycle is judged.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Validation {
+    /// Whether every limit is kept.
+    pub passes: bool,
+    /// How far the feedback was moved forward, s.
+    pub shift_s: f64,
+    /// Which omissions were used.
+    pub omission: Omission,
+    /// Points left out, of speed, torque and power.
+    pub omitted: [usize; 3],
+    /// Seconds compared.
+    pub seconds: usize,
+    /// The regressions of speed, torque and power; `None` where one is not asked for, or impossible.
+    pub regressions: [Option<Regression>; 3],
+    /// Every number with its limit.
+    pub checked: Vec<Checked>,
+    /// Choices of shift and omission that were tried.
+    pub tried: usize,
+}
+
+impl Validation {
+    /// The number that is furthest beyond its limit, or nearest to it.
+    pub fn worst(&self) -> Option<&Checked> {
+        self.checked.iter().max_by(|a, b| a.use_of_limit.total_cmp(&b.use_of_limit))
+    }
+}
+
+/// Judges a run by a requirement set. The feedback is moved forward by 0 … [`RequirementSet::shift_s`] in steps of 0.1 s. The
+/// first choice that passes is returned, the one with the shortest shift and the fewest rows of omissions; if none passes, the
+/// one whose worst number is least bad.
+///
+/// # Errors
+/// A feedback that does not cover the cycle, has a gap, or series of unequal length.
+pub fn validate(reference: &Reference, feedback: &Feedback, set: &RequirementSet) -> Result<Validation, CycleError> {
+    let seconds = Seconds::of(feedback)?;
+    let steps = (set.shift_s / SHIFT_STEP_S).round() as usize;
+    let choices = if set.omission { Omission::choices() } else { vec![Omission::NONE] };
+    let largest_rad_s = reference.speed_rad_s.iter().copied().fold(0.0, f64::max);
+    let mut best: Option<Validation> = None;
+    for step in 0..=steps {
+        let shift_s = step as f64 * SHIFT_STEP_S;
+        let points = seconds.points(reference, shift_s)?;
+        let mut judge = Judge { set, scales: &reference.scales, largest_rad_s, points: &points, known: Vec::new() };
+        let rows = points.rows(&reference.scales);
+        for choice in &choices {
+            let mut found = judge.of(*choice, &rows);
+            found.shift_s = shift_s;
+            found.tried = (steps + 1) * choices.len();
+            if found.passes {
+                return Ok(found);
+            }
+            let use_of = |validation: &Validation| validation.worst().map_or(f64::INFINITY, |worst| worst.use_of_limit);
+            if best.as_ref().is_none_or(|best| use_of(&found) < use_of(best)) {
+                best = Some(found);
+            }
+        }
+    }
+    best.ok_or(CycleError::Length { what: "reference", expected: 3, found: reference.speed_rad_s.len() })
+}
+
+/// One shift, judged with any omissions; regressions of the same points are made once.
+struct Judge<'a> {
+    set: &'a RequirementSet,
+    scales: &'a Scales,
+    largest_rad_s: f64,
+    points: &'a Points,
+    known: Vec<((Signal, Vec<bool>), Option<Regression>)>,
+}
+
+impl Judge<'_> {
+    fn of(&mut self, omission: Omission, rows: &[Rows]) -> Validation {
+        let moves = |k: usize| {
+            !self.set.without_standstill || self.points.speed_reference_rad_s[k] > STANDSTILL * self.largest_rad_s
+        };
+        let moving: Vec<bool> = (0..rows.len()).map(moves).collect();
+        let mut validation = Validation {
+            passes: false,
+            shift_s: 0.0,
+            omission,
+            omitted: [0; 3],
+            seconds: rows.len(),
+            regressions: [None; 3],
+            checked: Vec::new(),
+            tried: 0,
+        };
+        for (place, signal) in Signal::ALL.into_iter().enumerate() {
+            let Some(criterion) = self.set.criterion(signal).copied() else { continue };
+            let kept: Vec<bool> =
+                rows.iter().zip(&moving).map(|(rows, moves)| *moves && keeps(omission, signal, *rows)).collect();
+            validation.omitted[place] = kept.iter().filter(|kept| !**kept).count();
+            let regression = self.regression(signal, kept);
+            validation.regressions[place] = regression;
+            let checked = regression.map(|regression| self.checked(signal, &criterion, &regression));
+            validation.checked.extend(checked.unwrap_or_else(|| vec![impossible(signal)]));
+        }
+        validation.checked.extend(self.set.work.map(|[low, high]| self.work((low, high))));
+        validation.passes = validation.checked.iter().all(|checked| checked.passes);
+        validation
+    }
+
+    fn regression(&mut self, signal: Signal, kept: Vec<bool>) -> Option<Regression> {
+        if let Some((_, known)) = self.known.iter().find(|((of, same), _)| *of == signal && *same == kept) {
+            return *known;
+        }
+        let points = self.points;
+        let pair = |k: usize| match signal {
+            Signal::Speed => (points.speed_reference_rad_s[k], points.speed_rad_s[k]),
+            Signal::Torque => (points.torque_reference_nm[k], points.torque_nm[k]),
+            Signal::Power => (
+                points.speed_reference_rad_s[k] * points.torque_reference_nm[k],
+                points.speed_rad_s[k] * points.torque_nm[k],
+            ),
+        };
+        let pairs: Vec<(f64, f64)> = (0..kept.len()).filter(|k| kept[*k]).map(pair).collect();
+        let regression = Regression::of(&pairs);
+        self.known.push(((signal, kept), regression));
+        regression
+    }
+
+    fn checked(&self, signal: Signal, criterion: &Criterion, regression: &Regression) -> Vec<Checked> {
+        let most = |statistic, value: f64, limit: &Limit| {
+            let per_cent = limit.per_cent(self.scales, self.largest_rad_s);
+            let high = (limit.percent * per_cent).max(limit.at_least);
+            let unit = if high > limit.percent * per_cent { least_unit(signal) } else { per_cent };
+            let passes = rounded(value / unit, LIMIT_DECIMALS) <= rounded(high / unit, LIMIT_DECIMALS);
+            Checked { signal, statistic, value, low: None, high: Some(high), passes, use_of_limit: value / high }
+        };
+        let error = most(Statistic::StandardError, regression.standard_error, &criterion.standard_error);
+        if self.is_narrow() {
+            return vec![error];
+        }
+        let [low, high] = criterion.slope;
+        vec![
+            between((signal, Statistic::Slope), regression.slope, (low, high)),
+            most(Statistic::Intercept, regression.intercept.abs(), &criterion.intercept),
+            error,
+            at_least((signal, Statistic::Determination), regression.determination, criterion.determination),
+        ]
+    }
+
+    /// Whether the reference speed hardly changes.
+    fn is_narrow(&self) -> bool {
+        let speeds = &self.points.speed_reference_rad_s;
+        let (low, high, sum) = speeds.iter().fold((f64::INFINITY, 0.0_f64, 0.0), |(low, high, sum), speed| {
+            (speed.min(low), speed.max(high), sum + speed)
+        });
+        self.set.narrow_range > 0.0 && high - low < self.set.narrow_range * sum / speeds.len() as f64
+    }
+
+    fn work(&self, (low, high): (f64, f64)) -> Checked {
+        let points = self.points;
+        let work =
+            |speed: &[f64], torque: &[f64]| -> f64 { speed.iter().zip(torque).map(|(n, t)| (n * t).max(0.0)).sum() };
+        let reference = work(&points.speed_reference_rad_s, &points.torque_reference_nm);
+        let ratio = work(&points.speed_rad_s, &points.torque_nm) / reference;
+        between((Signal::Power, Statistic::Work), ratio, (low, high))
+    }
+}
+
+fn keeps(omission: Omission, signal: Signal, rows: Rows) -> bool {
+    match signal {
+        Signal::Speed => omission.keeps_speed(rows),
+        Signal::Torque => omission.keeps_torque(rows),
+        Signal::Power => omission.keeps_power(rows),
+    }
+}
+
+fn impossible(signal: Signal) -> Checked {
+    Checked {
+        signal,
+        statistic: Statistic::Determination,
+        value: f64::NAN,
+        low: None,
+        high: None,
+        passes: false,
+        use_of_limit: f64::INFINITY,
+    }
+}
+
+fn between((signal, statistic): (Signal, Statistic), value: f64, (low, high): (f64, f64)) -> Checked {
+    let shown = rounded(value, SLOPE_DECIMALS);
+    let room = if value < 1.0 { (1.0 - value) / (1.0 - low) } else { (value - 1.0) / (high - 1.0) };
+    Checked {
+        signal,
+        statistic,
+        value,
+        low: Some(low),
+        high: Some(high),
+        passes: (low..=high).contains(&shown),
+        use_of_limit: if room.is_nan() { f64::INFINITY } else { room },
+    }
+}
+
+fn at_least((signal, statistic): (Signal, Statistic), value: f64, low: f64) -> Checked {
+    let passes = rounded(value, SLOPE_DECIMALS) >= low;
+    Checked { signal, statistic, value, low: Some(low), high: None, passes, use_of_limit: (1.0 - value) / (1.0 - low) }
+}
+
+/// In which unit limits at least so large are rounded: Nm and kW.
+fn least_unit(signal: Signal) -> f64 {
+    if signal == Signal::Power { 1000.0 } else { 1.0 }
+}
+
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale
+}

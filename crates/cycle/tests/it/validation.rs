@@ -1,0 +1,116 @@
+use cycle::{Feedback, Omission, Reference, Signal, Statistic, builtin, requirement, validate};
+
+use crate::support::map;
+
+/// The WHTC as a bench runs it: late by `delay_s`, with a gain of the torque.
+fn run(delay_s: f64, gain: f64) -> (Reference, Feedback) {
+    let reference = builtin("whtc").unwrap().reference(&map()).unwrap();
+    let time = |k: usize| k as f64 * 0.1 - delay_s;
+    let samples = 18_021;
+    let feedback = Feedback {
+        start_s: 0.0,
+        sample_time_s: 0.1,
+        speed_rad_s: (0..samples).map(|k| reference.speed_at(time(k))).collect(),
+        torque_nm: (0..samples).map(|k| gain * reference.torque_at(time(k))).collect(),
+        demand: None,
+    };
+    (reference, feedback)
+}
+
+#[test]
+fn exact_a_run_on_time_passes_without_shift_or_omission() {
+    let (reference, feedback) = run(0.0, 1.0);
+    let found = validate(&reference, &feedback, &requirement("1065.514").unwrap()).unwrap();
+    assert!(found.passes);
+    assert_eq!((found.shift_s, found.omission, found.omitted, found.seconds), (0.0, Omission::NONE, [0; 3], 1800));
+    assert_eq!(found.checked.len(), 12);
+}
+
+#[test]
+fn exact_a_late_run_is_moved_forward() {
+    let (reference, feedback) = run(1.0, 1.0);
+    let mut set = requirement("1065.514").unwrap();
+    // Limits that only a run on time keeps.
+    set.torque = set.torque.map(|torque| cycle::Criterion { determination: 0.985, ..torque });
+    let found = validate(&reference, &feedback, &set).unwrap();
+    assert!(found.passes && found.shift_s > 0.4, "{found:?}");
+    set.shift_s = 0.0;
+    set.omission = false;
+    let late = validate(&reference, &feedback, &set).unwrap();
+    assert!(!late.passes);
+    assert_eq!(late.tried, 1);
+}
+
+#[test]
+fn exact_a_torque_that_is_too_small_fails_by_its_slope() {
+    let (reference, feedback) = run(0.0, 0.8);
+    let found = validate(&reference, &feedback, &requirement("1065.514").unwrap()).unwrap();
+    assert!(!found.passes);
+    let failed: Vec<_> =
+        found.checked.iter().filter(|one| !one.passes).map(|one| (one.signal, one.statistic)).collect();
+    assert_eq!(failed, [(Signal::Torque, Statistic::Slope), (Signal::Power, Statistic::Slope)]);
+    assert_eq!(found.tried, 36 * 11);
+}
+
+#[test]
+fn exact_numbers_are_rounded_before_they_are_compared() {
+    // A shift or an omission may make a slope smaller.
+    let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement("1065.514").unwrap() };
+    let slope = |gain: f64| {
+        let (reference, _) = run(0.0, 1.0);
+        // Means that were recorded each second.
+        let feedback = Feedback {
+            start_s: reference.start_s,
+            sample_time_s: 1.0,
+            speed_rad_s: reference.speed_rad_s.clone(),
+            torque_nm: reference.torque_nm.iter().map(|torque| gain * torque).collect(),
+            demand: None,
+        };
+        validate(&reference, &feedback, &set).unwrap().passes
+    };
+    assert!(slope(1.0304), "1.0304 is 1.030");
+    assert!(!slope(1.0306), "1.0306 is 1.031");
+}
+
+#[test]
+fn exact_points_left_out_can_make_a_run_valid() {
+    // The bench does not motor: torque is 0 where the reference is negative, with the pedal released.
+    let (reference, mut feedback) = run(0.0, 1.0);
+    feedback.torque_nm.iter_mut().for_each(|torque| *torque = torque.max(0.0));
+    let mut set = requirement("1065.514").unwrap();
+    let valid = validate(&reference, &feedback, &set).unwrap();
+    assert!(valid.passes && valid.omission.motoring, "{valid:?}");
+    assert!(valid.omitted[1] > 300 && valid.omitted[2] >= valid.omitted[1] && valid.omitted[0] == 0, "{valid:?}");
+    set.omission = false;
+    assert!(!validate(&reference, &feedback, &set).unwrap().passes);
+}
+
+#[test]
+fn exact_a_reference_of_constant_speed_is_judged_by_its_standard_error() {
+    let speed: Vec<f64> = (0..100).map(|k| 150.0 + f64::from(k % 7)).collect();
+    let reference = Reference::of_itself(0.0, speed.clone(), vec![100.0; 100]);
+    let feedback = Feedback {
+        start_s: 0.0,
+        sample_time_s: 0.1,
+        speed_rad_s: (0..1000).map(|k| reference.speed_at(f64::from(k) * 0.1) + 1.0).collect(),
+        torque_nm: vec![100.0; 1000],
+        demand: None,
+    };
+    let found = validate(&reference, &feedback, &requirement("1036.545").unwrap()).unwrap();
+    let checked: Vec<Statistic> = found.checked.iter().map(|one| one.statistic).collect();
+    assert_eq!(checked, [Statistic::StandardError]);
+    assert!(found.passes, "{found:?}");
+}
+
+#[test]
+fn regress_a_feedback_that_ends_early_is_refused() {
+    let (reference, mut feedback) = run(0.0, 1.0);
+    feedback.speed_rad_s.truncate(15_000);
+    feedback.torque_nm.truncate(15_000);
+    let error = validate(&reference, &feedback, &requirement("whtc").unwrap()).unwrap_err().to_string();
+    assert!(error.contains("1499.9"), "{error}");
+    let (reference, mut feedback) = run(0.0, 1.0);
+    feedback.torque_nm[77] = f64::NAN;
+    let error = validate(&reference, &feedback, &requirement("whtc").unwrap()).unwrap_err().to_string();
+    assert!(error.contains("torque, sample 77"), "{error}");
+}

@@ -1,0 +1,69 @@
+//! The capability map.
+
+use capability::map::{MapInputs, SineOf, gradient, map};
+use serde_json::json;
+use units::RPM_RAD_S;
+
+use super::predicted::spread;
+use crate::cli::can::CanArguments;
+use crate::commands::experiment::planned;
+use crate::commands::experiment::stated::Bench;
+use crate::commands::result::show;
+use crate::error::{CliError, Outcome};
+use crate::terminal::Terminal;
+
+/// Frequencies, Hz.
+const FREQUENCIES_HZ: [f64; 19] =
+    [0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0];
+/// Speeds, rpm, up to the limit.
+const SPEEDS_RPM: [f64; 8] = [800.0, 1200.0, 1500.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0];
+
+pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let bench = Bench::read(&arguments.on.bench, arguments.on.plan.study.as_deref(), terminal)?;
+    let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.on.bench.clone(), reason };
+    let model = bench.model_with_shaft().map_err(|reason| not_checkable(reason.to_owned()))?;
+    let limits = bench.file.limits;
+    let torque_nm = torque_nm(arguments)?;
+    let is_possible = |speed: &f64| limits.speed_rad_s.is_none_or(|limit| *speed < limit);
+    let speeds: Vec<f64> = match arguments.on.plan.speed {
+        Some(rpm) => vec![rpm * RPM_RAD_S],
+        None => SPEEDS_RPM.into_iter().map(|rpm| rpm * RPM_RAD_S).filter(is_possible).collect(),
+    };
+    let inputs = MapInputs {
+        model: &model,
+        engine: &bench.stated.parameters.engine,
+        limits,
+        spread: spread(&bench),
+        torque_nm,
+        samples: arguments.samples as usize,
+        seed: arguments.on.plan.seed(),
+    };
+    let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
+    let maps = [SineOf::Speed, SineOf::Torque]
+        .into_iter()
+        .map(|of| map(&inputs, of, &FREQUENCIES_HZ, &speeds))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(failed)?;
+    let gradients: Vec<_> = speeds.iter().map(|speed| gradient(&model.mechanics, &limits, torque_nm, *speed)).collect();
+    let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
+    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "maps": maps, "gradients": gradients});
+    show(&arguments.on.result, || report::can::map(&title, &maps, &gradients), json, terminal)?;
+    Ok(Outcome::Done)
+}
+
+/// The mean torque, by `--set torque=…`.
+fn torque_nm(arguments: &CanArguments) -> Result<f64, CliError> {
+    let given = planned::given(&arguments.on.plan)?;
+    let mut torque_nm = 50.0;
+    for (name, value) in given.iter().filter(|(name, _)| name != "speed") {
+        let number = value.trim_end_matches("Nm").trim().parse().ok().filter(|value: &f64| value.is_finite());
+        match (name.as_str(), number) {
+            ("torque", Some(number)) => torque_nm = number,
+            _ => {
+                let what = format!("--set {name}={value}: a map takes --set torque=NM and --speed RPM");
+                return Err(CliError::Usage { what });
+            }
+        }
+    }
+    Ok(torque_nm)
+}

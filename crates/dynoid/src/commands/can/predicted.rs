@@ -1,0 +1,110 @@
+//! The answer from the model.
+
+use capability::{Answer, CanInputs, Easier, LimitVerdict, can, easier};
+use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior};
+use report::can::{Asked, answer, limit_of, statistic};
+use serde_json::json;
+use virtual_bench::Assumption;
+
+use super::test::{Test, What};
+use super::wanted::Wanted;
+use crate::cli::can::CanArguments;
+use crate::commands::experiment::stated::Bench;
+use crate::commands::result::show;
+use crate::error::{CliError, Outcome};
+use crate::terminal::Terminal;
+
+pub(super) fn run(
+    arguments: &CanArguments,
+    test: &Test,
+    wanted: &Wanted,
+    terminal: &mut Terminal,
+) -> Result<Outcome, CliError> {
+    let bench = Bench::read(&arguments.on.bench, arguments.on.plan.study.as_deref(), terminal)?;
+    let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.on.bench.clone(), reason };
+    let (model, assumptions) = match &test.what {
+        What::Plan { plan, .. } => (bench.model_for(plan), bench.stated.assumed_for(plan)),
+        What::Cycle { .. } => (bench.model_with_shaft(), bench.stated.assumptions.clone()),
+    };
+    let model = model.map_err(|reason| not_checkable(reason.to_owned()))?;
+    let is_assumed = bench.stated.assumptions.contains(&Assumption::Engine);
+    let inputs = CanInputs {
+        demand: test.demand(),
+        model: &model,
+        engine: &bench.stated.parameters.engine,
+        limits: bench.file.limits,
+        spread: spread(&bench),
+        slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
+        sets: &wanted.sets,
+        own: &wanted.own,
+        samples: arguments.samples as usize,
+        seed: arguments.on.plan.seed(),
+    };
+    let progress = terminal.long("running the test on benches");
+    let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
+    let verdict = can(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?;
+    let changes = match verdict.answer {
+        Answer::No => easier(&inputs, &|_, _| {}).map_err(failed)?,
+        Answer::Yes | Answer::Perhaps => Vec::new(),
+    };
+    drop(progress);
+    let asked = Asked {
+        test: &test.title,
+        duration_s: test.demand().duration_s(),
+        verdict: &verdict,
+        easier: &changes,
+        sets: &wanted.sets,
+        has_study: bench.assembled.is_some(),
+        is_cycle: matches!(test.what, What::Cycle { .. }),
+        assumptions: &assumptions,
+    };
+    show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
+    let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
+    Ok(if verdict.answer == Answer::Yes && is_complete { Outcome::Done } else { Outcome::NotSafe })
+}
+
+/// How the benches of a command differ from the nominal one.
+pub(super) fn spread(bench: &Bench) -> BenchSpread<'_> {
+    match &bench.assembled {
+        Some(assembled) => BenchSpread::Estimated(&assembled.uncertainty),
+        None => BenchSpread::Prior(Prior::default()),
+    }
+}
+
+fn facts(asked: &Asked<'_>) -> serde_json::Value {
+    let verdict = asked.verdict;
+    let limit = |one: &LimitVerdict| {
+        let (name, unit, si) = limit_of(one.of);
+        json!({"of": one.of, "name": name, "unit": unit, "limit": one.limit.map(|limit| limit / si),
+            "quantile_5": one.quantile(0.05) / si, "median": one.quantile(0.5) / si, "quantile_95": one.quantile(0.95) / si,
+            "margin": one.limit.map(|limit| 1.0 - one.quantile(0.95) / limit), "reached": one.reached, "time_s": one.time_s})
+    };
+    let middle = |values: &[f64]| values.get(values.len() / 2).copied();
+    let set = |set: &capability::SetVerdict| {
+        let numbers = set.statistics.iter().map(|one| {
+            json!({"signal": one.signal, "statistic": statistic(one.statistic), "low": one.low, "high": one.high,
+                "median": middle(&one.values), "lowest": one.values.first(), "highest": one.values.last(), "kept": one.kept})
+        });
+        json!({"name": set.name, "kept": set.kept, "statistics": numbers.collect::<Vec<_>>(), "nominal": set.nominal})
+    };
+    let own = verdict.own.iter().map(|one| {
+        json!({"requirement": report::can::own(&one.own), "median": middle(&one.values), "limit": one.limit, "kept": one.kept, "time_s": one.time_s})
+    });
+    let change = |one: &Easier| json!({"change": one.change, "kept": one.verdict.kept, "answer": one.verdict.answer});
+    json!({
+        "test": asked.test,
+        "duration_s": asked.duration_s,
+        "answer": verdict.answer,
+        "sentence": answer(verdict),
+        "kept": verdict.kept,
+        "unstable": verdict.unstable,
+        "samples": verdict.kept.of,
+        "limits": verdict.limits.iter().map(limit).collect::<Vec<_>>(),
+        "unchecked": verdict.unchecked,
+        "requirements": verdict.sets.iter().map(set).collect::<Vec<_>>(),
+        "own": own.collect::<Vec<_>>(),
+        "easier": asked.easier.iter().map(change).collect::<Vec<_>>(),
+        "spread": if asked.has_study { "study" } else { "prior" },
+        "assumptions": asked.assumptions,
+    })
+}

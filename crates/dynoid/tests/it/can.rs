@@ -1,0 +1,177 @@
+//! `dynoid can`.
+
+use std::fmt::Write as _;
+
+use crate::support::{BENCH, Campaign};
+
+const LIMITS: &str = "[limits]\ntorque = \"400 Nm\"\nshaft_torque = \"600 Nm\"\nspeed = \"7000 rpm\"\nshaft_torque_slew = \"90000 Nm/s\"\n\
+    torque_slew = \"30000 Nm/s\"\ntime_at_resonance = \"600 s\"\npower = \"150 kW\"\nspeed_gradient = \"6000 rpm/s\"\n\
+    [shaft]\nresonance = \"18 Hz\"\n";
+
+const MAP: &str =
+    "speed [rpm],torque [Nm]\n700,120\n1000,150\n1500,175\n2000,190\n3000,200\n4000,190\n5000,170\n5800,140\n6200,60\n";
+
+/// Speed, rpm, and torque, Nm, of a cycle of one's own at a second.
+fn level(second: f64) -> (f64, f64) {
+    let speed = 1500.0 + 700.0 * (0.21 * second).sin() + 300.0 * (0.7 * second).sin();
+    (speed, 80.0 + 60.0 * (0.33 * second + 1.0).sin())
+}
+
+/// A bench, an engine map, and a cycle of a minute with its demands.
+fn campaign() -> Campaign {
+    let campaign = Campaign::empty();
+    campaign.write("bench.toml", BENCH.replace("[channels]", &format!("{LIMITS}\n[channels]")).as_bytes());
+    campaign.write("engine.csv", MAP.as_bytes());
+    let (mut cycle, mut demands) = (String::from("time [s],speed [rpm],torque [Nm]\n"), String::new());
+    demands.push_str("time [s],dyno_speed_demand [rpm],engine_torque_demand [Nm]\n");
+    for second in 0..=60 {
+        let (speed, torque) = level(f64::from(second));
+        writeln!(cycle, "{second},{speed:.4},{torque:.4}").unwrap();
+    }
+    for tick in 0..=6000_i32 {
+        let (low, share) = (f64::from(tick / 100), f64::from(tick % 100) / 100.0);
+        let (from, to) = (level(low), level(low + 1.0));
+        let (speed, torque) = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+        writeln!(demands, "{},{speed:.4},{torque:.4}", f64::from(tick) / 100.0).unwrap();
+    }
+    campaign.write("cycle.csv", cycle.as_bytes());
+    campaign.write("demands.csv", demands.as_bytes());
+    campaign
+}
+
+fn recorded() -> Campaign {
+    let campaign = campaign();
+    let ran = campaign.run(&["experiment", "simulate", "bench.toml", "demands.csv", "--out", "run.mf4"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    campaign
+}
+
+#[test]
+fn exact_a_recorded_run_passes_by_every_line() {
+    let campaign = recorded();
+    let arguments = ["can", "bench.toml", "cycle.csv", "--recorded", "run.mf4", "--plot", "run.html"];
+    let ran = campaign.run(&arguments);
+    assert_eq!(ran.code, Some(0), "{}", ran.stdout);
+    assert!(ran.stdout.contains("PASS") && ran.stdout.contains("moved forward by 0 s"), "{}", ran.stdout);
+    assert!(campaign.read("run.html").contains("Demanded and measured"));
+    let json = campaign.run(&[&arguments[..5], &["--json"]].concat()).json();
+    let result = &json["requirements"][0]["result"];
+    assert_eq!(json["passes"].as_bool(), Some(true));
+    assert!(json["start_s"].as_f64().is_some_and(|start| start.abs() < 0.06), "{}", json["start_s"]);
+    assert_eq!((result["seconds"].as_u64(), result["checked"].as_array().map(Vec::len)), (Some(61), Some(12)));
+    assert_eq!(result["omission"]["motoring"].as_bool(), Some(false));
+}
+
+#[test]
+fn exact_a_recorded_run_that_misses_a_line_names_it() {
+    let campaign = recorded();
+    // The same run judged as one of a cycle with half of the torque.
+    let halved: String = campaign
+        .read("cycle.csv")
+        .lines()
+        .enumerate()
+        .map(|(row, line)| match line.rsplit_once(',') {
+            Some((rest, torque)) if row > 0 => format!("{rest},{}\n", 0.5 * torque.parse::<f64>().unwrap()),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    campaign.write("half.csv", halved.as_bytes());
+    let ran = campaign.run(&["can", "bench.toml", "half.csv", "--recorded", "run.mf4"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    assert!(ran.stdout.contains("FAIL by slope a_1 of the torque (1065.514)"), "{}", ran.stdout);
+}
+
+#[test]
+fn exact_requirements_of_ones_own_judge_a_recording() {
+    let campaign = recorded();
+    let judge = |require: &str| {
+        let arguments = ["can", "bench.toml", "cycle.csv", "--recorded", "run.mf4", "--require", require, "--quiet"];
+        campaign.run(&arguments).code
+    };
+    assert_eq!(judge("speed within 300 rpm for 100 %"), Some(0));
+    assert_eq!(judge("speed within 0.1 rpm for 95 %"), Some(1));
+}
+
+#[test]
+fn regress_a_recording_that_is_too_short_is_refused() {
+    let campaign = recorded();
+    let arguments = ["can", "bench.toml", "whtc", "--engine-map", "engine.csv", "--recorded", "run.mf4"];
+    campaign.run(&arguments).assert_refused(3, &["run.mf4", "covers", "1800"]);
+}
+
+#[test]
+fn exact_a_cycle_is_predicted_with_its_requirements() {
+    let campaign = campaign();
+    let arguments = ["can", "bench.toml", "cycle.csv", "--engine-map", "engine.csv", "--samples", "60"];
+    let ran = campaign.run(&[&arguments[..], &["--plot", "can.html"]].concat());
+    assert_eq!(ran.code, Some(0), "{}", ran.stdout);
+    assert!(ran.stdout.starts_with("cycle.csv, 60 s: yes, 100 %"), "{}", ran.stdout);
+    assert!(campaign.read("can.html").contains("Can this bench run this test?"));
+    let json = campaign.run(&[&arguments[..], &["--json"]].concat()).json();
+    assert_eq!((json["answer"].as_str(), json["samples"].as_u64()), (Some("yes"), Some(60)));
+    assert_eq!(json["limits"].as_array().map(Vec::len), Some(8));
+}
+
+#[test]
+fn exact_a_limit_gives_a_no_with_a_way_out_and_unstated_limits_are_named() {
+    let campaign = campaign();
+    let bench =
+        campaign.read("bench.toml").replace("speed_gradient = \"6000 rpm/s\"", "speed_gradient = \"1500 rpm/s\"");
+    campaign.write("bench.toml", bench.replace("power = \"150 kW\"\n", "").as_bytes());
+    let ran = campaign.run(&["can", "bench.toml", "gear-shift", "--samples", "20", "--set", "torque=20"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    for words in ["no: speed gradient at", "reached on 100 % of benches", "Yes if: the whole test", "no limit of power"]
+    {
+        assert!(ran.stdout.contains(words), "`{words}` is not in {}", ran.stdout);
+    }
+    // A yes with limits that are not stated is no 0, unless it is asked for.
+    let code =
+        |more: &[&str]| campaign.run(&[&["can", "bench.toml", "tip-in", "--samples", "20", "-q"], more].concat()).code;
+    assert_eq!((code(&[]), code(&["--allow-unchecked"])), (Some(1), Some(0)));
+}
+
+#[test]
+fn exact_the_map_names_what_binds() {
+    let campaign = campaign();
+    let ran = campaign.run(&["can", "bench.toml", "map", "--samples", "20", "--json"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let json = ran.json();
+    assert_eq!(json["maps"].as_array().map(Vec::len), Some(2));
+    assert_eq!(json["maps"][1]["of"].as_str(), Some("torque"));
+    assert!(json["maps"][0]["places"][0][4]["binds"].is_string() && json["gradients"][0]["up_rad_s2"].is_number());
+    let ran = campaign.run(&["can", "bench.toml", "map", "--samples", "5", "--set", "to=3"]);
+    ran.assert_refused(2, &["--set to=3", "torque"]);
+}
+
+#[test]
+fn exact_a_vehicle_runs_its_schedule() {
+    let campaign = campaign();
+    campaign.write(
+        "car.toml",
+        b"[vehicle]\nmass_kg = 1500\nrolling_resistance = 0.01\ndrag_area_m2 = 0.65\ntyre_radius_m = 0.31\naxle_ratio = 3.9\n\
+        [gears]\nratios = [3.5, 2.0, 1.35, 1.0, 0.8]\nup_rpm = 2400\ndown_rpm = 1100\nidle_rpm = 800\n",
+    );
+    let ran = campaign.run(&["can", "bench.toml", "udds", "--vehicle", "car.toml", "--samples", "2", "--json"]);
+    assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
+    let json = ran.json();
+    assert_eq!(
+        (json["duration_s"].as_f64(), json["requirements"][0]["name"].as_str()),
+        (Some(1369.0), Some("1036.545"))
+    );
+    campaign.run(&["can", "bench.toml", "udds"]).assert_refused(2, &["--vehicle"]);
+}
+
+#[test]
+fn regress_wrong_names_and_missing_files_have_a_remedy() {
+    let campaign = campaign();
+    let run = |arguments: &[&str]| campaign.run(&[&["can", "bench.toml"], arguments].concat());
+    run(&["whtk"]).assert_refused(2, &["`whtk`", "`whtc`"]);
+    run(&["whtc"]).assert_refused(2, &["whtc", "--engine-map"]);
+    run(&["whtc", "--engine-map", "engine.csv", "--by", "86"]).assert_refused(2, &["`86`", "1065.514"]);
+    run(&["tip-in", "--require", "speed nice"]).assert_refused(2, &["`speed nice`", "within"]);
+    run(&["tip-in", "--set", "height=3"]).assert_refused(2, &["height"]);
+    campaign.write("bad.csv", b"speed [rpm],torque [Nm]\n1000,10\n900,10\n1100,10\n");
+    run(&["whtc", "--engine-map", "bad.csv"]).assert_refused(3, &["bad.csv", "row 2", "sort"]);
+    campaign.write("units.csv", b"speed [m],torque [Nm]\n1000,10\n1100,10\n1200,10\n");
+    run(&["whtc", "--engine-map", "units.csv"]).assert_refused(3, &["units.csv", "`speed`"]);
+}

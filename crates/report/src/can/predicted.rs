@@ -1,0 +1,254 @@
+//! The answer to whether a bench can run a test.
+
+use capability::{Answer, Change, Easier, Verdict};
+use cycle::RequirementSet;
+use design::safety::Proportion;
+use page::{
+    Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone, rounded,
+};
+use units::RPM_RAD_S;
+use virtual_bench::Assumption;
+
+use super::words;
+use crate::assumptions::assumptions;
+use crate::wording::{self, number};
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 200;
+
+/// A question with its answer.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// The test.
+    pub test: &'a str,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+    /// The answer.
+    pub verdict: &'a Verdict,
+    /// What would make a no a yes.
+    pub easier: &'a [Easier],
+    /// The requirement sets.
+    pub sets: &'a [RequirementSet],
+    /// Whether the benches were drawn from the covariance of a study.
+    pub has_study: bool,
+    /// Whether the test is a cycle.
+    pub is_cycle: bool,
+    /// What the answer takes for granted.
+    pub assumptions: &'a [Assumption],
+}
+
+/// The answer, what limits it, and the courses.
+pub fn page(asked: &Asked<'_>) -> Page {
+    let verdict = asked.verdict;
+    let mut all = Blocks::from(Block::Callout {
+        tone: tone(asked),
+        kicker: "Can this bench run this test?".to_owned(),
+        title: format!("{}, {}: {}", asked.test, number::duration(asked.duration_s), words::answer(verdict)),
+        blocks: vec![Block::Table(limits(verdict))],
+    });
+    all.push(verdict.sets.iter().zip(asked.sets).map(|(judged, set)| statistics(judged, set)).collect::<Blocks>());
+    if !verdict.own.is_empty() {
+        all.push(Block::heading("Your requirements"));
+        all.push(own(verdict));
+    }
+    all.push(easier(asked.easier));
+    all.push(findings(asked));
+    all.push(assumptions(asked.assumptions).collect::<Blocks>());
+    all.push(Block::Figure(courses(verdict)));
+    Page::new(format!("{}, predicted", asked.test), all.into_vec())
+}
+
+/// Green is an answer on all limits alone.
+fn tone(asked: &Asked<'_>) -> Tone {
+    match asked.verdict.answer {
+        Answer::Yes if asked.verdict.unchecked.is_empty() => Tone::Good,
+        Answer::Yes | Answer::Perhaps => Tone::Caution,
+        Answer::No => Tone::Bad,
+    }
+}
+
+fn limits(verdict: &Verdict) -> Table {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("median", Align::Right),
+        ("1 in 20 beyond", Align::Right),
+        ("limit", Align::Right),
+        ("reached (95 % interval)", Align::Left),
+        ("largest at", Align::Right),
+    ]);
+    for one in &verdict.limits {
+        let (name, unit, si) = words::limit_of(one.of);
+        let value = |value: f64| match value.is_infinite() {
+            true => "without bound".to_owned(),
+            false => format!("{} {unit}", number::significant(value / si, 4)),
+        };
+        let limit = one.limit.map_or_else(|| Cell::toned("none stated", Tone::Faint), |limit| value(limit).into());
+        let tone = one.reached.as_ref().map_or(Tone::Faint, of_reached);
+        table.row([
+            name.into(),
+            value(one.quantile(0.5)).into(),
+            value(one.quantile(0.95)).into(),
+            limit,
+            Cell::toned(one.reached.as_ref().map_or_else(String::new, number::proportion), tone),
+            number::time(one.time_s).into(),
+        ]);
+    }
+    table
+}
+
+fn of_reached(reached: &Proportion) -> Tone {
+    match reached.estimate {
+        share if share <= 0.05 => Tone::Good,
+        share if share < 0.5 => Tone::Caution,
+        _ => Tone::Bad,
+    }
+}
+
+fn of_kept(kept: &Proportion) -> Tone {
+    match kept.estimate {
+        share if share >= 0.95 => Tone::Good,
+        share if share > 0.5 => Tone::Caution,
+        _ => Tone::Bad,
+    }
+}
+
+fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("", Align::Left),
+        ("5 … 95 % of the benches", Align::Left),
+        ("allowed", Align::Left),
+        ("kept (95 % interval)", Align::Left),
+    ]);
+    for one in &judged.statistics {
+        let at = |share: f64| {
+            let place = (share * one.values.len().saturating_sub(1) as f64).round() as usize;
+            words::value_of(one.signal, one.statistic, one.values.get(place).copied().unwrap_or(f64::NAN))
+        };
+        table.row([
+            words::signal(one.signal).0.into(),
+            words::statistic(one.statistic).into(),
+            format!("{} … {}", at(0.05), at(0.95)).into(),
+            words::allowed(one.signal, one.statistic, (one.low, one.high)).into(),
+            Cell::toned(number::proportion(&one.kept), of_kept(&one.kept)),
+        ]);
+    }
+    let met = format!("All of it together: met by {} of the benches.", number::proportion(&judged.kept));
+    let mut all = Blocks::from(Block::heading(set.title.as_str()));
+    all.push(table);
+    all.push(Block::paragraph(met));
+    all.push(Block::Finding(words::required(set)));
+    all
+}
+
+fn own(verdict: &Verdict) -> Table {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("median", Align::Right),
+        ("1 in 20 beyond", Align::Right),
+        ("met (95 % interval)", Align::Left),
+        ("worst at", Align::Right),
+    ]);
+    for one in &verdict.own {
+        let at = |share: f64| {
+            let place = (share * one.values.len().saturating_sub(1) as f64).round() as usize;
+            words::own_value(&one.own, one.values.get(place).copied().unwrap_or(f64::NAN))
+        };
+        table.row([
+            words::own(&one.own).into(),
+            at(0.5).into(),
+            at(0.95).into(),
+            Cell::toned(number::proportion(&one.kept), of_kept(&one.kept)),
+            number::time(one.time_s).into(),
+        ]);
+    }
+    table
+}
+
+fn easier(easier: &[Easier]) -> Blocks {
+    if easier.is_empty() {
+        return Blocks::default();
+    }
+    let item = |one: &Easier| {
+        let change = match one.change {
+            Change::Slower { factor } => format!("the whole test {} times as long", number::significant(factor, 3)),
+            Change::Smaller { factor } => {
+                format!("all changes of the demands at {} of what they are", number::share(factor))
+            }
+        };
+        format!("Yes if: {change}. Then: {}.", words::answer(&one.verdict)).into()
+    };
+    let mut all = Blocks::from(Block::heading("What would make it possible"));
+    all.push(Block::List { items: easier.iter().map(item).collect() });
+    all
+}
+
+fn findings(asked: &Asked<'_>) -> Blocks {
+    let verdict = asked.verdict;
+    let finding = |tone, what: &str, words: String| Block::Finding(Finding::new(tone, what, words));
+    let mut all = Blocks::default();
+    let drawn = match asked.has_study {
+        true => "by the covariance of the study's estimates",
+        false => "resonance ±20 %, damping ±50 %, inertia of the engine ±10 % (95 % ranges)",
+    };
+    all.push(Block::paragraph(format!("{} benches drawn: {drawn}.", verdict.kept.of)));
+    if !verdict.unchecked.is_empty() {
+        let names: Vec<String> = verdict.unchecked.iter().map(|of| words::limit_of(*of).0.to_owned()).collect();
+        let words = format!("the bench file states no limit of {}; add it to [limits]", wording::join(&names, "and"));
+        all.push(finding(Tone::Caution, "not checked", words));
+    }
+    if verdict.unstable.count > 0 {
+        let words = format!("{} of the benches drawn", number::proportion(&verdict.unstable));
+        all.push(finding(Tone::Bad, "not stable", words));
+    }
+    if asked.is_cycle {
+        let engine = "The engine gives the demanded torque at its flywheel, through the intake of [virtual_bench.engine]. Its controller \
+                      adds what its own inertia needs. The test of the torque therefore judges the bench, not the engine.";
+        all.push(finding(Tone::Plain, "assumed", engine.to_owned()));
+        let pulses = "Firing pulses count with the response of the shaft at each speed. Where the cycle passes a resonance quickly, less \
+                      comes of them.";
+        all.push(finding(Tone::Plain, "bound", pulses.to_owned()));
+    }
+    all
+}
+
+fn courses(verdict: &Verdict) -> Figure {
+    let trace = &verdict.nominal;
+    let clock = (trace.start_s, trace.step_s);
+    let scaled = |values: &[f64], si: f64| values.iter().map(|value| value / si).collect::<Vec<_>>();
+    let band = |[low, high]: &[Vec<f64>; 2], si: f64| Layer::Band {
+        name: "90 % of the benches".to_owned(),
+        style: Style::Modelled,
+        x: Abscissa::Values(rounded(&verdict.bands.time_s)),
+        low: rounded(&scaled(low, si)),
+        high: rounded(&scaled(high, si)),
+    };
+    let panel = |label: &str, unit: &str, si: f64, demand: &[f64], value: &[f64], spread: &[Vec<f64>; 2]| {
+        let mut layers = vec![
+            band(spread, si),
+            Layer::trace("demanded", Style::Other, clock, &scaled(demand, si)),
+            Layer::trace("predicted", Style::Modelled, clock, &scaled(value, si)),
+        ];
+        layers.extend(marks(verdict));
+        Panel::new(Axis::linear(label, unit), HEIGHT, layers)
+    };
+    let bands = &verdict.bands;
+    let speed = panel("speed", "rpm", RPM_RAD_S, &trace.speed_demand_rad_s, &trace.speed_rad_s, &bands.speed_rad_s);
+    let torque = panel("torque", "Nm", 1.0, &trace.torque_demand_nm, &trace.torque_nm, &bands.torque_nm);
+    let error: Vec<f64> =
+        trace.speed_rad_s.iter().zip(&trace.speed_demand_rad_s).map(|(is, wanted)| is - wanted).collect();
+    let error = vec![Layer::trace("speed less its demand", Style::Residual, clock, &scaled(&error, RPM_RAD_S))];
+    let error = Panel::new(Axis::linear("error of the speed", "rpm"), HEIGHT, error);
+    let dyno = vec![Layer::trace("T_d*", Style::Modelled, clock, &trace.dyno_demand_nm)];
+    let dyno = Panel::new(Axis::linear("T_d*", "Nm"), HEIGHT, dyno);
+    Figure::new("Demanded and predicted", Axis::time(), vec![speed, error, torque, dyno])
+        .with_caption("The nominal bench, the band of the others, and the moments at which limits bind.")
+}
+
+/// Moments at which a limit is reached on some bench.
+fn marks(verdict: &Verdict) -> Vec<Layer> {
+    let reached = verdict.limits.iter().filter(|one| one.reached.is_some_and(|reached| reached.count > 0));
+    reached
+        .map(|one| Layer::VerticalMarks { x: rounded(&[one.time_s]), label: words::limit_of(one.of).0.to_owned() })
+        .collect()
+}

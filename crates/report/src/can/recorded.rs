@@ -1,0 +1,175 @@
+//! A run of a cycle that was recorded, and whether it is valid.
+
+use cycle::{Judged, Own, RequirementSet, Validation};
+use page::{Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone};
+use units::RPM_RAD_S;
+
+use super::words;
+use crate::wording::number;
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 200;
+
+/// How the beginning of the cycle was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AlignedOn {
+    /// By the recorded demand of the speed.
+    SpeedDemand,
+    /// By the measured speed.
+    Speed,
+    /// It was given.
+    Given,
+    /// The recording's first sample.
+    FirstSample,
+}
+
+/// A recorded run with its judgements.
+#[derive(Debug, Clone)]
+pub struct RecordedRun<'a> {
+    /// The recording.
+    pub file: &'a str,
+    /// The test.
+    pub test: &'a str,
+    /// When the test begins in the recording, s.
+    pub start_s: f64,
+    /// How that was found.
+    pub aligned_on: AlignedOn,
+    /// Which signals were taken, in words.
+    pub signals: (&'a str, &'a str),
+    /// Whether the operator's demand was recorded.
+    pub has_demand: bool,
+    /// Requirement sets, judged.
+    pub sets: &'a [(RequirementSet, Validation)],
+    /// Requirements of one's own, judged.
+    pub own: &'a [(Own, Judged)],
+    /// Time on the clock of the test, s, with demanded and measured speed (rad/s) and torque (Nm).
+    pub time_s: &'a [f64],
+    /// Demanded and measured speed, rad/s.
+    pub speed_rad_s: (&'a [f64], &'a [f64]),
+    /// Demanded and measured torque, Nm.
+    pub torque_nm: (&'a [f64], &'a [f64]),
+}
+
+impl RecordedRun<'_> {
+    /// Whether everything is met.
+    pub fn passes(&self) -> bool {
+        self.sets.iter().all(|(_, validation)| validation.passes) && self.own.iter().all(|(_, judged)| judged.passes())
+    }
+}
+
+/// The verdict, by which line, and the courses.
+pub fn page(run: &RecordedRun<'_>) -> Page {
+    let (tone, verdict) = if run.passes() { (Tone::Good, "PASS") } else { (Tone::Bad, "FAIL") };
+    let mut all = Blocks::from(Block::Callout {
+        tone,
+        kicker: "Validation of a run".to_owned(),
+        title: format!("{}, {}: {verdict}{}", run.test, run.file, because(run)),
+        blocks: vec![Block::paragraph(begins(run))],
+    });
+    all.push(run.sets.iter().map(|(set, validation)| judged(set, validation)).collect::<Blocks>());
+    if !run.own.is_empty() {
+        all.push(Block::heading("Your requirements"));
+        all.push(own(run.own));
+    }
+    if !run.has_demand && run.sets.iter().any(|(set, _)| set.omission) {
+        let words = "The recording has no operator demand. It counts as least where the cycle motors the engine or lets it idle, and \
+                     never as most. Give `throttle` in [channels] if it was recorded.";
+        all.push(Block::Finding(Finding::new(Tone::Caution, "assumed", words)));
+    }
+    all.push(Block::Figure(figure(run)));
+    Page::new(format!("{}, {}", run.test, run.file), all.into_vec())
+}
+
+/// The lines that are missed.
+fn because(run: &RecordedRun<'_>) -> String {
+    let sets = run.sets.iter().flat_map(|(set, validation)| {
+        validation.checked.iter().filter(|one| !one.passes).map(move |one| {
+            format!("{} of the {} ({})", words::statistic(one.statistic), words::signal(one.signal).0, set.name)
+        })
+    });
+    let own = run.own.iter().filter(|(_, judged)| !judged.passes()).map(|(own, _)| words::own(own));
+    let missed: Vec<String> = sets.chain(own).collect();
+    if missed.is_empty() { String::new() } else { format!(" by {}", crate::wording::join(&missed, "and")) }
+}
+
+fn begins(run: &RecordedRun<'_>) -> String {
+    let how = match run.aligned_on {
+        AlignedOn::SpeedDemand => "found by the recorded speed demand",
+        AlignedOn::Speed => "found by the measured speed, which contains its own lateness",
+        AlignedOn::Given => "as given",
+        AlignedOn::FirstSample => "the first sample",
+    };
+    format!(
+        "The test begins at {} of the recording ({how}). Speed: {}. Torque: {}.",
+        number::time(run.start_s),
+        run.signals.0,
+        run.signals.1
+    )
+}
+
+fn judged(set: &RequirementSet, validation: &Validation) -> Blocks {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("", Align::Left),
+        ("value", Align::Right),
+        ("allowed", Align::Left),
+        ("", Align::Left),
+    ]);
+    for one in &validation.checked {
+        let (tone, word) = if one.passes { (Tone::Good, "pass") } else { (Tone::Bad, "fail") };
+        table.row([
+            words::signal(one.signal).0.into(),
+            words::statistic(one.statistic).into(),
+            words::value_of(one.signal, one.statistic, one.value).into(),
+            words::allowed(one.signal, one.statistic, (one.low, one.high)).into(),
+            Cell::toned(word, tone),
+        ]);
+    }
+    let [speed, torque, power] = validation.omitted;
+    let used = format!(
+        "{} seconds compared, feedback moved forward by {}. Left out: {}. That is {speed} points of the speed, {torque} of the \
+         torque, and {power} of the power. {} choices of shift and omission exist.",
+        validation.seconds,
+        number::measure(validation.shift_s, "s"),
+        words::omission(&validation.omission),
+        validation.tried
+    );
+    [
+        Block::heading(set.title.as_str()),
+        Block::Table(table),
+        Block::paragraph(used),
+        Block::Finding(words::required(set)),
+    ]
+    .into_iter()
+    .collect()
+}
+
+fn own(own: &[(Own, Judged)]) -> Table {
+    let mut table =
+        Table::new(&[("", Align::Left), ("value", Align::Right), ("worst at", Align::Right), ("", Align::Left)]);
+    for (own, judged) in own {
+        let (tone, word) = if judged.passes() { (Tone::Good, "pass") } else { (Tone::Bad, "fail") };
+        table.row([
+            words::own(own).into(),
+            words::judged(own, judged).into(),
+            number::time(judged.time_s).into(),
+            Cell::toned(word, tone),
+        ]);
+    }
+    table
+}
+
+fn figure(run: &RecordedRun<'_>) -> Figure {
+    let rpm = |values: &[f64]| values.iter().map(|value| value / RPM_RAD_S).collect::<Vec<_>>();
+    let panel = |label: &str, unit: &str, (demand, value): (&[f64], &[f64])| {
+        let layers = vec![
+            Layer::timed_trace("demanded", Style::Modelled, run.time_s, demand),
+            Layer::timed_trace("measured", Style::Measured, run.time_s, value),
+        ];
+        Panel::new(Axis::linear(label, unit), HEIGHT, layers)
+    };
+    let speed = panel("speed", "rpm", (&rpm(run.speed_rad_s.0), &rpm(run.speed_rad_s.1)));
+    let torque = panel("torque", "Nm", run.torque_nm);
+    Figure::new("Demanded and measured", Axis::time(), vec![speed, torque])
+        .with_caption("Time counts from the beginning of the test.")
+}
