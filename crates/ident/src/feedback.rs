@@ -43,7 +43,7 @@ impl<M: LinearModel> Fit<M> {
 /// Future inputs explain the residual beyond what its own past and present and past inputs do, and the residual explains
 /// the input beyond what the input's own past does. In open loop they cannot, however the inputs are made. An input that
 /// repeats without noise is in open loop. The input of the same sample explains it beyond past inputs where a controller
-/// without delay acts, or where the input acts at once: one cannot be told from the other.
+/// without delay acts, or where the input acts at once: data cannot separate the two.
 ///
 /// # Source
 /// Sims, *Money, income, and causality*, Am. Econ. Rev. 62, 1972; Geweke, Meese & Dent, *Comparing alternative tests of

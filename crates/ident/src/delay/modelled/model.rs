@@ -100,7 +100,7 @@ pub enum DelayFault {
     Outdone,
     /// The search did not converge.
     NotConverged,
-    /// The longest dead time is the best, or cannot be told from it: the true one may be longer than what was searched.
+    /// The longest dead time is the best, or cannot be distinguished from it: the true one may be longer than what was searched.
     AtLongest {
         /// Index of the input.
         input: usize,
