@@ -98,13 +98,20 @@ pub fn validate(reference: &Reference, feedback: &Feedback, set: &RequirementSet
     best.ok_or(CycleError::Length { what: "reference", expected: 3, found: reference.speed_rad_s.len() })
 }
 
+/// The regression of some of the points; `None` where there is none.
+struct Known {
+    signal: Signal,
+    kept: Vec<bool>,
+    regression: Option<Regression>,
+}
+
 /// One shift, judged with any omissions; regressions of the same points are made once.
 struct Judge<'a> {
     set: &'a RequirementSet,
     scales: &'a Scales,
     largest_rad_s: f64,
     points: &'a Points,
-    known: Vec<((Signal, Vec<bool>), Option<Regression>)>,
+    known: Vec<Known>,
 }
 
 impl Judge<'_> {
@@ -139,8 +146,8 @@ impl Judge<'_> {
     }
 
     fn regression(&mut self, signal: Signal, kept: Vec<bool>) -> Option<Regression> {
-        if let Some((_, known)) = self.known.iter().find(|((of, same), _)| *of == signal && *same == kept) {
-            return *known;
+        if let Some(known) = self.known.iter().find(|known| known.signal == signal && known.kept == kept) {
+            return known.regression;
         }
         let points = self.points;
         let pair = |k: usize| match signal {
@@ -153,7 +160,7 @@ impl Judge<'_> {
         };
         let pairs: Vec<(f64, f64)> = (0..kept.len()).filter(|k| kept[*k]).map(pair).collect();
         let regression = Regression::of(&pairs);
-        self.known.push(((signal, kept), regression));
+        self.known.push(Known { signal, kept, regression });
         regression
     }
 

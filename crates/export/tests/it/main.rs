@@ -1,6 +1,6 @@
 //! Integration tests of the exports. A name's prefix says what it proves.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 #![allow(clippy::disallowed_methods)] // other programs read the exports from a folder
 
 mod cases;

@@ -136,7 +136,7 @@ pub fn finding(finding: &Finding) -> String {
             inertia(which.symbol(), *given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
         }
         Finding::NoCheckOfShaft { quantity, value, standard_error } => {
-            let found = number::parameter(&Parameter::new(*quantity, *value, *standard_error, f64::INFINITY));
+            let found = number::parameter(Parameter::new(*quantity, *value, *standard_error, f64::INFINITY));
             format!("This recording alone would give {} = {found}, which the bench cannot have.", quantity.symbol())
         }
         Finding::Saturated { share: of, limit_nm } => {

@@ -169,7 +169,7 @@ fn feedback(speed: &Signal, torque: &Signal, throttle: Option<&Signal>, start_s:
     let from_s = signals().map(|signal| signal.start_s).fold(f64::NEG_INFINITY, f64::max);
     let to_s = signals().map(Signal::end_s).fold(f64::INFINITY, f64::min);
     let count = ((to_s - from_s) / step_s).floor();
-    if !(count >= 3.0) {
+    if count.is_nan() || count < 3.0 {
         return Err("speed and torque share too little time".to_owned());
     }
     let means = |signal: &Signal| -> Vec<f64> {
