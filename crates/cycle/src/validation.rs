@@ -63,11 +63,18 @@ impl Validation {
     pub fn worst(&self) -> Option<&Checked> {
         self.checked.iter().max_by(|a, b| a.use_of_limit.total_cmp(&b.use_of_limit))
     }
+
+    /// Whether fewer numbers are beyond their limits, or the worst of as many is less far beyond.
+    fn is_less_bad_than(&self, other: &Validation) -> bool {
+        let missed = |one: &Validation| one.checked.iter().filter(|checked| !checked.passes).count();
+        let use_of = |one: &Validation| one.worst().map_or(f64::INFINITY, |worst| worst.use_of_limit);
+        (missed(self), use_of(self)) < (missed(other), use_of(other))
+    }
 }
 
 /// Judges a run by a requirement set. The feedback is moved forward by 0 … [`RequirementSet::shift_s`] in steps of 0.1 s. The
 /// first choice that passes is returned, the one with the shortest shift and the fewest rows of omissions; if none passes, the
-/// one whose worst number is least bad.
+/// one with the fewest numbers beyond their limits, and of those the one whose worst number is least bad.
 ///
 /// # Errors
 /// A feedback that does not cover the cycle, has a gap, or series of unequal length.
@@ -89,8 +96,7 @@ pub fn validate(reference: &Reference, feedback: &Feedback, set: &RequirementSet
             if found.passes {
                 return Ok(found);
             }
-            let use_of = |validation: &Validation| validation.worst().map_or(f64::INFINITY, |worst| worst.use_of_limit);
-            if best.as_ref().is_none_or(|best| use_of(&found) < use_of(best)) {
+            if best.as_ref().is_none_or(|best| found.is_less_bad_than(best)) {
                 best = Some(found);
             }
         }

@@ -25,7 +25,7 @@ pub(super) fn outcomes(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| {
-        let firing_seed = Some(bench.firing_seed);
+        let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
         outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, firing_seed, ..*inputs })
     };
     parallel::map_with_progress(benches, run, progress).into_iter().collect()

@@ -108,7 +108,7 @@ pub(crate) enum Command {
     },
     /// Test whether a bench has changed: two bench models
     Diff(diff::DiffArguments),
-    /// Export a model to MATLAB, Modelica, Python or SSP
+    /// Export a model: FMU, MATLAB, Modelica, Python, C or SSP
     Export(export::ExportArguments),
     /// Show what recordings hold: channels, units, clocks, gaps
     Inspect(inspect::InspectArguments),

@@ -5,13 +5,12 @@ use std::fmt::Write as _;
 use clap::Command;
 
 /// Headings and the commands below them.
-const GROUPS: [(&str, &[&str]); 5] = [
-    ("The whole bench", &["init", "study", "demo", "export", "diff"]),
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("The whole bench", &["init", "study", "can", "experiment", "export", "diff", "demo"]),
     (
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
     ),
-    ("Tests and experiments", &["can", "experiment"]),
     ("Recordings", &["inspect", "convert"]),
     ("Linear models of any channels", &["data", "fit", "model"]),
 ];

@@ -13,7 +13,8 @@ const MAP: &str =
 
 /// Speed, rpm, and torque, Nm, of a cycle of one's own at a second.
 fn level(second: f64) -> (f64, f64) {
-    let speed = 1500.0 + 700.0 * (0.21 * second).sin() + 300.0 * (0.7 * second).sin();
+    // Above the resonance with the firing, which is at 540 rpm.
+    let speed = 2000.0 + 700.0 * (0.21 * second).sin() + 300.0 * (0.7 * second).sin();
     (speed, 80.0 + 60.0 * (0.33 * second + 1.0).sin())
 }
 

@@ -146,7 +146,11 @@ fn exact_inputs_that_are_nearly_the_same() {
     };
     let near = fit(1e-9).unwrap();
     close(&near.parameters(), &[-0.5, 1.0, -2.0], 1e-5);
-    assert!(matches!(near.doubts[..], [Doubt::IllConditioned { condition }] if condition > 5e8));
+    assert!(near.doubts.iter().any(|doubt| matches!(doubt, Doubt::IllConditioned { condition } if *condition > 5e8)));
+    // What lies below the digits of a file may be its rounding.
+    let is_dependent =
+        |fit: &ident::Fit<_>| fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::DependentInputs { .. }));
+    assert!(is_dependent(&near) && !is_dependent(&fit(1e-3).unwrap()));
     assert!(matches!(fit(0.0), Err(IdentError::RankDeficient { rank: 2, parameters: 3, .. })));
 }
 
