@@ -15,7 +15,7 @@ pub(crate) fn all() -> Result<(), String> {
     step("layers", layers::check)?;
     step("wording", wording::check)?;
     let advisories = step("dependencies", dependencies::check)?;
-    let binaries = step("binaries of the FMUs", fmu::check)?;
+    let binaries = step("binary of the FMUs", fmu::check_one)?;
     let python = step("packages to compare with", python::interpreter)?;
     // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
     cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
@@ -26,7 +26,7 @@ pub(crate) fn all() -> Result<(), String> {
     skipped.print();
     println!("not run: the slow tests, which `cargo xtask deep` runs");
     if !binaries {
-        println!("not run: the comparison of the FMUs' binaries with their sources, since Zig cannot be installed");
+        println!("not run: the comparison of the FMUs' binary with its sources, since Zig cannot be installed");
     }
     if !advisories {
         println!("not run: security advisories of dependencies, since cargo-deny is not installed");
