@@ -1,8 +1,9 @@
 //! The bench model of a study as a file of its own.
 
 use bench_model::document::{
-    BenchFileOrigin, BenchModelDocument, NotEstimated, Provenance, StudyVerdict, UsedRecording,
+    BenchFileOrigin, BenchModelDocument, DescribedParameter, NotEstimated, Provenance, StudyVerdict, UsedRecording,
 };
+use bench_model::model::ModelParameter;
 use rig::results::Part;
 use study::{RecordingSummary, Study};
 
@@ -31,11 +32,32 @@ pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> 
         seed: study.provenance.seed,
         verdict: Some(judged(study)),
     };
-    let mut document = BenchModelDocument::new(study.model.clone()?, study.bench.clone(), provenance);
+    let document = BenchModelDocument::new(study.model.clone()?, study.bench.clone(), provenance);
+    let mut document = document.with_intervals(|parameter| interval(study, parameter));
     document.skews = study.skews;
     document.validity = study.validity;
     document.not_estimated = not_estimated(study);
     Some(document)
+}
+
+/// The interval of an estimate that the model takes as it is.
+fn interval(study: &Study, of: &DescribedParameter) -> Option<(f64, f64)> {
+    let estimate = match of.parameter {
+        ModelParameter::DynoInertia | ModelParameter::Stiffness | ModelParameter::Damping => {
+            &study.shaft.estimated()?.estimate
+        }
+        ModelParameter::Proportional | ModelParameter::Integral | ModelParameter::ControllerDelay => {
+            &study.speed_controller.estimated()?.estimate
+        }
+        ModelParameter::SpeedFeedForward | ModelParameter::AccelerationFeedForward => {
+            &study.feed_forward.estimated()?.estimate
+        }
+        ModelParameter::TorqueControlBandwidth => &study.torque_control.estimated()?.delay_and_lag,
+        // The delay is brought to the clock of T_d*, and J_e is what the bench file and the recordings give together.
+        ModelParameter::TorqueControlDelay | ModelParameter::EngineInertia => return None,
+    };
+    let found = estimate.parameter(of.parameter.quantity())?;
+    (found.value == of.value).then_some(found.interval)
 }
 
 fn used(recording: &RecordingSummary) -> UsedRecording {

@@ -21,6 +21,10 @@ pub struct DescribedParameter {
     pub standard_error: Option<f64>,
     /// Degrees of freedom behind the standard error; null where they are infinite, or there is none.
     pub degrees_of_freedom: Option<f64>,
+    /// 95 % interval of the study. It may be wider than the standard error says, by what the recordings leave open: where a
+    /// delay acts, or estimates that contradict each other. Null where the study has none.
+    #[serde(default)]
+    pub interval_95: Option<(f64, f64)>,
 }
 
 /// All numbers that the model has.
@@ -36,6 +40,7 @@ pub(super) fn all(model: &BenchModel, uncertainty: &ModelUncertainty) -> Vec<Des
             unit: notation.si_unit.to_owned(),
             standard_error: known.map(|(error, _)| error),
             degrees_of_freedom: known.map(|(_, degrees)| degrees).filter(|degrees| degrees.is_finite()),
+            interval_95: None,
         })
     };
     ModelParameter::ALL.into_iter().filter_map(described).collect()

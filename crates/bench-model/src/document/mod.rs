@@ -93,6 +93,16 @@ impl BenchModelDocument {
         }
     }
 
+    /// The document with the 95 % intervals of a study, SI.
+    #[must_use]
+    pub fn with_intervals(mut self, interval: impl Fn(&DescribedParameter) -> Option<(f64, f64)>) -> Self {
+        for parameter in &mut self.parameters {
+            let found = interval(parameter);
+            parameter.interval_95 = found.filter(|(low, high)| low.is_finite() && high.is_finite());
+        }
+        self
+    }
+
     /// The document as text, which [`Self::from_json`] reads back bit for bit.
     ///
     /// # Errors

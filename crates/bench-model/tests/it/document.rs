@@ -41,7 +41,12 @@ fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocum
         seed: Some(7),
         verdict: None,
     };
-    let mut document = BenchModelDocument::new(AssembledModel { model: bench_a(), uncertainty }, facts, provenance);
+    let document = BenchModelDocument::new(AssembledModel { model: bench_a(), uncertainty }, facts, provenance);
+    let mut document = document.with_intervals(|one| match one.parameter {
+        ModelParameter::Stiffness => Some((2400.25, 2450.5)),
+        ModelParameter::Damping => Some((f64::NEG_INFINITY, f64::INFINITY)),
+        _ => None,
+    });
     document.validity.dyno_speed_rad_s = Some((80.0, 260.0));
     document.skews = Some(SignalSkews { engine_speed_s: 1e-4, torque_s: 2.5e-3 });
     document.not_estimated = vec![NotEstimated { part: Part::FeedForward, needs: "a recording".into() }];
@@ -67,6 +72,8 @@ fn exact_parameters_have_symbol_unit_and_standard_error() {
         (2437.7, Some(6.0), Some(40.0))
     );
     assert_eq!(of(ModelParameter::DynoInertia).standard_error, None, "taken as exact");
+    assert_eq!(stiffness.interval_95, Some((2400.25, 2450.5)));
+    assert_eq!(of(ModelParameter::Damping).interval_95, None, "JSON has no infinity");
     let symbols: std::collections::BTreeSet<_> = document.parameters().iter().map(|one| &one.symbol).collect();
     assert_eq!((symbols.len(), document.parameters().len()), (11, 11), "each has a symbol of its own");
 }

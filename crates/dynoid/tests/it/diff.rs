@@ -36,6 +36,9 @@ fn stat_the_same_bench_is_the_same_and_a_softer_shaft_is_found() {
     let page = first.run(&["diff", "study/model.json", "second.json", "--plot", "diff.html"]);
     assert!(page.stdout.contains("The bench has changed"), "{}", page.stdout);
     assert!(first.read("diff.html").contains("inertias and shaft"));
+    let model: serde_json::Value = serde_json::from_str(&first.read("study/model.json")).unwrap();
+    let stiffness = model["parameters"].as_array().unwrap().iter().find(|one| one["parameter"] == "stiffness").unwrap();
+    assert!(stiffness["interval_95"][0].as_f64() < stiffness["value"].as_f64(), "{stiffness}");
     let itself = first.run(&["diff", "study/model.json", "study/model.json"]);
     assert!(itself.stdout.contains("both models come from recordings/BS_T_NT_1200.mf4"), "{}", itself.stdout);
 }
