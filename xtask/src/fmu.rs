@@ -1,4 +1,4 @@
-//! `cargo xtask fmu`: the runtime of the FMUs as binaries for every platform, which the program embeds.
+//! `cargo xtask fmu`: the runtimes of the FMUs as binaries for every platform, which the program embeds.
 //!
 //! The compiler is Zig, which comes as one package for Python and builds for all platforms on each. The same sources give the same bytes;
 //! the checks build them again and compare.
@@ -22,6 +22,27 @@ const TARGETS: [(&str, &str); 5] = [
     ("aarch64-macos", "aarch64-darwin.dylib"),
 ];
 
+/// A runtime: what its binaries are called, where they lie, and the sources that the other one does not have.
+struct Runtime {
+    name: &'static str,
+    folder: &'static str,
+    own: &'static [&'static str],
+}
+
+/// The bench, and linear models. All other sources belong to both.
+const RUNTIMES: [Runtime; 2] = [
+    Runtime {
+        name: "dynoid_bench",
+        folder: "binaries",
+        own: &["bench.c", "exchange.c", "instance.c", "matrix.c", "model_file.c", "states.c", "variables.c"],
+    },
+    Runtime {
+        name: "dynoid_linear",
+        folder: "binaries/linear",
+        own: &["linear.c", "linear_file.c", "linear_instance.c"],
+    },
+];
+
 /// Small code, nothing of the machine that builds it, and the same rounding on all processors.
 const FLAGS: [&str; 9] =
     ["-shared", "-fPIC", "-Os", "-std=c99", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-g0", "-s"];
@@ -29,11 +50,10 @@ const FLAGS: [&str; 9] =
 /// Builds all binaries into the repository.
 pub(crate) fn build() -> Result<(), String> {
     let compiler = compiler()?;
-    let folder = runtime().join("binaries");
-    for (target, name) in TARGETS {
-        let binary = built(&compiler, target, name)?;
-        let path = folder.join(name);
-        fs::copy(&binary, &path).map_err(|error| format!("{}: {error}", path.display()))?;
+    for (runtime, target, name) in binaries(&TARGETS) {
+        let path = stored(runtime, name);
+        fs::copy(built(&compiler, runtime, target, name)?, &path)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
         println!("{}: {} bytes", path.display(), length(&path)?);
     }
     Ok(())
@@ -49,7 +69,7 @@ pub(crate) fn check_one() -> Result<bool, String> {
     compare(&TARGETS[..1])
 }
 
-fn compare(targets: &[(&str, &str)]) -> Result<bool, String> {
+fn compare(targets: &'static [(&str, &str)]) -> Result<bool, String> {
     let compiler = match compiler() {
         Ok(compiler) => compiler,
         Err(error) => {
@@ -57,13 +77,26 @@ fn compare(targets: &[(&str, &str)]) -> Result<bool, String> {
             return Ok(false);
         }
     };
-    for (target, name) in targets {
+    for (runtime, target, name) in binaries(targets) {
         let read = |path: PathBuf| fs::read(&path).map_err(|error| format!("{}: {error}", path.display()));
-        if read(built(&compiler, target, name)?)? != read(runtime().join("binaries").join(name))? {
-            return Err(format!("{name} is not what its sources give; `cargo xtask fmu` builds it"));
+        if read(built(&compiler, runtime, target, name)?)? != read(stored(runtime, name))? {
+            return Err(format!(
+                "{} of {name} is not what its sources give; `cargo xtask fmu` builds it",
+                runtime.name
+            ));
         }
     }
     Ok(true)
+}
+
+/// Every runtime with each of these platforms and the name of its file.
+fn binaries(targets: &'static [(&str, &str)]) -> impl Iterator<Item = (&'static Runtime, &'static str, &'static str)> {
+    RUNTIMES.iter().flat_map(|runtime| targets.iter().map(move |(target, name)| (runtime, *target, *name)))
+}
+
+/// Where a binary is in the repository.
+fn stored(of: &Runtime, name: &str) -> PathBuf {
+    runtime().join(of.folder).join(name)
 }
 
 fn runtime() -> PathBuf {
@@ -86,37 +119,39 @@ fn compiler() -> Result<PathBuf, String> {
 }
 
 /// Builds one binary below the target folder.
-fn built(python: &Path, target: &str, name: &str) -> Result<PathBuf, String> {
+fn built(python: &Path, of: &Runtime, target: &str, name: &str) -> Result<PathBuf, String> {
     let folder = folder::target()?.join("fmu");
-    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let place = folder.join(of.name);
+    fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", folder.display()))?;
     let cache = folder.join("cache");
-    let path = folder.join(name);
+    let path = place.join(name);
     let mut command = Command::new(python);
     // Sources by their names alone, so that no path of this machine gets into the binary.
     command.current_dir(runtime()).args(["-m", "ziglang", "cc", "-target", target]).args(FLAGS);
-    command.arg("-o").arg(&path).args(sources()?).args(of_platform(target));
+    command.arg("-o").arg(&path).args(sources(of)?).args(of_platform(of, target));
     command.env("ZIG_LOCAL_CACHE_DIR", &cache).env("ZIG_GLOBAL_CACHE_DIR", &cache);
     output(&mut command)?;
     Ok(path)
 }
 
 /// The library of mathematics; a name without the path of the build, and no identifier of it.
-fn of_platform(target: &str) -> &'static [&'static str] {
+fn of_platform(of: &Runtime, target: &str) -> Vec<String> {
     if target.contains("linux") {
-        &["-lm", "-Wl,--build-id=none", "-Wl,-soname,dynoid_bench.so"]
+        vec!["-lm".to_owned(), "-Wl,--build-id=none".to_owned(), format!("-Wl,-soname,{}.so", of.name)]
     } else if target.contains("macos") {
-        &["-Wl,-install_name,@rpath/dynoid_bench.dylib"]
+        vec![format!("-Wl,-install_name,@rpath/{}.dylib", of.name)]
     } else {
-        &[]
+        Vec::new()
     }
 }
 
-/// The sources in the order of their names.
-fn sources() -> Result<Vec<String>, String> {
+/// The sources of a runtime in the order of their names.
+fn sources(of: &Runtime) -> Result<Vec<String>, String> {
     let folder = runtime();
     let entries = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let names = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
-    let mut names: Vec<String> = names.filter(|name| name.ends_with(".c")).collect();
+    let of_others = |name: &str| RUNTIMES.iter().any(|other| other.name != of.name && other.own.contains(&name));
+    let mut names: Vec<String> = names.filter(|name| name.ends_with(".c") && !of_others(name)).collect();
     names.sort();
     Ok(names)
 }

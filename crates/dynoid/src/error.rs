@@ -208,6 +208,15 @@ pub(crate) enum CliError {
     /// A study where a bench model is wanted.
     #[error("{}: this is a study; its bench model is the file model.json beside it", .path.display())]
     IsStudy { path: PathBuf },
+    /// An FMU that holds no model file of dynoid.
+    #[error(
+        "{}: this is no FMU with a model of dynoid; take one that `dynoid export` of this version made, or its model.json",
+        .path.display()
+    )]
+    NoModelInside { path: PathBuf },
+    /// A bench whose recordings gave no bench model.
+    #[error("{}: its recordings gave no bench model; `dynoid study` says what is missing", .path.display())]
+    NoModelOfBench { path: PathBuf },
     /// A bench model where a linear model is wanted.
     #[error(
         "{}: this is a bench model; `dynoid export --to linear` makes model files of it, and `dynoid model bode`, `step` and `poles` \

@@ -8,27 +8,12 @@ static const double EARLY = 1e-5;
 /* Steps of the states that matter: rad/s, rad and Nm. */
 static const double NOMINALS[STATES] = {100.0, 100.0, 0.01, 100.0, 100.0, 100.0};
 
-static const int EVALUATION = MODE_INITIALIZATION | MODE_EVENT | MODE_CONTINUOUS | MODE_TERMINATED;
-
 static call_status check_count(instance *i, size_t count, const double *values) {
     if (count != STATES || !values) return fail(i, "the model has 6 continuous states");
     return STATUS_OK;
 }
 
-static int is_exchange(instance *i, int modes, const char *call) {
-    if (!i) return 0;
-    if (i->now.kind == INTERFACE_EXCHANGE) return allowed(i, modes, call);
-    fail(i, "this call is for Model Exchange, but the instance is for Co-Simulation");
-    return 0;
-}
-
-call_status set_time(instance *i, double time) {
-    if (!is_exchange(i, MODE_EVENT | MODE_CONTINUOUS, "setTime")) return STATUS_ERROR;
-    if (!isfinite(time)) return fail(i, "the time is not a number");
-    if (time < i->now.start - 1e-9 * (1.0 + fabs(i->now.start))) return fail(i, "the time is before the start time");
-    i->now.time = time;
-    return STATUS_OK;
-}
+size_t states_of(const instance *i) { return i ? STATES : 0; }
 
 call_status set_states(instance *i, const double *x, size_t count) {
     if (!is_exchange(i, MODE_CONTINUOUS, "setContinuousStates")) return STATUS_ERROR;
@@ -41,21 +26,21 @@ call_status set_states(instance *i, const double *x, size_t count) {
 }
 
 call_status get_states(instance *i, double *x, size_t count) {
-    if (!is_exchange(i, EVALUATION, "getContinuousStates")) return STATUS_ERROR;
+    if (!is_exchange(i, EVALUATION_MODES, "getContinuousStates")) return STATUS_ERROR;
     if (check_count(i, count, x) != STATUS_OK || start_bench(i) != STATUS_OK) return STATUS_ERROR;
     for (int j = 0; j < STATES; j++) x[j] = i->bench.state.x[j];
     return STATUS_OK;
 }
 
 call_status get_derivatives(instance *i, double *derivative, size_t count) {
-    if (!is_exchange(i, EVALUATION, "getDerivatives")) return STATUS_ERROR;
+    if (!is_exchange(i, EVALUATION_MODES, "getDerivatives")) return STATUS_ERROR;
     if (check_count(i, count, derivative) != STATUS_OK || start_bench(i) != STATUS_OK) return STATUS_ERROR;
     bench_derivative(&i->bench, i->now.inputs.engine_torque_nm, derivative);
     return STATUS_OK;
 }
 
 call_status get_nominals(instance *i, double *nominal, size_t count) {
-    if (!is_exchange(i, MODE_INSTANTIATED | EVALUATION, "getNominalsOfContinuousStates")) return STATUS_ERROR;
+    if (!is_exchange(i, MODE_INSTANTIATED | EVALUATION_MODES, "getNominalsOfContinuousStates")) return STATUS_ERROR;
     if (check_count(i, count, nominal) != STATUS_OK) return STATUS_ERROR;
     for (int j = 0; j < STATES; j++) nominal[j] = NOMINALS[j];
     return STATUS_OK;
@@ -78,7 +63,7 @@ call_status update_discrete(instance *i, double *next_event) {
     if (start_bench(i) != STATUS_OK) return STATUS_ERROR;
     s = &i->bench.state;
     sample_time_s = s->parameter[BENCH_SAMPLE_TIME];
-    samples = (i->now.time - i->now.start) / sample_time_s - (double)s->tick;
+    samples = (i->head.life.time - i->head.life.start) / sample_time_s - (double)s->tick;
     if (samples >= 2.0 - EARLY) return fail(i, "an event of the controller was passed over; stop at the event times");
     if (samples < -EARLY) return fail(i, "the time is before the last event of the controller");
     if (samples >= 1.0 - EARLY) {
@@ -91,7 +76,7 @@ call_status update_discrete(instance *i, double *next_event) {
     part = bench_part_at(&i->bench, samples + EARLY);
     bench_hold(&i->bench, part);
     see(i);
-    *next_event = i->now.start + ((double)s->tick + i->bench.tables.part[part].to) * sample_time_s;
+    *next_event = i->head.life.start + ((double)s->tick + i->bench.tables.part[part].to) * sample_time_s;
     return STATUS_OK;
 }
 
@@ -136,7 +121,7 @@ static int partial(const instance *i, unsigned int unknown, unsigned int known, 
 
 call_status derivatives_along(instance *i, int adjoint, const unsigned int *unknown, size_t unknowns,
                               const unsigned int *known, size_t knowns, const double *seed, double *result) {
-    if (!is_exchange(i, EVALUATION, "a directional derivative")) return STATUS_ERROR;
+    if (!is_exchange(i, EVALUATION_MODES, "a directional derivative")) return STATUS_ERROR;
     if (start_bench(i) != STATUS_OK) return STATUS_ERROR;
     if (!unknown || !known || !seed || !result) return fail(i, "a directional derivative lacks its arguments");
     for (size_t k = 0; k < (adjoint ? knowns : unknowns); k++) result[k] = 0.0;

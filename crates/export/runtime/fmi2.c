@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
+#include "interface.h"
 
 /* The instance and whom it tells. */
 typedef struct {
@@ -195,7 +195,7 @@ fmi2Status FMI2(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state) {
 fmi2Status FMI2(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size) {
     if (!c) return fmi2Error;
     if (!state || !size) return status(fail(of(c), "there is no state, or no room for its size"));
-    *size = sizeof(kept_state);
+    *size = size_of_state(of(c));
     return fmi2OK;
 }
 
@@ -217,7 +217,7 @@ fmi2Status FMI2(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueRe
 
 static int is_kind(fmi2Component c, interface_kind kind) {
     if (!c) return 0;
-    if (of(c)->now.kind == (int)kind) return 1;
+    if (life_of(of(c))->kind == (int)kind) return 1;
     fail(of(c), "this call belongs to the other interface type than the instance was made for");
     return 0;
 }
@@ -285,12 +285,7 @@ fmi2Status FMI2(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueRef
     for (size_t k = 0; k < n; k++) {
         if (order[k] != 1) return status(fail(of(c), "only first derivatives of inputs are known"));
         if (!(value[k] - value[k] == 0.0)) return status(fail(of(c), "a derivative is not a finite number"));
-        if (vr[k] < VR_SPEED_DEMAND || vr[k] > VR_ENGINE_TORQUE_RATE) {
-            return status(fail(of(c), "no real input has this value reference"));
-        }
-        if (!allowed(of(c), MODE_STEP | MODE_INITIALIZATION | MODE_INSTANTIATED, "fmi2SetRealInputDerivatives")) return fmi2Error;
-        /* The controller samples its demands, so that their slopes have no effect. */
-        if (vr[k] == VR_ENGINE_TORQUE) of(c)->now.interpolated_rate_nm_s = value[k];
+        if (set_slope(of(c), vr[k], value[k]) != STATUS_OK) return fmi2Error;
     }
     return fmi2OK;
 }
@@ -316,7 +311,7 @@ fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2S
 fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
     if (!c || !value) return fmi2Error;
     if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
-    *value = of(c)->now.time;
+    *value = life_of(of(c))->time;
     return fmi2OK;
 }
 
@@ -328,7 +323,7 @@ fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind
 fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
     if (!c || !value) return fmi2Error;
     if (kind != fmi2Terminated) return fmi2Discard;
-    *value = of(c)->now.mode == MODE_TERMINATED;
+    *value = life_of(of(c))->mode == MODE_TERMINATED;
     return fmi2OK;
 }
 

@@ -181,7 +181,7 @@ fmi3Status FMI3(fmi3FreeFMUState)(fmi3Instance c, fmi3FMUState *state) {
 fmi3Status FMI3(fmi3SerializedFMUStateSize)(fmi3Instance c, fmi3FMUState state, size_t *size) {
     if (!c) return fmi3Error;
     if (!state || !size) return status(fail(fmi3_instance(c), "there is no state, or no room for its size"));
-    *size = sizeof(kept_state);
+    *size = size_of_state(fmi3_instance(c));
     return fmi3OK;
 }
 
@@ -213,7 +213,7 @@ fmi3Status FMI3(fmi3GetAdjointDerivative)(fmi3Instance c, const fmi3ValueReferen
 
 static int is_kind(fmi3Instance c, interface_kind kind) {
     if (!c) return 0;
-    if (fmi3_instance(c)->now.kind == (int)kind) return 1;
+    if (life_of(fmi3_instance(c))->kind == (int)kind) return 1;
     fail(fmi3_instance(c), "this call belongs to the other interface type than the instance was made for");
     return 0;
 }
@@ -285,7 +285,7 @@ fmi3Status FMI3(fmi3GetNumberOfEventIndicators)(fmi3Instance c, size_t *count) {
 
 fmi3Status FMI3(fmi3GetNumberOfContinuousStates)(fmi3Instance c, size_t *count) {
     if (!c || !count) return fmi3Error;
-    *count = STATES;
+    *count = states_of(fmi3_instance(c));
     return fmi3OK;
 }
 
@@ -304,6 +304,6 @@ fmi3Status FMI3(fmi3DoStep)(fmi3Instance c, fmi3Float64 from, fmi3Float64 length
     if (event) *event = false;
     if (terminate) *terminate = false;
     if (early) *early = false;
-    if (reached) *reached = fmi3_instance(c)->now.time;
+    if (reached) *reached = life_of(fmi3_instance(c))->time;
     return status(outcome);
 }

@@ -3,7 +3,7 @@
 #define DYNOID_FMI3_COMPONENT_H
 
 #include "fmi3.h"
-#include "instance.h"
+#include "interface.h"
 
 typedef struct {
     instance *bench;

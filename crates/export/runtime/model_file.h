@@ -19,8 +19,8 @@ typedef struct {
 /* The names of the parameters, in their order. */
 extern const char *const BENCH_NAMES[BENCH_PARAMETERS];
 
-/* Reads a file; the path is in UTF-8. Returns what is wrong, or NULL. */
-const char *model_file_read(bench_model *model, const char *path);
+/* Reads the file in a folder, whose path is in UTF-8. Returns what is wrong, or NULL. */
+const char *model_file_read(bench_model *model, const char *folder);
 
 void model_file_free(bench_model *model);
 

@@ -7,14 +7,11 @@
 /* Tells the layout: its version and its size. */
 static unsigned long long mark(void) { return 0x64796e6f69640001ull ^ (unsigned long long)sizeof(kept_state) << 20; }
 
-/* FNV-1a, so that damaged bytes are refused. */
 static unsigned long long check_of(const kept_state *kept) {
-    const unsigned char *byte = (const unsigned char *)&kept->now;
-    size_t size = sizeof *kept - offsetof(kept_state, now);
-    unsigned long long sum = 0xcbf29ce484222325ull;
-    for (size_t k = 0; k < size; k++) sum = (sum ^ byte[k]) * 0x100000001b3ull;
-    return sum;
+    return checksum(&kept->life, sizeof *kept - offsetof(kept_state, life));
 }
+
+size_t size_of_state(const instance *i) { return i ? sizeof(kept_state) : 0; }
 
 call_status keep_state(instance *i, kept_state **kept) {
     if (!i) return STATUS_ERROR;
@@ -22,6 +19,7 @@ call_status keep_state(instance *i, kept_state **kept) {
     if (!*kept) *kept = (kept_state *)calloc(1, sizeof **kept);
     if (!*kept) return fail(i, "there is no memory for the state");
     (*kept)->mark = mark();
+    (*kept)->life = i->head.life;
     (*kept)->now = i->now;
     (*kept)->bench = i->bench.state;
     (*kept)->check = 0; /* of bytes only; see serialize_state */
@@ -31,12 +29,13 @@ call_status keep_state(instance *i, kept_state **kept) {
 call_status restore_state(instance *i, const kept_state *kept) {
     if (!i) return STATUS_ERROR;
     if (!kept || kept->mark != mark()) return fail(i, "this is no state of such an instance");
-    if (kept->now.kind != i->now.kind) return fail(i, "the state is of another interface type");
+    if (kept->life.kind != i->head.life.kind) return fail(i, "the state is of another interface type");
     if (kept->now.draw > i->model.draws) return fail(i, "the state has a draw that this model does not have");
+    i->head.life = kept->life;
     i->now = kept->now;
     i->bench.state = kept->bench;
     if (i->now.fresh || bench_prepare(&i->bench)) return STATUS_OK;
-    i->now.mode = MODE_BROKEN;
+    i->head.life.mode = MODE_BROKEN;
     return fail(i, "the parameters of the state cannot be used");
 }
 

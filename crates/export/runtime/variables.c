@@ -4,12 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* When inputs and tunable parameters may be set. Parameters may not change while a solver integrates. */
-static const int BEFORE_START = MODE_INSTANTIATED | MODE_INITIALIZATION;
-static const int INPUT_MODES = MODE_INSTANTIATED | MODE_INITIALIZATION | MODE_EVENT | MODE_CONTINUOUS | MODE_STEP;
-static const int TUNABLE_MODES = MODE_INSTANTIATED | MODE_INITIALIZATION | MODE_EVENT | MODE_STEP;
-static const int GET_MODES = 0xff;
-
 static int is_in(unsigned int reference, unsigned int first, unsigned int count) {
     return reference >= first && reference < first + count;
 }
@@ -41,7 +35,7 @@ static int output(const instance *i, unsigned int reference, double *value) {
 static int real_value(instance *i, unsigned int reference, double *value) {
     const double *input = input_slot(&i->now, reference);
     if (reference == VR_TIME) {
-        *value = i->now.time;
+        *value = i->head.life.time;
     } else if (input) {
         *value = *input;
     } else if (is_in(reference, VR_PARAMETER, BENCH_PARAMETERS)) {
@@ -98,7 +92,7 @@ static call_status set_parameter(instance *i, int parameter, double value) {
     if (!allowed(i, modes, "set of a parameter")) return STATUS_ERROR;
     i->now.set[parameter] = value;
     i->now.fresh = 1;
-    if (i->now.mode == MODE_INSTANTIATED || start_bench(i) == STATUS_OK) return STATUS_OK;
+    if (i->head.life.mode == MODE_INSTANTIATED || start_bench(i) == STATUS_OK) return STATUS_OK;
     i->now.set[parameter] = before;
     return STATUS_ERROR;
 }
@@ -136,7 +130,7 @@ static call_status set_draw(instance *i, long long value) {
     if (value < 0 || value > i->model.draws) return fail(i, "draw is below 0 or beyond the number of stored draws");
     i->now.draw = (int)value;
     i->now.fresh = 1;
-    if (i->now.mode == MODE_INSTANTIATED || start_bench(i) == STATUS_OK) return STATUS_OK;
+    if (i->head.life.mode == MODE_INSTANTIATED || start_bench(i) == STATUS_OK) return STATUS_OK;
     i->now.draw = before;
     return STATUS_ERROR;
 }

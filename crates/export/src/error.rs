@@ -13,8 +13,24 @@ pub enum ExportError {
     #[error("the model has no state space: {0}")]
     Model(#[from] IdentError),
     /// The target holds only bench models.
-    #[error("{target} holds bench models alone; export this linear model with --to mat, modelica or python")]
+    #[error(
+        "{target} holds bench models alone; export this linear model with --to fmu2, fmu3, c, mat, modelica, python or ssv"
+    )]
     BenchOnly {
+        /// The target.
+        target: &'static str,
+    },
+    /// A linear model that the target cannot hold.
+    #[error("{target} holds up to 1000 states, and the model has {states}; export it with --to c, mat or python")]
+    TooLarge {
+        /// The target.
+        target: &'static str,
+        /// States of the model.
+        states: usize,
+    },
+    /// A model without what the target holds.
+    #[error("{target} holds estimated parameters, and this model has none; export it with --to fmu2, c, mat or python")]
+    NoEstimate {
         /// The target.
         target: &'static str,
     },

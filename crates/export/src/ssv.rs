@@ -1,4 +1,4 @@
-//! The numbers of a bench model as parameter sets of SSP 2.0 (SSV).
+//! The numbers of a model as parameter sets of SSP 2.0 (SSV).
 //!
 //! Source: Modelica Association, *System Structure and Parameterization* 2.0, chapter 6.
 
@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use bench_model::document::BenchModelDocument;
 use bench_model::model::BenchModel;
+use ident::ModelDocument;
 
 use crate::names::Names;
 use crate::numbers::{self, Number, Unit, written_by};
@@ -22,12 +23,12 @@ const SEED: u64 = 1;
 pub fn bench(document: &BenchModelDocument, names: &Names, count: usize) -> Result<Vec<ExportedFile>, ExportError> {
     let title = &document.bench.name;
     let set = |suffix: &str, title: &str, model: &BenchModel| {
-        let text = parameter_set(document, title, &values(model));
+        let text = parameter_set(&Origin::of(document), title, &values(model));
         ExportedFile::text(format!("{}{suffix}.ssv", names.file), text)
     };
     let mut files = vec![set("", title, &document.model)];
     if document.uncertainty.parameters().next().is_some() {
-        let text = parameter_set(document, &format!("{title}: uncertainty"), &uncertainty(document));
+        let text = parameter_set(&Origin::of(document), &format!("{title}: uncertainty"), &uncertainty(document));
         files.push(ExportedFile::text(format!("{}_uncertainty.ssv", names.file), text));
     }
     let drawn = draws(document, count, SEED);
@@ -47,6 +48,53 @@ struct Parameter {
     description: String,
     values: Vec<f64>,
     unit: Option<Unit>,
+}
+
+/// `NAME.ssv` with the estimated parameters of a linear model, and `NAME_uncertainty.ssv` with their covariance as an array; `version`
+/// is that of the program. Parameters of linear models have the units of their channels, which SSP cannot say.
+///
+/// # Errors
+/// [`ExportError::NoEstimate`] where the model has no estimated parameters.
+pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<Vec<ExportedFile>, ExportError> {
+    let estimate = document.estimate.as_ref().ok_or(ExportError::NoEstimate { target: "ssv" })?;
+    let parameter = |name: &str, description: String, values: Vec<f64>| Parameter {
+        name: name.to_owned(),
+        description,
+        values,
+        unit: None,
+    };
+    let of_one = |(name, value): (&String, &f64)| parameter(name, "estimated parameter".to_owned(), vec![*value]);
+    let values: Vec<Parameter> = estimate.parameter_names.iter().zip(&estimate.parameters).map(of_one).collect();
+    let (order, size) = (estimate.parameter_names.join(", "), estimate.parameter_names.len());
+    let uncertainty = [
+        parameter(
+            "covariance",
+            format!("covariance of {order}, {size} x {size} in row-major order"),
+            estimate.covariance.concat(),
+        ),
+        parameter("degrees_of_freedom", "of the covariance".to_owned(), vec![estimate.degrees_of_freedom]),
+    ];
+    let origin = Origin { written_by: format!("Written by dynoid {version}"), version };
+    let title = &names.file;
+    Ok(vec![
+        ExportedFile::text(format!("{title}.ssv"), parameter_set(&origin, title, &values)),
+        ExportedFile::text(
+            format!("{title}_uncertainty.ssv"),
+            parameter_set(&origin, &format!("{title}: uncertainty"), &uncertainty),
+        ),
+    ])
+}
+
+/// What wrote a set.
+struct Origin<'a> {
+    written_by: String,
+    version: &'a str,
+}
+
+impl<'a> Origin<'a> {
+    fn of(document: &'a BenchModelDocument) -> Self {
+        Origin { written_by: written_by(document), version: &document.provenance.dynoid_version }
+    }
 }
 
 fn values(model: &BenchModel) -> Vec<Parameter> {
@@ -84,15 +132,15 @@ fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
     all
 }
 
-fn parameter_set(document: &BenchModelDocument, title: &str, parameters: &[Parameter]) -> String {
+fn parameter_set(origin: &Origin<'_>, title: &str, parameters: &[Parameter]) -> String {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- {} -->\n<ssv:ParameterSet \
          xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
          xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"2.0\" name=\"{}\" \
          generationTool=\"dynoid {}\">\n  <ssv:Parameters>\n",
-        written_by(document).replace("--", "-"),
+        origin.written_by.replace("--", "-"),
         escaped(title),
-        escaped(&document.provenance.dynoid_version)
+        escaped(origin.version)
     );
     for one in parameters {
         let unit = one.unit.map(|unit| format!(" unit=\"{}\"", unit.modelica())).unwrap_or_default();
@@ -100,7 +148,7 @@ fn parameter_set(document: &BenchModelDocument, title: &str, parameters: &[Param
         let _ = writeln!(
             text,
             "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Float64 value=\"{}\"{unit}/></ssv:Parameter>",
-            one.name,
+            escaped(&one.name),
             escaped(&one.description),
             values.join(" ")
         );

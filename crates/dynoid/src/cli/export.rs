@@ -12,9 +12,10 @@ Examples:
   dynoid export study/model.json --to modelica --out TestCell4.mo
   dynoid export study/model.json --to ssv --draws 100 --out draws/
   dynoid export study/model.json --to fmu3 --out TestCell4.fmu
-  dynoid export arx.json --to mat
+  dynoid export arx.json --to fmu2
 
-A bench model goes to every target, a model of `dynoid fit` to mat, modelica and python.
+A bench model goes to every target, a model of `dynoid fit` to all but linear.
+MODEL may also be an FMU that this command made.
 
 Files written, NAME being the name of the bench or of --out:
   mat       NAME.mat with matrices, names, units and covariance, and NAME.m, a function
@@ -24,12 +25,13 @@ Files written, NAME being the name of the bench or of --out:
   fmu2      NAME.fmu, FMI 2.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS;
             with the report that is in the folder of the model
   fmu3      NAME.fmu, the same for FMI 3.0
-  c         NAME.h with the numbers, the sources bench.c and matrix.c with headers, example.c
+  c         NAME.h with the numbers, the sources bench.c and matrix.c (linear.c of a linear model)
+            with headers, example.c
   ssv       NAME.ssv, the parameters for SSP 2.0, and NAME_uncertainty.ssv
   linear    NAME_tn_torques.json, NAME_tn_speeds.json and NAME_nt.json, model files")]
 pub(crate) struct ExportArguments {
-    /// A bench model (model.json of a study), or a model file of `dynoid fit`
-    #[arg(value_name = "MODEL.json")]
+    /// A bench model (model.json of a study), a model file of `dynoid fit`, or an FMU made of one
+    #[arg(value_name = "MODEL")]
     pub(crate) model: PathBuf,
     /// What to export to
     #[arg(long, value_enum, value_name = "TARGET")]

@@ -2,18 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use bench_model::document::{BenchModelDocument, format_of};
+use ::bench_model::document::{BenchModelDocument, format_of};
 use export::fmu::FmiVersion;
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 use ident::ModelDocument;
 use serde_json::json;
 
+use super::bench_model;
 use super::identify::model_file;
 use crate::cli::export::{ExportArguments, ExportTarget};
 use crate::error::{CliError, Outcome};
 use crate::formats::check_replaceable;
-use crate::input::read_text;
 use crate::output::OutputFolder;
 use crate::paths;
 use crate::summary::shown;
@@ -51,18 +51,17 @@ pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Resul
 
 /// The model in a file, whichever kind it is.
 fn read(path: &Path) -> Result<Source, CliError> {
-    let text = read_text(path, "a model.json as `dynoid study` or `dynoid fit` writes")?;
+    let text = bench_model::text(path, "a model.json as `dynoid study` or `dynoid fit` writes, or an FMU of dynoid")?;
     match format_of(&text) {
         Some(format) if BenchModelDocument::is_format(&format) => {
-            Ok(Source::Bench(Box::new(super::bench_model::of_text(path, &text)?)))
+            Ok(Source::Bench(Box::new(bench_model::of_text(path, &text)?)))
         }
         Some(format) if report::is_study(&format) => Err(CliError::IsStudy { path: path.to_owned() }),
-        _ => Ok(Source::Linear(Box::new(model_file::read(path)?))),
+        _ => Ok(Source::Linear(Box::new(model_file::of_text(path, &text)?))),
     }
 }
 
 fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {
-    let bench_only = |target| Err(ExportError::BenchOnly { target });
     match (source, arguments.to) {
         (Source::Bench(document), ExportTarget::Mat) => export::matlab::bench(document, names),
         (Source::Bench(document), ExportTarget::Modelica) => Ok(vec![export::modelica::bench(document, names)]),
@@ -77,10 +76,11 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
             Ok(vec![export::modelica::linear(document, names, VERSION)?])
         }
         (Source::Linear(document), ExportTarget::Python) => Ok(vec![export::python::linear(document, names, VERSION)?]),
-        (Source::Linear(_), ExportTarget::Fmu2 | ExportTarget::Fmu3) => bench_only("an FMU"),
-        (Source::Linear(_), ExportTarget::C) => bench_only("c"),
-        (Source::Linear(_), ExportTarget::Ssv) => bench_only("ssv"),
-        (Source::Linear(_), ExportTarget::Linear) => bench_only("linear"),
+        (Source::Linear(document), ExportTarget::Fmu2) => linear_fmu(document, FmiVersion::V2, names),
+        (Source::Linear(document), ExportTarget::Fmu3) => linear_fmu(document, FmiVersion::V3, names),
+        (Source::Linear(document), ExportTarget::C) => export::fmu::linear_c_files(document, names, VERSION),
+        (Source::Linear(document), ExportTarget::Ssv) => export::ssv::linear(document, names, VERSION),
+        (Source::Linear(_), ExportTarget::Linear) => Err(ExportError::BenchOnly { target: "linear" }),
     }
 }
 
@@ -93,6 +93,10 @@ fn fmu(
 ) -> Result<Vec<ExportedFile>, ExportError> {
     let report = std::fs::read(arguments.model.with_file_name(REPORT)).ok();
     Ok(vec![export::fmu::fmu(document, names, version, report.as_deref())?])
+}
+
+fn linear_fmu(document: &ModelDocument, fmi: FmiVersion, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {
+    Ok(vec![export::fmu::linear_fmu(document, names, fmi, VERSION)?])
 }
 
 /// Model files of the bench in each control mode.

@@ -74,11 +74,25 @@ pub(crate) fn study(
     Ok(Written { study, report, data, model })
 }
 
+/// The bench model of the recordings that a bench file lists; nothing is written.
+pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
+    let (file, text) = read_bench(bench)?;
+    let sources = read_sources(bench, &file, terminal)?;
+    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS);
+    let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
+    let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed: None };
+    let study = study::run(campaign, &mut |step| show(&progress, &step)).map_err(|error| no_study(bench, error))?;
+    document(&study, &text).ok_or_else(|| CliError::NoModelOfBench { path: bench.to_owned() })
+}
+
+/// The bench model of a study, if it has one.
+fn document(study: &Study, bench_file: &str) -> Option<BenchModelDocument> {
+    report::bench_model(study, Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) })
+}
+
 /// The bench model of a study as text, if it has one.
 fn bench_model(study: &Study, bench_file: &str) -> Result<Option<String>, CliError> {
-    let origin = Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) };
-    let document = report::bench_model(study, origin);
-    document.map(|document| document.to_json().map_err(CliError::internal)).transpose()
+    document(study, bench_file).map(|document| document.to_json().map_err(CliError::internal)).transpose()
 }
 
 /// Refuses to replace a file that is no bench model.

@@ -49,5 +49,7 @@ fn regress_what_is_no_bench_model_is_refused() {
     campaign.write("model.json", b"{\"format\": \"dynoid model\", \"version\": 1}");
     campaign.run(&["diff", "model.json", "model.json"]).assert_refused(3, &["model.json", "no bench model"]);
     campaign.write("study.json", b"{\"format\": \"dynoid-study\"}");
+    campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["model.json", "no bench model"]);
+    std::fs::remove_file(campaign.path("model.json")).unwrap();
     campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["study.json", "model.json beside it"]);
 }

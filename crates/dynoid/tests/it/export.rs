@@ -61,18 +61,31 @@ fn exact_linear_commands_take_a_bench_model() {
 }
 
 #[test]
-fn exact_models_of_a_fit_go_to_three_targets() {
+fn exact_models_of_a_fit_go_to_all_targets_but_linear() {
     let campaign = Campaign::whole();
     let fit =
         ["fit", "arx", "recordings/WhiteNoise_T_TN_1200.mf4", "-u", "DynoTorqueDemand", "-y", "DynoSpeed", "--na", "2"];
     done(&campaign.run(&[&fit[..], &["--nb", "2", "--nk", "3", "--out", "arx.json"]].concat()));
-    for (target, file) in [("mat", "arx.m"), ("modelica", "Arx.mo"), ("python", "arx.py")] {
+    for (target, file) in [
+        ("mat", "arx.m"),
+        ("modelica", "Arx.mo"),
+        ("python", "arx.py"),
+        ("fmu2", "arx.fmu"),
+        ("fmu3", "arx.fmu"),
+        ("c", "linear.c"),
+        ("ssv", "arx_uncertainty.ssv"),
+    ] {
         done(&campaign.run(&["export", "arx.json", "--to", target]));
         assert!(campaign.path(file).is_file(), "{file}");
     }
-    for target in ["ssv", "linear"] {
-        campaign.run(&["export", "arx.json", "--to", target]).assert_refused(3, &["arx.json", "bench models alone"]);
-    }
+    campaign.run(&["export", "arx.json", "--to", "linear"]).assert_refused(3, &["arx.json", "bench models alone"]);
+    // The model comes back out of its FMU.
+    done(&campaign.run(&["export", "arx.fmu", "--to", "python", "--out", "again.py"]));
+    let numbers = |file: &str| {
+        let text = campaign.read(file);
+        text.split("# begin of the model").nth(1).unwrap().split("# end of the model").next().unwrap().to_owned()
+    };
+    assert_eq!(numbers("again.py"), numbers("arx.py"));
 }
 
 #[test]
@@ -94,4 +107,38 @@ fn regress_what_cannot_be_exported_is_refused_in_words() {
     let model = campaign.read("study/model.json");
     campaign.write("later.json", model.replacen("\"version\": 1", "\"version\": 7", 1).as_bytes());
     refused(&["export", "later.json", "--to", "mat"], 3, &["later.json", "version 7", "use a later dynoid"]);
+}
+
+#[test]
+fn exact_a_bench_is_compared_by_its_fmu_its_study_and_its_recordings() {
+    let campaign = studied();
+    done(&campaign.run(&["export", "study/model.json", "--to", "fmu3", "--out", "bench.fmu"]));
+    for (first, second) in
+        [("bench.fmu", "study/model.json"), ("study/study.json", "bench.fmu"), ("bench.fmu", "bench.toml")]
+    {
+        let ran = campaign.run(&["diff", first, second, "--json"]);
+        done(&ran);
+        let found = ran.json();
+        assert_eq!(found["changed"], false, "{found}");
+        let tests = found["comparison"]["parts"].as_array().unwrap();
+        assert!(tests.iter().all(|part| part["test"]["statistic"].as_f64().is_none_or(|s| s < 1e-6)), "{found}");
+    }
+    let model: serde_json::Value = serde_json::from_str(&campaign.read("study/model.json")).unwrap();
+    let mut stiffer = model.clone();
+    let scaled = |value: &serde_json::Value| serde_json::json!(1.2 * value.as_f64().unwrap());
+    let stiffness = &mut stiffer["model"]["mechanics"]["stiffness_nm_per_rad"];
+    *stiffness = scaled(stiffness);
+    let listed = stiffer["parameters"].as_array_mut().unwrap();
+    let entry = listed.iter_mut().find(|entry| entry["parameter"] == "stiffness").unwrap();
+    entry["value"] = scaled(&entry["value"]);
+    campaign.write("stiffer.json", stiffer.to_string().as_bytes());
+    let ran = campaign.run(&["diff", "stiffer.json", "bench.toml", "--json"]);
+    assert_eq!((ran.code, &ran.json()["changed"]), (Some(1), &serde_json::json!(true)));
+    campaign.write("other.fmu", b"PK\x03\x04 no archive");
+    campaign
+        .run(&["diff", "other.fmu", "bench.toml"])
+        .assert_refused(3, &["other.fmu", "no FMU with a model of dynoid"]);
+    std::fs::create_dir(campaign.path("alone")).unwrap();
+    campaign.write("alone/study.json", campaign.read("study/study.json").as_bytes());
+    campaign.run(&["diff", "alone/study.json", "bench.fmu"]).assert_refused(3, &["this is a study"]);
 }

@@ -23,7 +23,12 @@ pub(super) struct Description<'a> {
 
 impl<'a> Description<'a> {
     pub(super) fn of(document: &'a BenchModelDocument, numbers: &'a BenchNumbers) -> Self {
-        Description { document, numbers, variables: variables::all(numbers), token: token(numbers) }
+        Description {
+            document,
+            numbers,
+            variables: variables::all(numbers),
+            token: token(&resource::text(numbers, "")),
+        }
     }
 
     /// One sentence about the model.
@@ -140,9 +145,9 @@ pub(super) fn causality(role: Role) -> (&'static str, &'static str, Option<&'sta
     }
 }
 
-/// A UUID (version 8) of the numbers.
-fn token(numbers: &BenchNumbers) -> String {
-    let hash = Sha256::digest(resource::text(numbers, "").as_bytes());
+/// A UUID (version 8) of a resource.
+pub(super) fn token(resource: &str) -> String {
+    let hash = Sha256::digest(resource.as_bytes());
     let mut text = String::new();
     for (index, byte) in hash.iter().take(16).enumerate() {
         let byte = match index {

@@ -37,12 +37,12 @@ pub(super) fn page(description: &Description<'_>) -> String {
     )
 }
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;padding:0 1rem;color:#1c2733}\
+pub(super) const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;padding:0 1rem;color:#1c2733}\
     h1,h2{line-height:1.2}table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:.25rem .75rem .25rem 0;\
     border-bottom:1px solid #d5dbe1;vertical-align:top}td:nth-child(2){text-align:right;font-variant-numeric:tabular-nums}\
     code{font-family:ui-monospace,monospace}";
 
-const HEAD: &str = "<table>\n<tr><th>Name</th><th>Start</th><th>Unit</th><th>Meaning</th></tr>\n";
+pub(super) const HEAD: &str = "<table>\n<tr><th>Name</th><th>Start</th><th>Unit</th><th>Meaning</th></tr>\n";
 
 const EQUATIONS: &str = "<p>J<sub>d</sub> dω<sub>d</sub>/dt = T<sub>shaft</sub> − T<sub>d</sub>, \
     J<sub>e</sub> dω<sub>e</sub>/dt = T<sub>e</sub> − T<sub>shaft</sub>, \

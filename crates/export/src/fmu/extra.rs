@@ -8,8 +8,13 @@ use super::{csv, reference};
 use crate::ExportError;
 use crate::numbers::covariance;
 
+/// The folder below `extra`.
+pub(super) const FOLDER: &str = "org.fmi-standard.fmi-ls-ref";
+/// The model file there.
+pub(super) const MODEL: &str = "model.json";
+
 /// A file with its type, its role in FMI-LS-REF, and a sentence.
-struct Related {
+pub(super) struct Related {
     name: &'static str,
     content: Vec<u8>,
     media_type: &'static str,
@@ -18,8 +23,15 @@ struct Related {
 }
 
 impl Related {
-    fn csv(name: &'static str, text: String, role: &'static str, description: &'static str) -> Self {
+    pub(super) fn csv(name: &'static str, text: String, role: &'static str, description: &'static str) -> Self {
         Related { name, content: text.into_bytes(), media_type: "text/csv", role, description }
+    }
+
+    /// The model file, from which the commands of dynoid read the model.
+    pub(super) fn model(text: String) -> Self {
+        let (media_type, role) = ("application/json", "model");
+        let description = "Model file of dynoid";
+        Related { name: MODEL, content: text.into_bytes(), media_type, role, description }
     }
 }
 
@@ -48,10 +60,17 @@ pub(super) fn files(
         let (content, description) = (report.to_vec(), "Report of the study");
         related.push(Related { name: "report.html", content, media_type: "text/html", role: "report", description });
     }
+    let model = document.to_json().map_err(|error| ExportError::Text { reason: error.to_string() })?;
+    related.push(Related::model(model));
+    Ok(packed(related))
+}
+
+/// Files with their manifest, by their paths below `extra`.
+pub(super) fn packed(related: Vec<Related>) -> Vec<(String, Vec<u8>)> {
     let manifest = ("fmi-ls-manifest.xml".to_owned(), manifest(&related).into_bytes());
     let all = related.into_iter().map(|file| (file.name.to_owned(), file.content));
-    let below = |(name, content)| (format!("org.fmi-standard.fmi-ls-ref/{name}"), content);
-    Ok(std::iter::once(manifest).chain(all).map(below).collect())
+    let below = |(name, content)| (format!("{FOLDER}/{name}"), content);
+    std::iter::once(manifest).chain(all).map(below).collect()
 }
 
 /// One row a parameter: its name, and its covariances with all the others. Parts of the model are independent.

@@ -1,7 +1,7 @@
 //! The model description of FMI 2.0.
 
 use super::description::{Description, attribute, causality, unit_definition};
-use super::platforms::IDENTIFIER;
+use super::platforms::Runtime;
 use super::variables::{Kind, Role, Variable};
 use super::{csv, sources};
 
@@ -39,12 +39,18 @@ const LOG: &str = "  <LogCategories>\n    \
     <Category name=\"logStatusWarning\" description=\"The bench is outside the range of validity\"/>\n    \
     <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
 
+/// The sources that an importer may compile.
+pub(super) fn source_files(runtime: Runtime) -> String {
+    let files = sources::compiled(runtime).map(|name| format!("      <File{}/>\n", attribute("name", name)));
+    format!("    <SourceFiles>\n{}    </SourceFiles>\n", files.collect::<String>())
+}
+
 fn interfaces() -> String {
+    let runtime = Runtime::Bench;
     let common =
         "canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
-    let files: String = sources::compiled().map(|name| format!("      <File{}/>\n", attribute("name", name))).collect();
-    let files = format!("    <SourceFiles>\n{files}    </SourceFiles>\n");
-    let identifier = attribute("modelIdentifier", IDENTIFIER);
+    let files = source_files(runtime);
+    let identifier = attribute("modelIdentifier", runtime.identifier());
     format!(
         "  <ModelExchange{identifier} {common} providesDirectionalDerivative=\"true\">\n{files}  </ModelExchange>\n  \
          <CoSimulation{identifier} {common} canHandleVariableCommunicationStepSize=\"true\" \

@@ -1,7 +1,7 @@
 //! The model description of FMI 3.0, and what it has in files of their own.
 
 use super::description::{Description, attribute, causality, unit_definition};
-use super::platforms::IDENTIFIER;
+use super::platforms::Runtime;
 use super::variables::{Kind, Role, Variable};
 use super::{csv, sources};
 
@@ -41,7 +41,8 @@ const LOG: &str = "  <LogCategories>\n    \
     <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
 
 fn interfaces(step: &str) -> String {
-    let identifier = attribute("modelIdentifier", IDENTIFIER);
+    let runtime = Runtime::Bench;
+    let identifier = attribute("modelIdentifier", runtime.identifier());
     let common = "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"";
     format!(
         "  <ModelExchange{identifier} {common} providesDirectionalDerivatives=\"true\" \
@@ -106,10 +107,10 @@ fn structure(description: &Description<'_>) -> String {
 }
 
 /// `sources/buildDescription.xml`.
-pub(super) fn build_description() -> String {
+pub(super) fn build_description(runtime: Runtime) -> String {
     let files: String =
-        sources::compiled().map(|name| format!("      <SourceFile{}/>\n", attribute("name", name))).collect();
-    let identifier = attribute("modelIdentifier", IDENTIFIER);
+        sources::compiled(runtime).map(|name| format!("      <SourceFile{}/>\n", attribute("name", name))).collect();
+    let identifier = attribute("modelIdentifier", runtime.identifier());
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
          <BuildConfiguration{identifier}>\n    <SourceFileSet language=\"C99\">\n{files}    </SourceFileSet>\n  \

@@ -1,4 +1,4 @@
-//! The runtime's binaries, which `cargo xtask fmu` builds, under the names that FMI has for their platforms.
+//! The runtimes' binaries, which `cargo xtask fmu` builds, under the names that FMI has for their platforms.
 
 use super::archive::Archive;
 
@@ -11,48 +11,90 @@ pub enum FmiVersion {
     V3,
 }
 
-/// What the binaries are called.
-pub(super) const IDENTIFIER: &str = "dynoid_bench";
+/// What simulates: the bench, or any linear model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Runtime {
+    /// A bench.
+    Bench,
+    /// A linear model.
+    Linear,
+}
 
-const X86_64_LINUX: &[u8] = include_bytes!("../../runtime/binaries/x86_64-linux.so");
-const AARCH64_LINUX: &[u8] = include_bytes!("../../runtime/binaries/aarch64-linux.so");
-const X86_64_WINDOWS: &[u8] = include_bytes!("../../runtime/binaries/x86_64-windows.dll");
-const X86_64_DARWIN: &[u8] = include_bytes!("../../runtime/binaries/x86_64-darwin.dylib");
-const AARCH64_DARWIN: &[u8] = include_bytes!("../../runtime/binaries/aarch64-darwin.dylib");
+/// The binaries of a runtime.
+struct Binaries {
+    x86_64_linux: &'static [u8],
+    aarch64_linux: &'static [u8],
+    x86_64_windows: &'static [u8],
+    x86_64_darwin: &'static [u8],
+    aarch64_darwin: &'static [u8],
+}
+
+macro_rules! binaries {
+    ($folder:literal) => {
+        Binaries {
+            x86_64_linux: include_bytes!(concat!("../../runtime/", $folder, "/x86_64-linux.so")),
+            aarch64_linux: include_bytes!(concat!("../../runtime/", $folder, "/aarch64-linux.so")),
+            x86_64_windows: include_bytes!(concat!("../../runtime/", $folder, "/x86_64-windows.dll")),
+            x86_64_darwin: include_bytes!(concat!("../../runtime/", $folder, "/x86_64-darwin.dylib")),
+            aarch64_darwin: include_bytes!(concat!("../../runtime/", $folder, "/aarch64-darwin.dylib")),
+        }
+    };
+}
+
+const BENCH: Binaries = binaries!("binaries");
+const LINEAR: Binaries = binaries!("binaries/linear");
+
+impl Runtime {
+    /// What the binaries are called.
+    pub(super) fn identifier(self) -> &'static str {
+        match self {
+            Runtime::Bench => "dynoid_bench",
+            Runtime::Linear => "dynoid_linear",
+        }
+    }
+
+    fn binaries(self) -> &'static Binaries {
+        match self {
+            Runtime::Bench => &BENCH,
+            Runtime::Linear => &LINEAR,
+        }
+    }
+}
 
 /// Adds the binaries for every platform.
-pub(super) fn add_to(archive: &mut Archive, version: FmiVersion) {
+pub(super) fn add_to(archive: &mut Archive, version: FmiVersion, runtime: Runtime) {
     let mut add = |platform: &str, ending: &str, bytes: &[u8]| {
-        archive.add(&format!("binaries/{platform}/{IDENTIFIER}.{ending}"), bytes);
+        archive.add(&format!("binaries/{platform}/{}.{ending}", runtime.identifier()), bytes);
     };
+    let of = runtime.binaries();
     match version {
         FmiVersion::V2 => {
-            add("linux64", "so", X86_64_LINUX);
+            add("linux64", "so", of.x86_64_linux);
             // FMI 2.0 has no name for it; importers that run there take the one of FMI 3.0.
-            add("aarch64-linux", "so", AARCH64_LINUX);
-            add("win64", "dll", X86_64_WINDOWS);
-            add("darwin64", "dylib", &universal());
+            add("aarch64-linux", "so", of.aarch64_linux);
+            add("win64", "dll", of.x86_64_windows);
+            add("darwin64", "dylib", &universal(of));
         }
         FmiVersion::V3 => {
-            add("x86_64-linux", "so", X86_64_LINUX);
-            add("aarch64-linux", "so", AARCH64_LINUX);
-            add("x86_64-windows", "dll", X86_64_WINDOWS);
-            add("x86_64-darwin", "dylib", X86_64_DARWIN);
-            add("aarch64-darwin", "dylib", AARCH64_DARWIN);
+            add("x86_64-linux", "so", of.x86_64_linux);
+            add("aarch64-linux", "so", of.aarch64_linux);
+            add("x86_64-windows", "dll", of.x86_64_windows);
+            add("x86_64-darwin", "dylib", of.x86_64_darwin);
+            add("aarch64-darwin", "dylib", of.aarch64_darwin);
         }
     }
 }
 
 /// One file for both kinds of macOS machines, as FMI 2.0 has one folder for them: Mach-O's format for several architectures, in which a
 /// head of big-endian numbers has type, subtype, offset, size and alignment of each.
-fn universal() -> Vec<u8> {
+fn universal(of: &Binaries) -> Vec<u8> {
     const MAGIC: u32 = 0xcafe_babe;
     const ALIGNMENT: u32 = 14;
-    /// Types and subtypes of the processors.
-    const ARCHITECTURES: [(u32, u32, &[u8]); 2] = [(0x0100_0007, 3, X86_64_DARWIN), (0x0100_000c, 0, AARCH64_DARWIN)];
-    let mut head: Vec<u32> = vec![MAGIC, ARCHITECTURES.len() as u32];
+    // Types and subtypes of the processors.
+    let architectures = [(0x0100_0007, 3, of.x86_64_darwin), (0x0100_000c, 0, of.aarch64_darwin)];
+    let mut head: Vec<u32> = vec![MAGIC, architectures.len() as u32];
     let mut content = Vec::new();
-    for (processor, subtype, bytes) in ARCHITECTURES {
+    for (processor, subtype, bytes) in architectures {
         let offset = (content.len() + 1).next_multiple_of(1 << ALIGNMENT);
         content.resize(offset, 0);
         content.extend(bytes);

@@ -40,7 +40,7 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
 }
 
 /// A finite number as C's `%a` writes it.
-fn hexadecimal(value: f64) -> String {
+pub(super) fn hexadecimal(value: f64) -> String {
     let bits = value.to_bits();
     let (sign, exponent, fraction) = (bits >> 63, (bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
     let sign = if sign == 1 { "-" } else { "" };

@@ -1,9 +1,10 @@
-//! The runtime's sources, as they are in an FMU and as a program in C takes them.
+//! The runtimes' sources, as they are in an FMU and as a program in C takes them.
 
 use bench_model::document::BenchModelDocument;
 
 use super::csv;
 use super::numbers::BenchNumbers;
+use super::platforms::Runtime;
 use crate::ExportedFile;
 use crate::names::Names;
 use crate::numbers::written_by;
@@ -14,32 +15,45 @@ macro_rules! runtime {
 
 /// What a program in C needs: the bench without FMI.
 const BENCH: [(&str, &str); 4] = runtime!["bench.c", "bench.h", "matrix.c", "matrix.h"];
-/// What an FMU needs beyond it.
-const FMI: [(&str, &str); 14] = runtime![
-    "exchange.c",
+/// What an FMU of a bench needs beyond it.
+const BENCH_FMU: [(&str, &str); 7] =
+    runtime!["exchange.c", "instance.c", "model_file.c", "states.c", "variables.c", "instance.h", "model_file.h"];
+/// What a program in C needs of a linear model.
+const LINEAR: [(&str, &str); 2] = runtime!["linear.c", "linear.h"];
+/// What an FMU of a linear model needs beyond it.
+const LINEAR_FMU: [(&str, &str); 3] = runtime!["linear_file.c", "linear_instance.c", "linear_file.h"];
+/// What both kinds of FMUs need.
+const FMI: [(&str, &str); 11] = runtime![
     "fmi2.c",
     "fmi3.c",
     "fmi3_absent.c",
-    "instance.c",
-    "model_file.c",
-    "states.c",
-    "variables.c",
+    "life.c",
+    "text_file.c",
     "export.h",
     "fmi2.h",
     "fmi3.h",
     "fmi3_component.h",
-    "instance.h",
-    "model_file.h",
+    "interface.h",
+    "text_file.h",
 ];
 
-/// All sources of the runtime by name.
-pub(super) fn runtime() -> impl Iterator<Item = (&'static str, &'static str)> {
-    BENCH.into_iter().chain(FMI)
+/// All sources of a runtime by name.
+pub(super) fn all(runtime: Runtime) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let (core, own): (&[_], &[_]) = match runtime {
+        Runtime::Bench => (&BENCH, &BENCH_FMU),
+        Runtime::Linear => (&LINEAR, &LINEAR_FMU),
+    };
+    core.iter().chain(own).copied().chain(FMI)
 }
 
 /// Names of the sources that a compiler is called on.
-pub(super) fn compiled() -> impl Iterator<Item = &'static str> {
-    runtime().map(|(name, _)| name).filter(|name| name.ends_with(".c"))
+pub(super) fn compiled(runtime: Runtime) -> impl Iterator<Item = &'static str> {
+    all(runtime).map(|(name, _)| name).filter(|name| name.ends_with(".c"))
+}
+
+/// A linear model without FMI.
+pub(super) fn of_linear() -> impl Iterator<Item = ExportedFile> {
+    LINEAR.into_iter().map(|(name, text)| ExportedFile::text(name, text.to_owned()))
 }
 
 /// Sources, numbers and an example for a program in C.

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use bench_model::document::BenchModelDocument;
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter, TorqueControlModel};
-use export::fmu::{DRAWS, FmiVersion, c_files, fmu};
+use export::fmu::{DRAWS, FmiVersion, c_files, fmu, linear_fmu, model_in};
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 
@@ -79,10 +79,19 @@ fn exact_an_fmu_has_all_its_parts_and_the_same_bytes_again() {
         let extra = "extra/org.fmi-standard.fmi-ls-ref";
         assert_eq!(files[&format!("{extra}/report.html")], report);
         let manifest = text(&files, &format!("{extra}/fmi-ls-manifest.xml"));
-        for name in ["reference_in.csv", "reference_out.csv", "covariance.csv", "draws.csv", "draws.ssv", "report.html"]
-        {
+        for name in [
+            "reference_in.csv",
+            "reference_out.csv",
+            "covariance.csv",
+            "draws.csv",
+            "draws.ssv",
+            "report.html",
+            "model.json",
+        ] {
             assert!(manifest.contains(name) && files.contains_key(&format!("{extra}/{name}")), "{name}");
         }
+        let model = model_in(&archive.content).unwrap();
+        assert_eq!(BenchModelDocument::from_json(&model).unwrap().model, document().model);
         let description = text(&files, "modelDescription.xml");
         let token = description.split(['{', '}']).nth(1).unwrap();
         assert!(text(&files, "resources/bench.txt").contains(&format!("token {{{token}}}")));
@@ -163,7 +172,7 @@ fn ref_an_fmu_has_fractional_delays_gates_and_late_demands() {
 }
 
 /// Compiles sources with the machine's compiler; `None`, and the test counts as skipped, where there is none.
-fn compiled(folder: &Path, arguments: &[&str]) -> Option<()> {
+pub(crate) fn compiled(folder: &Path, arguments: &[&str]) -> Option<()> {
     let Ok(output) = Command::new("cc").current_dir(folder).args(arguments).output() else {
         testdata::skip("no C compiler");
         return None;
@@ -172,17 +181,17 @@ fn compiled(folder: &Path, arguments: &[&str]) -> Option<()> {
     Some(())
 }
 
-fn printed(program: &Path, arguments: &[&str]) -> String {
+pub(crate) fn printed(program: &Path, arguments: &[&str]) -> String {
     let output = Command::new(program).args(arguments).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
     said
 }
 
-#[test]
-fn prop_wrong_calls_are_refused_and_no_calls_crash() {
-    let files = unpacked(&made(&document(), FmiVersion::V3));
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fmu_misuse");
+/// Compiles an FMU's sources with the misuse of its functions under sanitisers, and runs it.
+fn misused(name: &str, archive: &[u8], resource: (&str, usize), kind: &str) {
+    let files = unpacked(archive);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     for (path, content) in &files {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -194,11 +203,18 @@ fn prop_wrong_calls_are_refused_and_no_calls_crash() {
     let last = [misuse.to_str().unwrap(), "-lm", "-o", "misuse"];
     let arguments: Vec<&str> = flags.into_iter().chain(sources).chain(last).collect();
     let Some(()) = compiled(&folder.join("sources"), &arguments) else { return };
-    let resource = text(&files, "resources/bench.txt");
-    let token = resource.lines().find_map(|line| line.strip_prefix("token ")).unwrap();
+    let resource = text(&files, resource.0).split_whitespace().nth(resource.1).unwrap().to_owned();
     let resources = folder.join("resources");
-    let said = printed(&folder.join("sources/misuse"), &[resources.to_str().unwrap(), token, "20000"]);
+    let said = printed(&folder.join("sources/misuse"), &[resources.to_str().unwrap(), &resource, "20000", kind]);
     assert!(said.contains("failures 0"), "{said}");
+}
+
+#[test]
+fn prop_wrong_calls_are_refused_and_no_calls_crash() {
+    misused("fmu_misuse", &made(&document(), FmiVersion::V3), ("resources/bench.txt", 3), "bench");
+    let (_, torques) = export::toolbox_models(&document()).unwrap().swap_remove(0);
+    let linear = linear_fmu(&torques, &names(), FmiVersion::V3, "0.1.0").unwrap().content;
+    misused("linear_misuse", &linear, ("resources/linear.txt", 2), "linear");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 /* Calls an FMU's functions wrongly, and then at random: each wrong call must return an error with a message, and nothing may crash.
- * Arguments: the folder of the resources, the token, and how many random calls. */
+ * Arguments: the folder of the resources, the token, how many random calls, and `bench` or `linear`. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,6 +163,60 @@ static void states(void) {
     fmi2FreeInstance(d);
 }
 
+/* A linear model with two inputs, two outputs and draws. */
+static void linear(void) {
+    fmi2Component c = started2(fmi2CoSimulation), d = started2(fmi2CoSimulation), e = started2(fmi2ModelExchange);
+    fmi2ValueReference inputs[] = {10, 11}, outputs[] = {12, 13}, initial = 14, unknown = 999, draw = 1;
+    fmi2Real values[] = {3.0, -1.0}, none = NAN, first[2], second[2];
+    fmi2Integer many = 201, seventh = 7;
+    fmi2FMUstate kept = NULL, other = NULL;
+    fmi2EventInfo info;
+    size_t size = 0;
+    char *bytes;
+    WORKS(fmi2SetReal(c, inputs, 2, values));
+    WORKS(fmi2SetInteger(c, &draw, 1, &seventh));
+    WORKS(fmi2DoStep(c, 0.0, 0.0123, 1));
+    FAILS(fmi2DoStep(c, 0.0, 0.01, 1));
+    FAILS(fmi2DoStep(c, 0.0123, -0.01, 1));
+    FAILS(fmi2DoStep(c, 0.0123, NAN, 1));
+    FAILS(fmi2DoStep(c, 0.0123, 1e300, 1));
+    FAILS(fmi2SetReal(c, inputs, 1, &none));
+    FAILS(fmi2SetReal(c, &unknown, 1, values));
+    FAILS(fmi2GetReal(c, &unknown, 1, values));
+    FAILS(fmi2SetReal(c, outputs, 1, values));
+    FAILS(fmi2SetReal(c, &initial, 1, values));
+    FAILS(fmi2SetInteger(c, &draw, 1, &many));
+    FAILS(fmi2GetBoolean(c, inputs, 1, &many));
+    FAILS(fmi2GetDirectionalDerivative(e, outputs, 1, inputs, 1, values, first));
+    FAILS(fmi2SetTime(c, 0.0));
+    FAILS(fmi2SetFMUstate(e, NULL));
+    WORKS(fmi2GetFMUstate(c, &kept));
+    FAILS(fmi2SetFMUstate(e, kept));
+    WORKS(fmi2SerializedFMUstateSize(c, kept, &size));
+    bytes = malloc(size);
+    FAILS(fmi2SerializeFMUstate(c, kept, bytes, size - 1));
+    WORKS(fmi2SerializeFMUstate(c, kept, bytes, size));
+    WORKS(fmi2DeSerializeFMUstate(d, bytes, size, &other));
+    WORKS(fmi2SetFMUstate(d, other));
+    WORKS(fmi2DoStep(c, 0.0123, 0.05, 0));
+    WORKS(fmi2DoStep(d, 0.0123, 0.05, 0));
+    WORKS(fmi2GetReal(c, outputs, 2, first));
+    WORKS(fmi2GetReal(d, outputs, 2, second));
+    HOLDS(memcmp(first, second, sizeof first) == 0 && first[0] != 0.0);
+    bytes[size / 2] ^= 1;
+    WORKS(fmi2FreeFMUstate(d, &other));
+    FAILS(fmi2DeSerializeFMUstate(d, bytes, size, &other));
+    WORKS(fmi2NewDiscreteStates(e, &info));
+    WORKS(fmi2SetTime(e, 0.01));
+    FAILS(fmi2NewDiscreteStates(e, &info));
+    WORKS(fmi2FreeFMUstate(c, &kept));
+    WORKS(fmi2Terminate(c));
+    FAILS(fmi2DoStep(c, 0.0623, 0.01, 1));
+    FAILS(fmi2SetReal(c, inputs, 2, values));
+    free(bytes);
+    fmi2FreeInstance(c), fmi2FreeInstance(d), fmi2FreeInstance(e);
+}
+
 /* ---- at random ----------------------------------------------------------------------------------------------- */
 
 static unsigned long long state = 88172645463325252ull;
@@ -234,14 +288,18 @@ static void random_calls(int count) {
 }
 
 int main(int count, char **arguments) {
-    if (count < 4) return 2;
+    if (count < 5) return 2;
     folder = arguments[1];
     token = arguments[2];
     snprintf(uri, sizeof uri, "file://%s", folder);
     refused_instances();
-    wrong_steps();
-    unstable();
-    states();
+    if (strcmp(arguments[4], "bench") == 0) {
+        wrong_steps();
+        unstable();
+        states();
+    } else {
+        linear();
+    }
     random_calls(atoi(arguments[3]));
     printf("failures %d\n", failures);
     return failures != 0;

@@ -6,6 +6,7 @@
 mod cases;
 mod draws;
 mod fmu;
+mod fmu_linear;
 mod linear;
 mod matlab;
 mod model;

@@ -85,6 +85,6 @@ impl Bench {
 }
 
 fn read_model(path: &Path) -> Result<AssembledModel, CliError> {
-    let text = input::read_text(path, "a model.json or study.json as `dynoid study` writes")?;
+    let text = crate::commands::bench_model::text(path, "a model.json or study.json as `dynoid study` writes")?;
     report::model(&text).map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bench_model::document::{BenchModelDocument, format_of};
+use ::bench_model::document::{BenchModelDocument, format_of};
 use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
@@ -13,36 +13,40 @@ use units::may_be_same;
 use super::data::{Files, Gaps, Loaded, take_about};
 use super::operating_point;
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
+use crate::commands::bench_model;
 use crate::error::CliError;
-use crate::input::read_text;
 
 /// Reads a model file.
 pub(in crate::commands) fn read(path: &Path) -> Result<ModelDocument, CliError> {
+    of_text(path, &bench_model::text(path, "a model file as `dynoid fit … --out model.json` writes")?)
+}
+
+/// The model that the text of a file holds.
+pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<ModelDocument, CliError> {
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    let text = read_text(path, "a model file as `dynoid fit … --out model.json` writes")?;
-    if format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
+    if format_of(text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
         return Err(CliError::IsBenchModel { path: path.to_owned() });
     }
     // First of all what it is: a later version may have another layout.
-    match serde_json::from_str::<DocumentHeader>(&text).map(|header| header.check()) {
+    match serde_json::from_str::<DocumentHeader>(text).map(|header| header.check()) {
         Err(error) => return Err(wrong(error.to_string())),
         Ok(Err(source @ IdentError::DocumentVersion { .. })) => {
             return Err(CliError::ModelVersion { path: path.to_owned(), source });
         }
         Ok(known) => known.map_err(|error| wrong(error.to_string()))?,
     }
-    let document: ModelDocument = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let document: ModelDocument = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
     document.checked().map_err(|error| wrong(error.to_string()))
 }
 
 /// Reads a model file, or a bench model as linear models: each with its name.
 pub(super) fn read_all(path: &Path) -> Result<Vec<(String, ModelDocument)>, CliError> {
     let name = name(path);
-    let text = read_text(path, "a model file as `dynoid fit` or `dynoid study` writes")?;
+    let text = bench_model::text(path, "a model file as `dynoid fit` or `dynoid study` writes")?;
     if !format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
         return Ok(vec![(name, read(path)?)]);
     }
-    let bench = crate::commands::bench_model::of_text(path, &text)?;
+    let bench = bench_model::of_text(path, &text)?;
     let models = export::toolbox_models(&bench).map_err(|source| CliError::Export { path: path.to_owned(), source })?;
     Ok(models.into_iter().map(|(mode, document)| (format!("{name} {mode}"), document)).collect())
 }
