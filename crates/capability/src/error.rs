@@ -21,6 +21,12 @@ pub enum CapabilityError {
         "the parameters are so uncertain that hardly any bench drawn from them is possible; give better data to the study, or leave out --model"
     )]
     NoBench,
+    /// A wish that is no sine and no gradient.
+    #[error("`{text}` is no sine and no gradient; write it as `100 rpm at 2 Hz`, `20 Nm at 8 Hz` or `4000 rpm/s`")]
+    Wanted {
+        /// What was written.
+        text: String,
+    },
     /// No samples.
     #[error("at least one bench must be drawn")]
     NoSamples,

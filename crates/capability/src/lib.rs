@@ -5,21 +5,32 @@
 //! millisecond by millisecond, as a prediction of an experiment does.
 
 mod answer;
+mod change;
 mod cycle_run;
 mod demand;
+mod doubt;
 mod easier;
 mod error;
 mod extremes;
+mod filter;
+pub mod gradient;
 mod judged;
 pub mod map;
+mod outcome;
 mod plan_run;
 mod pulses;
 pub mod shapes;
 mod trace;
+mod verdict;
+pub mod wanted;
 
-pub use answer::{Answer, Bands, CanInputs, LimitVerdict, OwnVerdict, SetVerdict, StatisticVerdict, Verdict, can};
+pub use answer::can;
+pub use change::Change;
 pub use demand::{CycleDemand, Demand};
-pub use easier::{Change, Easier, easier};
+pub use doubt::{Doubt, Uncertain};
+pub use easier::{Easier, easier};
 pub use error::CapabilityError;
 pub use extremes::{LimitOf, Peak};
+pub use outcome::CanInputs;
 pub use trace::Trace;
+pub use verdict::{Answer, Bands, LimitVerdict, OwnVerdict, SetVerdict, StatisticVerdict, Verdict};

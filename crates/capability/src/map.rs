@@ -1,4 +1,4 @@
-//! The largest sine that a bench can be asked for, over frequency and speed, and the largest gradient of the speed.
+//! The largest sine that a bench can be asked for, over frequency and speed.
 //!
 //! Short of its limits the bench is linear, so what a sine adds grows with its amplitude. A limit binds where the mean, the firing
 //! pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map takes that case.
@@ -20,6 +20,9 @@ use crate::pulses::Pulses;
 
 /// Changes of T_d* and of the speed count over these times, s.
 const CHANGES_S: (f64, f64) = (0.01, 0.05);
+
+/// Frequencies at which the response is looked at for bandwidths, less one.
+const BANDWIDTH_STEPS: u32 = 400;
 
 /// What the sine is demanded of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -70,21 +73,21 @@ pub struct CapabilityMap {
     pub speed_rad_s: Vec<f64>,
     /// A row a speed, a place a frequency.
     pub places: Vec<Vec<Place>>,
-    /// Frequency up to which the response stays within 10 % and within 3 dB on the nominal bench, Hz; `None` beyond the map.
-    pub bandwidth_hz: [Option<f64>; 2],
+    /// How fast the demand is followed.
+    pub bandwidths: Bandwidths,
 }
 
-/// The largest gradient of the speed at one speed.
+/// Up to which frequency a demand is followed, Hz: what 95 %, 50 % and 5 % of the benches reach, infinite beyond 300 Hz.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Gradient {
-    /// The speed, rad/s.
-    pub speed_rad_s: f64,
-    /// Largest gradient upwards, rad/s².
-    pub up_rad_s2: f64,
-    /// Largest gradient downwards, rad/s².
-    pub down_rad_s2: f64,
-    /// The limits that bind.
-    pub binds: [Option<LimitOf>; 2],
+pub struct Bandwidths {
+    /// Within ±10 % of the amplitude.
+    pub ten_per_cent_hz: [f64; 3],
+    /// Within ±3 dB.
+    pub three_db_hz: [f64; 3],
+    /// With a delay of the phase of at most 1 ms; 0.1 Hz where it is longer everywhere.
+    pub one_ms_hz: [f64; 3],
+    /// Delay at the lowest frequency, s: of 5 %, 50 % and 95 % of the benches it is shorter.
+    pub delay_s: [f64; 3],
 }
 
 /// What 1 rad/s or 1 Nm of a demand makes of each quantity, at one frequency.
@@ -108,49 +111,65 @@ pub fn map(
     frequency_hz: &[f64],
     speed_rad_s: &[f64],
 ) -> Result<CapabilityMap, CapabilityError> {
-    let mut random = Source::Safety.stream(inputs.seed);
-    let benches = (0..inputs.samples)
-        .map(|_| inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench))
-        .collect::<Result<Vec<_>, _>>()?;
-    if benches.is_empty() {
-        return Err(CapabilityError::NoSamples);
-    }
+    let benches = benches(inputs)?;
     let amplitudes = |model: &BenchModel| one_bench(inputs, model, of, frequency_hz, speed_rad_s);
     let all = parallel::map(&benches, amplitudes).into_iter().collect::<Result<Vec<_>, _>>()?;
     let nominal = amplitudes(inputs.model)?;
-    let place = |k: usize| {
-        let mut values: Vec<f64> = all.iter().map(|bench| bench[k].0).collect();
-        values.sort_by(f64::total_cmp);
-        let quantile = |share| order::quantile_of_sorted(&values, share).unwrap_or(f64::NAN);
-        Place { amplitude: [quantile(0.05), quantile(0.5), quantile(0.95)], binds: nominal[k].1 }
-    };
+    let place =
+        |k: usize| Place { amplitude: quantiles(all.iter().map(|bench| bench[k].0).collect()), binds: nominal[k].1 };
     let columns = frequency_hz.len();
     let row = |row: usize| (0..columns).map(|column| place(row * columns + column)).collect();
-    let followed = |frequency_hz: f64| Ok(gains(inputs, inputs.model, of, TAU * frequency_hz)?.followed.norm());
     Ok(CapabilityMap {
         of,
         frequency_hz: frequency_hz.to_vec(),
         speed_rad_s: speed_rad_s.to_vec(),
         places: (0..speed_rad_s.len()).map(row).collect(),
-        bandwidth_hz: [bandwidth(followed, (0.9, 1.1))?, bandwidth(followed, (0.5_f64.sqrt(), 2.0_f64.sqrt()))?],
+        bandwidths: bandwidths(inputs, of, &benches)?,
     })
 }
 
-/// The first frequency between 0.1 and 300 Hz at which the gain leaves a range.
-fn bandwidth(
-    gain: impl Fn(f64) -> Result<f64, CapabilityError>,
-    (low, high): (f64, f64),
-) -> Result<Option<f64>, CapabilityError> {
-    for k in 0..=1000 {
-        let frequency_hz = 0.1 * 3000.0_f64.powf(f64::from(k) / 1000.0);
-        if !(low..=high).contains(&gain(frequency_hz)?) {
-            return Ok(Some(frequency_hz));
-        }
-    }
-    Ok(None)
+/// The benches of a map.
+pub(crate) fn benches(inputs: &MapInputs<'_>) -> Result<Vec<BenchModel>, CapabilityError> {
+    let mut random = Source::Safety.stream(inputs.seed);
+    let draw = |_| inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench);
+    let benches: Vec<BenchModel> = (0..inputs.samples).map(draw).collect::<Result<_, _>>()?;
+    if benches.is_empty() { Err(CapabilityError::NoSamples) } else { Ok(benches) }
 }
 
-fn one_bench(
+/// 5, 50 and 95 % of some values.
+pub(crate) fn quantiles(mut values: Vec<f64>) -> [f64; 3] {
+    values.sort_by(f64::total_cmp);
+    [0.05, 0.5, 0.95].map(|share| order::quantile_of_sorted(&values, share).unwrap_or(f64::NAN))
+}
+
+fn bandwidths(inputs: &MapInputs<'_>, of: SineOf, benches: &[BenchModel]) -> Result<Bandwidths, CapabilityError> {
+    let all = parallel::map(benches, |model| bandwidths_of(inputs, model, of));
+    let all = all.into_iter().collect::<Result<Vec<[f64; 4]>, _>>()?;
+    let [ten_per_cent_hz, three_db_hz, one_ms_hz, delay_s] =
+        [0, 1, 2, 3].map(|k| quantiles(all.iter().map(|one| one[k]).collect()));
+    Ok(Bandwidths { ten_per_cent_hz, three_db_hz, one_ms_hz, delay_s })
+}
+
+/// The first frequencies between 0.1 and 300 Hz at which the response leaves 10 %, 3 dB and 1 ms, and its delay at the lowest.
+fn bandwidths_of(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf) -> Result<[f64; 4], CapabilityError> {
+    let mut found = [f64::INFINITY; 3];
+    let mut lowest_s = None;
+    for k in 0..=BANDWIDTH_STEPS {
+        let frequency_hz = 0.1 * 3000.0_f64.powf(f64::from(k) / f64::from(BANDWIDTH_STEPS));
+        let response = gains(inputs, model, of, TAU * frequency_hz)?.followed;
+        let (gain, delay_s) = (response.norm(), -response.arg() / (TAU * frequency_hz));
+        lowest_s = lowest_s.or(Some(delay_s));
+        let keeps =
+            [(0.9..=1.1).contains(&gain), (0.5_f64.sqrt()..=2.0_f64.sqrt()).contains(&gain), delay_s.abs() <= 1e-3];
+        for (first, keeps) in found.iter_mut().zip(keeps) {
+            *first = if keeps { *first } else { first.min(frequency_hz) };
+        }
+    }
+    Ok([found[0], found[1], found[2], lowest_s.unwrap_or(f64::NAN)])
+}
+
+/// Largest amplitude and what binds, speed by speed, in each frequency by frequency.
+pub(crate) fn one_bench(
     inputs: &MapInputs<'_>,
     model: &BenchModel,
     of: SineOf,
@@ -262,43 +281,4 @@ fn governed(engine: &EngineParameters, model: &BenchModel, omega: f64) -> (Compl
     let of_engine = Complex64::new(0.0, omega * mechanics.engine_inertia_kg_m2) + spring + control;
     let determinant = of_dyno * of_engine - spring * spring;
     (-of_engine / determinant, -spring / determinant)
-}
-
-/// The largest gradients of the speed while the engine gives a constant torque: T_d = T_e − (J_d + J_e) α and
-/// T_shaft = T_e − J_e α keep their limits.
-///
-/// # Example
-/// ```
-/// # use bench_model::model::{BenchModel, Mechanics};
-/// let mechanics = Mechanics {
-///     dyno_inertia_kg_m2: 0.55,
-///     engine_inertia_kg_m2: 0.28,
-///     stiffness_nm_per_rad: 2400.0,
-///     damping_nm_s_per_rad: 6.0,
-/// };
-/// let limits = rig::bench_file::Limits { torque_nm: Some(400.0), ..Default::default() };
-/// let gradient = capability::map::gradient(&mechanics, &limits, 0.0, 150.0);
-/// assert_eq!((gradient.up_rad_s2 / units::RPM_RAD_S).round(), 4602.0);
-/// ```
-pub fn gradient(
-    mechanics: &bench_model::model::Mechanics,
-    limits: &Limits,
-    engine_nm: f64,
-    speed_rad_s: f64,
-) -> Gradient {
-    let both = mechanics.dyno_inertia_kg_m2 + mechanics.engine_inertia_kg_m2;
-    let power_nm = limits.power_w.map(|power| power / speed_rad_s.abs().max(1e-9));
-    let bounds = |sign: f64| {
-        let torque =
-            |limit: Option<f64>, inertia: f64, of| Some((((limit? + sign * engine_nm) / inertia).max(0.0), Some(of)));
-        let rooms = [
-            torque(limits.torque_nm, both, LimitOf::TorqueDemand),
-            torque(limits.shaft_torque_nm, mechanics.engine_inertia_kg_m2, LimitOf::ShaftTorque),
-            torque(power_nm, both, LimitOf::Power),
-            limits.speed_gradient_rad_s2.map(|limit| (limit, Some(LimitOf::SpeedGradient))),
-        ];
-        rooms.into_iter().flatten().fold((f64::INFINITY, None), |least, one| if one.0 < least.0 { one } else { least })
-    };
-    let (up, down) = (bounds(1.0), bounds(-1.0));
-    Gradient { speed_rad_s, up_rad_s2: up.0, down_rad_s2: down.0, binds: [up.1, down.1] }
 }

@@ -2,14 +2,15 @@
 
 use bench_model::prediction::{PredictionInputs, predict};
 use rig::ControlMode;
+use rig::experiment::Demands;
 
 use crate::error::CapabilityError;
 use crate::trace::Trace;
 
-/// What a bench does, millisecond by millisecond.
-pub(crate) fn run(inputs: &PredictionInputs<'_>) -> Result<Trace, CapabilityError> {
+/// What a bench does, millisecond by millisecond, beside the demands that were asked for.
+pub(crate) fn run(inputs: &PredictionInputs<'_>, demands: &Demands) -> Result<Trace, CapabilityError> {
     let prediction = predict(inputs)?;
-    let (response, demands, plan) = (prediction.response, inputs.demands, inputs.plan);
+    let (response, plan) = (prediction.response, inputs.plan);
     let count = response.dyno_speed_rad_s.len();
     let ratio = prediction.sample_time_s / rig::experiment::UPDATE_S;
     let on_clock = |values: &[f64]| -> Vec<f64> {

@@ -44,7 +44,7 @@ const RAMP: Parameter = parameter("ramp", "s", 0.15, SECONDS, "how long the chan
 const DURATION: Parameter = parameter("duration", "s", 4.0, (0.1, 1000.0), "length of the test");
 
 /// Every shape.
-pub const ALL: [Shape; 8] = [
+pub const ALL: [Shape; 9] = [
     Shape {
         name: "speed-step",
         demands: "speed demand jumps",
@@ -134,6 +134,30 @@ pub const ALL: [Shape; 8] = [
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         course: speed_ramp,
+    },
+    Shape {
+        name: "clutch-slip",
+        demands: "slip falls to the one that is controlled, with a judder on it, while the clutch takes up torque",
+        parameters: &[
+            SPEED,
+            Parameter { default: 10.0, ..TORQUE },
+            START,
+            Parameter { default: 0.8, ..RAMP },
+            Parameter { default: 6.0, ..DURATION },
+            parameter("to", "Nm", 80.0, NM, "torque at the end"),
+            parameter("slip", "rpm", 150.0, RPM, "slip at the beginning"),
+            parameter("hold", "rpm", 20.0, RPM, "slip at the end"),
+            parameter("amplitude", "rpm", 4.0, RPM, "amplitude of the judder"),
+            parameter("frequency", "Hz", 8.0, (0.01, 100.0), "frequency of the judder"),
+        ],
+        excitation: Excitation::Speed,
+        mode: ControlMode::Nt,
+        course: |s, t| {
+            let (share, from, to) = (share(s, t), s.get("slip"), s.get("hold"));
+            let judder = (std::f64::consts::TAU * s.get("frequency") * (t - s.get("start")).max(0.0)).sin();
+            let slip = from + share * (to - from) + share * s.get("amplitude") * judder;
+            (s.get("speed") + slip, s.get("torque") + share * (s.get("to") - s.get("torque")))
+        },
     },
     Shape {
         name: "sine-sweep",

@@ -16,6 +16,8 @@ const NEAR_LIMIT: f64 = 0.95;
 const INPUTS: usize = 8;
 /// I, behind ω_d, ω_e, Δθ and T_d.
 const INTEGRAL: usize = 4;
+/// Rows of the matrix of a step that are summed together.
+const ROWS: usize = 8;
 /// First of the controller's last outputs, the latest first; the angles turned in the last samples follow them.
 const OUTPUTS: usize = 5;
 
@@ -71,9 +73,9 @@ pub fn simulate_course(
     let mut next = z.clone();
     let mut course = Course::with_capacity(points, step_samples as f64 * bench.pi.sample_time_s);
     let near_nm = NEAR_LIMIT * bench.limit_nm;
-    course.push(&bench, &z, &bench.inputs(inputs, 0));
+    let mut input = bench.inputs(inputs, 0);
+    course.push(&bench, &z, &input);
     for k in 0..points - 1 {
-        let input = bench.inputs(inputs, k);
         linear.apply(&z, &input, &mut next);
         let at_start_nm = bench.wanted_nm(&z, input[0], input[2] + input[6]);
         let at_end_nm = bench.wanted_nm(&next, input[1], input[3] + input[7]);
@@ -83,7 +85,8 @@ pub fn simulate_course(
             (0..step_samples).for_each(|sample| bench.step(&mut next, &input, (sample, step_samples), bench.limit_nm));
         }
         std::mem::swap(&mut z, &mut next);
-        course.push(&bench, &z, &bench.inputs(inputs, k + 1));
+        input = bench.inputs(inputs, k + 1);
+        course.push(&bench, &z, &input);
     }
     Ok(course)
 }
@@ -236,17 +239,18 @@ impl Bench {
     }
 }
 
-/// The samples of a step as one matrix, column by column: states, then inputs.
+/// The samples of a step as one matrix, in blocks of rows, each column by column: states, then inputs.
 struct Lifted {
-    states: usize,
-    columns: Vec<f64>,
+    columns: usize,
+    blocks: Vec<[f64; ROWS]>,
 }
 
 impl Lifted {
     fn of(bench: &Bench, samples: usize) -> Self {
         let states = bench.states();
-        let mut columns = Vec::with_capacity(states * (states + INPUTS));
-        for column in 0..states + INPUTS {
+        let columns = states + INPUTS;
+        let mut blocks = vec![[0.0; ROWS]; states.div_ceil(ROWS) * columns];
+        for column in 0..columns {
             let mut z = vec![0.0; states];
             let mut input = [0.0; INPUTS];
             match column.checked_sub(states) {
@@ -254,16 +258,19 @@ impl Lifted {
                 Some(of) => input[of] = 1.0,
             }
             (0..samples).for_each(|sample| bench.step(&mut z, &input, (sample, samples), f64::INFINITY));
-            columns.extend(z);
+            z.iter().enumerate().for_each(|(row, value)| blocks[row / ROWS * columns + column][row % ROWS] = *value);
         }
-        Lifted { states, columns }
+        Lifted { columns, blocks }
     }
 
-    /// Column by column, since the sums of the rows then do not wait for one another.
+    /// The sums of a block's rows stay in registers.
     fn apply(&self, z: &[f64], input: &[f64; INPUTS], next: &mut [f64]) {
-        next.fill(0.0);
-        for (value, column) in z.iter().chain(input).zip(self.columns.chunks_exact(self.states)) {
-            next.iter_mut().zip(column).for_each(|(next, part)| *next += part * value);
+        for (next, block) in next.chunks_mut(ROWS).zip(self.blocks.chunks_exact(self.columns)) {
+            let mut sums = [0.0; ROWS];
+            for (value, column) in z.iter().chain(input).zip(block) {
+                sums.iter_mut().zip(column).for_each(|(sum, part)| *sum += part * value);
+            }
+            next.copy_from_slice(&sums[..next.len()]);
         }
     }
 }

@@ -91,6 +91,79 @@ fn exact_a_slower_or_smaller_test_is_found_where_one_is_possible() {
     assert!(slower > 2.0 && slower < 6.0, "{slower}");
     assert!(smaller > 0.1 && smaller < 0.5, "{smaller}");
     assert!(found.iter().all(|one| one.verdict.answer == Answer::Yes));
+    // A low-pass of first order makes a ramp of 0.3 s flatter; no gain and no shaft does.
+    let corner = factor(|change| if let Change::Filter { corner_hz } = change { Some(corner_hz) } else { None });
+    assert!(corner > 0.1 && corner < 2.0, "{corner}");
+    assert!(!found.iter().any(|one| matches!(one.change, Change::Stiffness { .. })), "{found:?}");
+}
+
+#[test]
+fn exact_a_change_of_the_bench_or_of_its_controller_is_found_where_one_helps() {
+    let mut bench = bench();
+    // The engine's pulses meet the resonance: another stiffness moves it away, a slower test does not.
+    bench.limits = Limits { shaft_torque_nm: Some(1.0), ..Limits::default() };
+    let (plan, demands) = shape("tip-in", &[("to", "110"), ("speed", "560"), ("ramp", "1")]);
+    let shaft = can(&bench.inputs(Demand::Plan(&plan, &demands)), silent()).unwrap();
+    let peak = shaft.limits.iter().find(|one| one.of == LimitOf::ShaftTorque).unwrap().quantile(0.5);
+    bench.limits = Limits { shaft_torque_nm: Some(0.75 * peak), ..Limits::default() };
+    let inputs = bench.inputs(Demand::Plan(&plan, &demands));
+    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
+    let found = easier(&inputs, silent()).unwrap();
+    let softer = found.iter().any(|one| matches!(one.change, Change::Stiffness { factor } if factor < 1.0));
+    let slower = found.iter().any(|one| matches!(one.change, Change::Slower { .. }));
+    assert!(softer && !slower, "{peak} {:?}", found.iter().map(|one| one.change).collect::<Vec<_>>());
+
+    // Without feed-forward the speed lags behind a ramp by what PI needs.
+    bench.model.feed_forward = None;
+    bench.limits = Limits::default();
+    let (plan, demands) = shape("coast-down", &[("speed", "2000"), ("to", "1000"), ("ramp", "1"), ("duration", "4")]);
+    let demand = Demand::Plan(&plan, &demands);
+    let within = |error: f64| [Own::Within { signal: cycle::Signal::Speed, error, share: 0.95 }];
+    let far = within(1.0);
+    let error = can(&capability::CanInputs { own: &far, ..bench.inputs(demand) }, silent()).unwrap().own[0].values[0];
+    let own = within(0.6 * error);
+    let inputs = capability::CanInputs { own: &own, ..bench.inputs(demand) };
+    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
+    let found = easier(&inputs, silent()).unwrap();
+    let fed = found.iter().find_map(|one| match one.change {
+        Change::FeedForward { acceleration_nm_s2_per_rad } => Some(acceleration_nm_s2_per_rad),
+        _ => None,
+    });
+    let mechanics = &bench.model.mechanics;
+    let all = mechanics.dyno_inertia_kg_m2 + mechanics.engine_inertia_kg_m2;
+    let changes: Vec<_> = found.iter().map(|one| one.change).collect();
+    assert!(fed.is_some_and(|fed| fed < 0.0 && fed >= -all), "{changes:?}, {:?} {error}", bench.model.feed_forward);
+}
+
+#[test]
+fn exact_a_filter_is_judged_by_the_demand_before_it() {
+    let bench = bench();
+    let own: [Own; 1] = ["speed rise below 0.5 s".parse().unwrap()];
+    let (plan, demands) = shape("speed-step", &[("height", "20")]);
+    let inputs = capability::CanInputs { own: &own, ..bench.inputs(Demand::Plan(&plan, &demands)) };
+    let rise = |filter_hz| can(&capability::CanInputs { filter_hz, ..inputs }, silent()).unwrap().own[0].values[0];
+    // The rise of a first order is 0.35 of the inverse of its corner; that of the loop shortens it with its overshoot.
+    let (free, filtered) = (rise(None), rise(Some(0.5)));
+    assert!(free < 0.2 && (0.5..0.8).contains(&filtered), "{free} {filtered}");
+}
+
+#[test]
+fn exact_a_doubt_names_the_number_that_decides() {
+    let bench = bench();
+    let (plan, demands) = shape("tip-in", &[("to", "160")]);
+    let of = |limit_nm: f64| {
+        let limits = Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() };
+        can(&capability::CanInputs { limits, samples: 200, ..bench.inputs(Demand::Plan(&plan, &demands)) }, silent())
+    };
+    let free = of(1000.0).unwrap();
+    assert!(free.doubts.is_empty());
+    let shaft = free.limits.iter().find(|one| one.of == LimitOf::ShaftTorque).unwrap();
+    let verdict = of(shaft.quantile(0.7)).unwrap();
+    assert_eq!(verdict.answer, Answer::Perhaps);
+    let first = verdict.doubts.first().unwrap();
+    assert!(first.explained > 0.1 && first.explained <= 1.0, "{first:?}");
+    assert!((first.kept[0] - first.kept[1]).abs() > 0.2, "{first:?}");
+    assert_eq!(first.settled_by.as_ref().unwrap().to_string(), "WhiteNoise_T_TN");
 }
 
 #[test]

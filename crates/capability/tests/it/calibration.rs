@@ -14,7 +14,7 @@ use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use virtual_bench::{Numerics, simulate_hidden};
 
-const BENCHES: u64 = 200;
+pub(crate) const BENCHES: u64 = 200;
 const DRAWS: usize = 80;
 /// Standard errors of K, B and J_e, relative.
 const ERRORS: [f64; 3] = [0.05, 0.3, 0.03];
@@ -24,7 +24,7 @@ const CLASSES: usize = 5;
 const CAUTION: f64 = 0.06;
 
 /// A bench unlike the others, and what a study would say of it.
-fn drawn(seed: u64) -> (BenchParameters, BenchModel, ModelUncertainty) {
+pub(crate) fn drawn(seed: u64) -> (BenchParameters, BenchModel, ModelUncertainty) {
     let mut random = Stream::new(seed, 3);
     let mut truth = BenchParameters::default();
     let mut spread = |value: &mut f64, share: f64| *value *= (share * random.normal()).exp();
@@ -64,6 +64,7 @@ fn one(seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> (f64, bool, bool) {
         limits: Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() },
         spread: BenchSpread::Estimated(&uncertainty),
         slowest_engine_control: 1.0,
+        filter_hz: None,
         sets: &[],
         own: &[],
         samples: DRAWS,

@@ -5,4 +5,5 @@
 mod answers;
 mod calibration;
 mod maps;
+mod statistics;
 mod support;

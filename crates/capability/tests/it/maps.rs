@@ -6,7 +6,9 @@ use bench_model::simulate::{
     DynoInput, EngineSpeedControl, InitialState, Inputs, Response, simulate, simulate_governed,
 };
 use capability::LimitOf;
+use capability::gradient::gradients;
 use capability::map::{MapInputs, SineOf, map};
+use capability::wanted::{self, Wanted};
 use design::safety::{BenchSpread, Prior};
 use rig::bench_file::Limits;
 use units::RPM_RAD_S;
@@ -140,4 +142,53 @@ fn ref_hand_check_of_a_speed_sine() {
     let followed = found.places[0][0].amplitude[1] / (100.0 * RPM_RAD_S);
     // The speed follows its demand to some per cent, and the shaft gives way a little.
     assert!((followed - 1.0).abs() < 0.1, "{followed}");
+}
+
+#[test]
+fn exact_a_wish_is_held_against_the_map() {
+    let bench = smooth();
+    let inputs = inputs(&bench);
+    let found = map(&inputs, SineOf::Torque, &[5.0], &[SPEED]).unwrap();
+    let [least, ..] = found.places[0][0].amplitude;
+    let of = |amplitude: f64| {
+        let wish = Wanted::Sine { of: SineOf::Torque, amplitude, frequency_hz: 5.0 };
+        wanted::answer(&inputs, wish, &[SPEED]).unwrap()
+    };
+    assert!(of(0.9 * least).is_yes() && !of(2.0 * least).is_yes());
+    assert_eq!(of(0.9 * least).places[0].largest, found.places[0][0].amplitude);
+    let steep = gradients(&inputs, &[SPEED], &[TORQUE_NM]).unwrap()[0];
+    let wish = Wanted::Gradient { rad_s2: 1.01 * steep.up_rad_s2[2].min(steep.down_rad_s2[2]) };
+    let answer = wanted::answer(&inputs, wish, &[SPEED]).unwrap();
+    assert_eq!((answer.is_yes(), answer.places[0].kept.count), (false, 0));
+    // Downwards the engine pushes against the dynamometer.
+    assert!(steep.down_rad_s2[1] < steep.up_rad_s2[1], "{steep:?}");
+}
+
+#[test]
+fn exact_texts_of_wishes() {
+    let sine = |of, amplitude, frequency_hz| Wanted::Sine { of, amplitude, frequency_hz };
+    assert_eq!("20 Nm at 8 Hz".parse(), Ok(sine(SineOf::Torque, 20.0, 8.0)));
+    assert_eq!("100 rpm at 0.5 Hz".parse(), Ok(sine(SineOf::Speed, 100.0 * RPM_RAD_S, 0.5)));
+    let Ok(Wanted::Gradient { rad_s2 }) = "4000 rpm/s".parse() else { panic!("no gradient") };
+    assert!((rad_s2 - 4000.0 * RPM_RAD_S).abs() < 1e-9);
+    for wrong in ["20 Nm", "20 Nm at 8", "-20 Nm at 8 Hz", "20 m at 8 Hz", "fast", "20 Nm at 0 Hz"] {
+        let error = wrong.parse::<Wanted>().unwrap_err().to_string();
+        assert!(error.contains(wrong) && error.contains("4000 rpm/s"), "{error}");
+    }
+}
+
+#[test]
+fn exact_bandwidths_are_those_of_the_torque_control() {
+    let bench = smooth();
+    let found = map(&inputs(&bench), SineOf::Torque, &[5.0], &[SPEED]).unwrap().bandwidths;
+    let control = bench.model.torque_control.unwrap();
+    let corner_hz = control.bandwidth_rad_s.unwrap() / TAU;
+    // A lag of first order is 3 dB down at its corner, and 10 % down at 0.484 of it.
+    let expected = |part: f64| (part * corner_hz).min(f64::INFINITY);
+    for (found, expected) in [(found.three_db_hz[1], expected(1.0)), (found.ten_per_cent_hz[1], expected(0.484))] {
+        assert!((found / expected - 1.0).abs() < 0.03 || expected > 300.0 && found.is_infinite(), "{found} {expected}");
+    }
+    let delay_s = control.delay_s + 1.0 / (TAU * corner_hz);
+    assert!((found.delay_s[1] / delay_s - 1.0).abs() < 0.01, "{} {delay_s}", found.delay_s[1]);
+    assert_eq!(found.one_ms_hz[1], if delay_s > 1e-3 { 0.1 } else { found.one_ms_hz[1] });
 }

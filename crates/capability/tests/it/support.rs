@@ -38,6 +38,7 @@ impl Bench {
             limits: self.limits,
             spread: BenchSpread::Prior(Prior::default()),
             slowest_engine_control: 1.0,
+            filter_hz: None,
             sets: &[],
             own: &[],
             samples: SAMPLES,

@@ -16,16 +16,18 @@ Examples:
   dynoid can bench.toml speed-step --require \"speed overshoot below 10 %\"
   dynoid can bench.toml cycle.csv --by 1065.514
   dynoid can bench.toml map --model study/study.json --plot map.html
+  dynoid can bench.toml map --want \"100 rpm at 2 Hz\" --want \"4000 rpm/s\"
 
 TEST is one of these:
   a cycle of an engine (with --engine-map): whtc, nrtc, whsc, c1-rmc, d2-rmc, g2-rmc;
   a schedule of a vehicle (with --vehicle): wltc-3b, udds;
   a shape (numbers with --set): speed-step, torque-step, tip-in, tip-out,
-    gear-shift, engine-start, coast-down, sine-sweep;
+    gear-shift, engine-start, coast-down, clutch-slip,
+    sine-sweep;
   an experiment of the method, such as Step_T_TN;
   a file of demands, as `dynoid experiment design` reads it;
   a file of a cycle with columns speed (rpm) and torque (Nm), or both in %;
-  map: the largest sine over frequency and speed.
+  map: the largest sine over frequency and speed, and the largest gradient.
 
 An engine map is a table with columns speed and torque, and motoring_torque if it was measured.
 
@@ -62,6 +64,9 @@ pub(crate) struct CanArguments {
     /// A requirement of your own; repeat it for more
     #[arg(long = "require", value_name = "TEXT", help_heading = "Requirements")]
     pub(crate) require: Vec<String>,
+    /// With `map`: a sine or a gradient that is wanted; repeat it for more
+    #[arg(long = "want", value_name = "TEXT", help_heading = "Requirements")]
+    pub(crate) want: Vec<String>,
     /// When the test begins in the recording, s [default: found by the speed]
     #[arg(long, value_name = "SECONDS", value_parser = number::finite, help_heading = "Requirements", requires = "recorded")]
     pub(crate) start: Option<f64>,

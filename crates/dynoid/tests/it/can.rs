@@ -139,9 +139,26 @@ fn exact_the_map_names_what_binds() {
     let json = ran.json();
     assert_eq!(json["maps"].as_array().map(Vec::len), Some(2));
     assert_eq!(json["maps"][1]["of"].as_str(), Some("torque"));
-    assert!(json["maps"][0]["places"][0][4]["binds"].is_string() && json["gradients"][0]["up_rad_s2"].is_number());
+    assert!(json["maps"][0]["places"][0][4]["binds"].is_string() && json["gradients"][0]["up_rad_s2"][0].is_number());
+    assert!(json["maps"][0]["bandwidths"]["three_db_hz"][1].is_number());
     let ran = campaign.run(&["can", "bench.toml", "map", "--samples", "5", "--set", "to=3"]);
     ran.assert_refused(2, &["--set to=3", "torque"]);
+}
+
+#[test]
+fn exact_a_wanted_sine_and_gradient_are_answered() {
+    let campaign = campaign();
+    let map = ["can", "bench.toml", "map", "--samples", "20"];
+    let ran = campaign.run(&[&map[..], &["--want", "20 rpm at 2 Hz", "--plot", "map.html"]].concat());
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    assert!(ran.stdout.contains("sine of the speed demand, 20 rpm at 2 Hz: yes"), "{}", ran.stdout);
+    assert!(campaign.read("map.html").contains("wanted, yes"));
+    let ran = campaign.run(&[&map[..], &["--want", "90000 rpm/s", "--json"]].concat());
+    let place = &ran.json()["wanted"][0]["places"][0];
+    assert_eq!((ran.code, place["kept"]["count"].as_u64()), (Some(1), Some(0)));
+    assert!(place["binds"].is_string());
+    campaign.run(&[&map[..], &["--want", "much"]].concat()).assert_refused(2, &["--want", "`much`", "rpm/s"]);
+    campaign.run(&["can", "bench.toml", "tip-in", "--want", "4000 rpm/s"]).assert_refused(2, &["--want", "map"]);
 }
 
 #[test]

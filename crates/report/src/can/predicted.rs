@@ -1,6 +1,6 @@
 //! The answer to whether a bench can run a test.
 
-use capability::{Answer, Change, Easier, Verdict};
+use capability::{Answer, Easier, Verdict};
 use cycle::RequirementSet;
 use design::safety::Proportion;
 use page::{
@@ -9,7 +9,7 @@ use page::{
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
-use super::words;
+use super::{changes, words};
 use crate::assumptions::assumptions;
 use crate::wording::{self, number};
 
@@ -51,7 +51,8 @@ pub fn page(asked: &Asked<'_>) -> Page {
         all.push(Block::heading("Your requirements"));
         all.push(own(verdict));
     }
-    all.push(easier(asked.easier));
+    all.push(changes::easier(asked.verdict.answer, asked.easier));
+    all.push(changes::doubts(verdict));
     all.push(findings(asked));
     all.push(assumptions(asked.assumptions).collect::<Blocks>());
     all.push(Block::Figure(courses(verdict)));
@@ -163,24 +164,6 @@ fn own(verdict: &Verdict) -> Table {
         ]);
     }
     table
-}
-
-fn easier(easier: &[Easier]) -> Blocks {
-    if easier.is_empty() {
-        return Blocks::default();
-    }
-    let item = |one: &Easier| {
-        let change = match one.change {
-            Change::Slower { factor } => format!("the whole test {} times as long", number::significant(factor, 3)),
-            Change::Smaller { factor } => {
-                format!("all changes of the demands at {} of what they are", number::share(factor))
-            }
-        };
-        format!("Yes if: {change}. Then: {}.", words::answer(&one.verdict)).into()
-    };
-    let mut all = Blocks::from(Block::heading("What would make it possible"));
-    all.push(Block::List { items: easier.iter().map(item).collect() });
-    all
 }
 
 fn findings(asked: &Asked<'_>) -> Blocks {

@@ -109,6 +109,20 @@ pub fn limit_of(of: LimitOf) -> (&'static str, &'static str, f64) {
     }
 }
 
+/// A limit in a word or two.
+pub(super) fn short(of: LimitOf) -> &'static str {
+    match of {
+        LimitOf::ShaftTorque => "shaft torque",
+        LimitOf::ShaftTorqueSlew => "shaft slew",
+        LimitOf::TorqueDemand => "T_d*",
+        LimitOf::TorqueSlew => "T_d* slew",
+        LimitOf::Speed => "speed",
+        LimitOf::SpeedGradient => "gradient",
+        LimitOf::Power => "power",
+        LimitOf::TimeAtResonance => "resonance",
+    }
+}
+
 /// What a set rests on.
 pub fn required(set: &RequirementSet) -> Finding {
     let words = format!("{}: {} ({}). {}", set.name, set.paragraph, set.year, set.note);

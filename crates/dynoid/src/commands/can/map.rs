@@ -1,6 +1,9 @@
 //! The capability map.
 
-use capability::map::{MapInputs, SineOf, gradient, map};
+use capability::gradient::gradients;
+use capability::map::{MapInputs, SineOf, map};
+use capability::wanted::{self, Wanted, WantedAnswer};
+use report::can::MapPage;
 use serde_json::json;
 use units::RPM_RAD_S;
 
@@ -23,7 +26,7 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.on.bench.clone(), reason };
     let model = bench.model_with_shaft().map_err(|reason| not_checkable(reason.to_owned()))?;
     let limits = bench.file.limits;
-    let torque_nm = torque_nm(arguments)?;
+    let (torque_nm, wishes) = (torque_nm(arguments)?, wishes(arguments)?);
     let is_possible = |speed: &f64| limits.speed_rad_s.is_none_or(|limit| *speed < limit);
     let speeds: Vec<f64> = match arguments.on.plan.speed {
         Some(rpm) => vec![rpm * RPM_RAD_S],
@@ -44,11 +47,32 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         .map(|of| map(&inputs, of, &FREQUENCIES_HZ, &speeds))
         .collect::<Result<Vec<_>, _>>()
         .map_err(failed)?;
-    let gradients: Vec<_> = speeds.iter().map(|speed| gradient(&model.mechanics, &limits, torque_nm, *speed)).collect();
+    let gradients = gradients(&inputs, &speeds, &torques_nm(torque_nm, limits.torque_nm)).map_err(failed)?;
+    let answers = wishes
+        .into_iter()
+        .map(|wish| wanted::answer(&inputs, wish, &speeds))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(failed)?;
     let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
-    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "maps": maps, "gradients": gradients});
-    show(&arguments.on.result, || report::can::map(&title, &maps, &gradients), json, terminal)?;
-    Ok(Outcome::Done)
+    let shown = MapPage { title: &title, maps: &maps, gradients: &gradients, wanted: &answers };
+    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "wanted": answers, "maps": maps, "gradients": gradients});
+    show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
+    Ok(if answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
+}
+
+/// What is asked for with `--want`.
+fn wishes(arguments: &CanArguments) -> Result<Vec<Wanted>, CliError> {
+    let usage = |error: capability::CapabilityError| CliError::Usage { what: format!("--want: {error}") };
+    arguments.want.iter().map(|text| text.parse().map_err(usage)).collect()
+}
+
+/// Torques of the engine for gradients: the mean torque, none, and parts of the dynamometer's limit.
+fn torques_nm(mean_nm: f64, limit_nm: Option<f64>) -> Vec<f64> {
+    let parts = limit_nm.map_or(Vec::new(), |limit| vec![0.25 * limit, 0.5 * limit]);
+    let mut torques: Vec<f64> = [0.0, mean_nm].into_iter().chain(parts).collect();
+    torques.sort_by(f64::total_cmp);
+    torques.dedup();
+    torques
 }
 
 /// The mean torque, by `--set torque=…`.

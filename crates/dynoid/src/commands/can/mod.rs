@@ -27,6 +27,10 @@ pub(crate) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     if arguments.test.eq_ignore_ascii_case(MAP) {
         return map::run(arguments, terminal);
     }
+    if !arguments.want.is_empty() {
+        let what = "--want holds sines and gradients against the map; give `map` as the test".to_owned();
+        return Err(CliError::Usage { what });
+    }
     let test = Test::of(arguments, terminal)?;
     let wanted = Wanted::of(arguments, &test)?;
     match &arguments.recorded {

@@ -35,6 +35,7 @@ pub(super) fn run(
         limits: bench.file.limits,
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
+        filter_hz: None,
         sets: &wanted.sets,
         own: &wanted.own,
         samples: arguments.samples as usize,
@@ -44,10 +45,13 @@ pub(super) fn run(
     let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
     let verdict = can(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?;
     let changes = match verdict.answer {
-        Answer::No => easier(&inputs, &|_, _| {}).map_err(failed)?,
+        Answer::No => {
+            drop(progress);
+            let progress = terminal.long("looking for what would make it possible");
+            easier(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?
+        }
         Answer::Yes | Answer::Perhaps => Vec::new(),
     };
-    drop(progress);
     let asked = Asked {
         test: &test.title,
         duration_s: test.demand().duration_s(),
@@ -90,7 +94,7 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
     let own = verdict.own.iter().map(|one| {
         json!({"requirement": report::can::own(&one.own), "median": middle(&one.values), "limit": one.limit, "kept": one.kept, "time_s": one.time_s})
     });
-    let change = |one: &Easier| json!({"change": one.change, "kept": one.verdict.kept, "answer": one.verdict.answer});
+    let change = |one: &Easier| json!({"change": one.change, "words": report::can::change(one.change), "kept": one.verdict.kept, "answer": one.verdict.answer});
     json!({
         "test": asked.test,
         "duration_s": asked.duration_s,
@@ -104,6 +108,7 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "requirements": verdict.sets.iter().map(set).collect::<Vec<_>>(),
         "own": own.collect::<Vec<_>>(),
         "easier": asked.easier.iter().map(change).collect::<Vec<_>>(),
+        "doubts": verdict.doubts,
         "spread": if asked.has_study { "study" } else { "prior" },
         "assumptions": asked.assumptions,
     })

@@ -1,0 +1,70 @@
+//! What an answer rests on, and what one bench does.
+
+use bench_model::model::BenchModel;
+use cycle::{Judged, Own, RequirementSet, Validation};
+use design::safety::BenchSpread;
+use rig::bench_file::Limits;
+use rig::bench_parameters::EngineParameters;
+
+use crate::demand::Demand;
+use crate::extremes::{LimitOf, Peak};
+
+/// What an answer rests on.
+#[derive(Debug, Clone, Copy)]
+pub struct CanInputs<'a> {
+    /// The test.
+    pub demand: Demand<'a>,
+    /// The bench.
+    pub model: &'a BenchModel,
+    /// Its engine.
+    pub engine: &'a EngineParameters,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+    /// How benches differ from it.
+    pub spread: BenchSpread<'a>,
+    /// Share of the stated bandwidth that the engine's speed control (TN) has at least.
+    pub slowest_engine_control: f64,
+    /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is judged by the demands
+    /// as they were.
+    pub filter_hz: Option<f64>,
+    /// Requirement sets that must be met.
+    pub sets: &'a [RequirementSet],
+    /// Requirements of one's own.
+    pub own: &'a [Own],
+    /// Benches drawn.
+    pub samples: usize,
+    /// Seed of the draws; equal seeds give equal results.
+    pub seed: u64,
+}
+
+/// What one bench did.
+pub(crate) struct Outcome {
+    pub(crate) peaks: [Peak; 8],
+    pub(crate) validations: Vec<Validation>,
+    pub(crate) own: Vec<Judged>,
+    pub(crate) is_unstable: bool,
+    /// Speed and torque at the times of the bands.
+    pub(crate) course: Vec<(f64, f64)>,
+}
+
+/// One bench that could be the one at hand.
+pub(crate) struct Drawn {
+    pub(crate) model: BenchModel,
+    pub(crate) engine: EngineParameters,
+    /// Share of the stated bandwidth that its speed control has.
+    pub(crate) engine_speed: f64,
+    pub(crate) firing_seed: Option<u64>,
+}
+
+/// Whether a bench keeps every limit and meets every requirement.
+pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
+    let reaches = |of: LimitOf| {
+        let value = outcome.peaks[of as usize].value;
+        of.limit(&inputs.limits).is_some_and(|limit| value >= limit && value > 0.0)
+    };
+    let meets = outcome.validations.len() == inputs.sets.len()
+        && outcome.validations.iter().all(|validation| validation.passes)
+        && outcome.own.len() == inputs.own.len()
+        && outcome.own.iter().all(Judged::passes);
+    !outcome.is_unstable && meets && !LimitOf::of_test(inputs.demand.has_shaft()).any(reaches)
+}

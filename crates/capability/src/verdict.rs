@@ -1,0 +1,242 @@
+//! What all benches together say.
+
+use cycle::{Judged, Own, RequirementSet, Signal, Statistic, Validation};
+use design::safety::Proportion;
+use numerics::order;
+use serde::Serialize;
+
+use crate::doubt::{Doubt, doubts};
+use crate::extremes::LimitOf;
+use crate::outcome::{CanInputs, Drawn, Outcome, keeps};
+use crate::trace::Trace;
+
+/// Times at which the spread of a course is kept.
+const BAND_POINTS: usize = 400;
+/// From this share of the benches on the answer is yes.
+const YES: f64 = 0.95;
+/// Up to this share it is no.
+const NO: f64 = 0.5;
+
+/// The answer in a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// 95 % of the benches keep everything.
+    Yes,
+    /// More than half of them do.
+    Perhaps,
+    /// No more than half of them do.
+    No,
+}
+
+/// One limit of the bench.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitVerdict {
+    /// Of what.
+    pub of: LimitOf,
+    /// The limit stated, SI.
+    pub limit: Option<f64>,
+    /// The largest value on every bench, SI, growing.
+    pub values: Vec<f64>,
+    /// How often the limit is reached; `None` without one.
+    pub reached: Option<Proportion>,
+    /// When the largest value comes on the nominal bench, s.
+    pub time_s: f64,
+}
+
+/// One number of a requirement set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StatisticVerdict {
+    /// Of which signal.
+    pub signal: Signal,
+    /// Which number.
+    pub statistic: Statistic,
+    /// Its limits, SI.
+    pub low: Option<f64>,
+    /// Upper limit, SI.
+    pub high: Option<f64>,
+    /// Its value on every bench, SI, growing.
+    pub values: Vec<f64>,
+    /// How many benches keep the limit.
+    pub kept: Proportion,
+}
+
+/// One requirement set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetVerdict {
+    /// Its name.
+    pub name: String,
+    /// How many benches meet it.
+    pub kept: Proportion,
+    /// Its numbers.
+    pub statistics: Vec<StatisticVerdict>,
+    /// The nominal bench.
+    pub nominal: Option<Validation>,
+}
+
+/// One requirement of one's own.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OwnVerdict {
+    /// The requirement.
+    pub own: Own,
+    /// How many benches meet it.
+    pub kept: Proportion,
+    /// Its number on every bench, growing.
+    pub values: Vec<f64>,
+    /// Its limit.
+    pub limit: f64,
+    /// When the worst comes on the nominal bench, s.
+    pub time_s: f64,
+}
+
+/// Where 90 % of the benches are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bands {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// 5 % and 95 % of the speed, rad/s.
+    pub speed_rad_s: [Vec<f64>; 2],
+    /// 5 % and 95 % of the torque that follows the demand, Nm.
+    pub torque_nm: [Vec<f64>; 2],
+}
+
+/// What can be said of a test on a bench.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// In a word.
+    pub answer: Answer,
+    /// How many benches keep every limit and every requirement.
+    pub kept: Proportion,
+    /// How many are not stable.
+    pub unstable: Proportion,
+    /// The limits.
+    pub limits: Vec<LimitVerdict>,
+    /// Limits that are not stated.
+    pub unchecked: Vec<LimitOf>,
+    /// The requirement sets.
+    pub sets: Vec<SetVerdict>,
+    /// Requirements of one's own.
+    pub own: Vec<OwnVerdict>,
+    /// For an answer that is no yes and no no: what of the model decides it, the most first.
+    pub doubts: Vec<Doubt>,
+    /// The nominal bench.
+    #[serde(skip)]
+    pub nominal: Trace,
+    /// How the others spread.
+    #[serde(skip)]
+    pub bands: Bands,
+}
+
+impl LimitVerdict {
+    /// The value that a share of the benches stays below, SI.
+    pub fn quantile(&self, probability: f64) -> f64 {
+        order::quantile_of_sorted(&self.values, probability).unwrap_or(f64::NAN)
+    }
+}
+
+/// Puts the outcomes of all benches together.
+pub(crate) fn verdict(
+    inputs: &CanInputs<'_>,
+    (benches, outcomes): (&[Drawn], &[Outcome]),
+    nominal: &Outcome,
+    trace: Trace,
+) -> Verdict {
+    let kept = proportion(outcomes, |outcome| keeps(inputs, outcome));
+    let limits: Vec<LimitVerdict> = LimitOf::of_test(inputs.demand.has_shaft())
+        .map(|of| limit_verdict(of, of.limit(&inputs.limits), outcomes, nominal))
+        .collect();
+    let answer = match kept.estimate {
+        share if share >= YES => Answer::Yes,
+        share if share > NO => Answer::Perhaps,
+        _ => Answer::No,
+    };
+    Verdict {
+        answer,
+        kept,
+        unstable: proportion(outcomes, |outcome| outcome.is_unstable),
+        unchecked: limits.iter().filter(|one| one.limit.is_none()).map(|one| one.of).collect(),
+        limits,
+        sets: inputs.sets.iter().enumerate().map(|(k, set)| set_verdict((k, set), outcomes, nominal)).collect(),
+        own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict((k, own), outcomes, nominal)).collect(),
+        doubts: match answer {
+            Answer::Perhaps => doubts(benches, &outcomes.iter().map(|one| keeps(inputs, one)).collect::<Vec<_>>()),
+            Answer::Yes | Answer::No => Vec::new(),
+        },
+        bands: bands(&trace, outcomes),
+        nominal: trace,
+    }
+}
+
+fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {
+    Proportion::new(outcomes.iter().filter(|outcome| is(outcome)).count(), outcomes.len())
+}
+
+fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal: &Outcome) -> LimitVerdict {
+    let value = |outcome: &Outcome| outcome.peaks[of as usize].value;
+    LimitVerdict {
+        of,
+        limit,
+        values: sorted(outcomes.iter().map(value).collect()),
+        reached: limit.map(|limit| proportion(outcomes, |one| value(one) >= limit && value(one) > 0.0)),
+        time_s: nominal.peaks[of as usize].time_s,
+    }
+}
+
+fn set_verdict((place, set): (usize, &RequirementSet), outcomes: &[Outcome], nominal: &Outcome) -> SetVerdict {
+    let of_nominal = nominal.validations.get(place);
+    let statistic = |k: usize| {
+        let first = &of_nominal?.checked[k];
+        let one = |outcome: &Outcome| outcome.validations.get(place)?.checked.get(k).copied();
+        Some(StatisticVerdict {
+            signal: first.signal,
+            statistic: first.statistic,
+            low: first.low,
+            high: first.high,
+            values: sorted(outcomes.iter().filter_map(|outcome| Some(one(outcome)?.value)).collect()),
+            kept: proportion(outcomes, |outcome| one(outcome).is_some_and(|one| one.passes)),
+        })
+    };
+    SetVerdict {
+        name: set.name.clone(),
+        kept: proportion(outcomes, |outcome| outcome.validations.get(place).is_some_and(|one| one.passes)),
+        statistics: (0..of_nominal.map_or(0, |one| one.checked.len())).filter_map(statistic).collect(),
+        nominal: of_nominal.cloned(),
+    }
+}
+
+fn own_verdict((place, own): (usize, &Own), outcomes: &[Outcome], nominal: &Outcome) -> OwnVerdict {
+    let of_nominal = nominal.own.get(place);
+    OwnVerdict {
+        own: *own,
+        kept: proportion(outcomes, |outcome| outcome.own.get(place).is_some_and(Judged::passes)),
+        values: sorted(outcomes.iter().filter_map(|outcome| Some(outcome.own.get(place)?.value)).collect()),
+        limit: of_nominal.map_or(f64::NAN, |one| one.limit),
+        time_s: of_nominal.map_or(f64::NAN, |one| one.time_s),
+    }
+}
+
+pub(crate) fn band_places(trace: &Trace) -> impl Iterator<Item = usize> {
+    let count = trace.speed_rad_s.len();
+    (0..BAND_POINTS.min(count)).map(move |k| k * count.saturating_sub(1) / (BAND_POINTS.min(count) - 1).max(1))
+}
+
+fn bands(trace: &Trace, outcomes: &[Outcome]) -> Bands {
+    let places: Vec<usize> = band_places(trace).collect();
+    let quantile = |k: usize, of: fn(&(f64, f64)) -> f64, probability: f64| {
+        let values = sorted(outcomes.iter().filter_map(|outcome| outcome.course.get(k)).map(of).collect());
+        order::quantile_of_sorted(&values, probability).unwrap_or(f64::NAN)
+    };
+    let band = |of: fn(&(f64, f64)) -> f64| {
+        [0.05, 0.95].map(|probability| (0..places.len()).map(|k| quantile(k, of, probability)).collect())
+    };
+    Bands {
+        time_s: places.iter().map(|k| trace.time_s(*k)).collect(),
+        speed_rad_s: band(|point| point.0),
+        torque_nm: band(|point| point.1),
+    }
+}

@@ -1,0 +1,138 @@
+//! A sine or a gradient that is wanted, held against what the benches can do.
+
+use std::str::FromStr;
+
+use bench_model::model::BenchModel;
+use design::safety::Proportion;
+use numerics::parallel;
+use serde::Serialize;
+use units::{Quantity, parse_value};
+
+use crate::error::CapabilityError;
+use crate::extremes::LimitOf;
+use crate::gradient::gradient;
+use crate::map::{MapInputs, SineOf, benches, one_bench, quantiles};
+
+/// From this share of the benches on a wish can be had.
+const ENOUGH: f64 = 0.95;
+
+/// What is wanted, from a text such as `100 rpm at 2 Hz`, `20 Nm at 8 Hz`, `4000 rpm/s`.
+///
+/// # Example
+/// ```
+/// use capability::map::SineOf;
+/// let wanted: capability::wanted::Wanted = "20 Nm at 8 Hz".parse()?;
+/// let sine = capability::wanted::Wanted::Sine { of: SineOf::Torque, amplitude: 20.0, frequency_hz: 8.0 };
+/// assert_eq!(wanted, sine);
+/// # Ok::<(), capability::CapabilityError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Wanted {
+    /// A sine about the mean.
+    Sine {
+        /// Of which demand.
+        of: SineOf,
+        /// Its amplitude, rad/s or Nm.
+        amplitude: f64,
+        /// Its frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// A gradient of the speed, upwards and downwards.
+    Gradient {
+        /// rad/s².
+        rad_s2: f64,
+    },
+}
+
+/// What the benches say at one speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WantedPlace {
+    /// The speed, rad/s.
+    pub speed_rad_s: f64,
+    /// How many benches can do it.
+    pub kept: Proportion,
+    /// What 95 %, 50 % and 5 % of them can do at most, in the unit of what is wanted.
+    pub largest: [f64; 3],
+    /// The limit that binds on the nominal bench.
+    pub binds: Option<LimitOf>,
+}
+
+/// The answer to a wish.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WantedAnswer {
+    /// What is wanted.
+    pub wanted: Wanted,
+    /// At each speed.
+    pub places: Vec<WantedPlace>,
+}
+
+impl WantedPlace {
+    /// Whether 95 % of the benches can do it.
+    pub fn is_yes(&self) -> bool {
+        self.kept.estimate >= ENOUGH
+    }
+}
+
+impl WantedAnswer {
+    /// Whether it can be had at every speed.
+    pub fn is_yes(&self) -> bool {
+        self.places.iter().all(WantedPlace::is_yes)
+    }
+}
+
+/// Holds a wish against the benches, at some speeds.
+///
+/// # Errors
+/// As [`crate::map::map`].
+pub fn answer(inputs: &MapInputs<'_>, wanted: Wanted, speed_rad_s: &[f64]) -> Result<WantedAnswer, CapabilityError> {
+    let one = |model: &BenchModel| match wanted {
+        Wanted::Sine { of, frequency_hz, .. } => one_bench(inputs, model, of, &[frequency_hz], speed_rad_s),
+        Wanted::Gradient { .. } => {
+            let least = |speed: &f64| {
+                let found = gradient(&model.mechanics, &inputs.limits, inputs.torque_nm, *speed);
+                match found.up_rad_s2 <= found.down_rad_s2 {
+                    true => (found.up_rad_s2, found.binds[0]),
+                    false => (found.down_rad_s2, found.binds[1]),
+                }
+            };
+            Ok(speed_rad_s.iter().map(least).collect())
+        }
+    };
+    let all = parallel::map(&benches(inputs)?, one).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let nominal = one(inputs.model)?;
+    let least = match wanted {
+        Wanted::Sine { amplitude, .. } => amplitude,
+        Wanted::Gradient { rad_s2 } => rad_s2,
+    };
+    let place = |(k, speed): (usize, &f64)| {
+        let values: Vec<f64> = all.iter().map(|bench| bench[k].0).collect();
+        WantedPlace {
+            speed_rad_s: *speed,
+            kept: Proportion::new(values.iter().filter(|value| **value > least).count(), values.len()),
+            largest: quantiles(values),
+            binds: nominal[k].1,
+        }
+    };
+    Ok(WantedAnswer { wanted, places: speed_rad_s.iter().enumerate().map(place).collect() })
+}
+
+impl FromStr for Wanted {
+    type Err = CapabilityError;
+
+    fn from_str(text: &str) -> Result<Self, CapabilityError> {
+        let fault = || CapabilityError::Wanted { text: text.to_owned() };
+        let above_zero = |value: f64| (value.is_finite() && value > 0.0).then_some(value).ok_or_else(fault);
+        let parse = |text: &str, quantity| parse_value(text.trim(), quantity).ok();
+        let Some((amplitude, frequency)) = text.split_once(" at ") else {
+            let rad_s2 = parse(text, Quantity::AngularAcceleration).ok_or_else(fault)?;
+            return Ok(Wanted::Gradient { rad_s2: above_zero(rad_s2)? });
+        };
+        let number = frequency.trim().strip_suffix("Hz").ok_or_else(fault)?;
+        let frequency_hz = above_zero(number.trim().parse().map_err(|_| fault())?)?;
+        let of_speed = parse(amplitude, Quantity::AngularSpeed).map(|value| (SineOf::Speed, value));
+        let of_torque = || parse(amplitude, Quantity::Torque).map(|value| (SineOf::Torque, value));
+        let (of, amplitude) = of_speed.or_else(of_torque).ok_or_else(fault)?;
+        Ok(Wanted::Sine { of, amplitude: above_zero(amplitude)?, frequency_hz })
+    }
+}
