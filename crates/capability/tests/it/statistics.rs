@@ -18,7 +18,7 @@ use crate::calibration::{BENCHES, drawn};
 const LENGTH_S: f64 = 60.0;
 const DRAWS: usize = 40;
 /// Largest difference from the predicted median, as a part of the room that the limit gives: a verdict further from its limit stays.
-/// The bands of slope and intercept of the torque are too narrow, since the model has no friction: 62 and 79 % are inside.
+/// The bands of slope and intercept of the torque are too narrow: 62 and 79 % of the benches are inside.
 const PART: f64 = 0.1;
 /// Share of the verdicts that agree at least.
 const AGREE: f64 = 0.95;
