@@ -1,4 +1,4 @@
-//! A sine or a gradient that is wanted, held against what the benches can do.
+//! A sine or a gradient that is wanted, compared with what the benches can do.
 
 use std::str::FromStr;
 
@@ -81,7 +81,7 @@ impl WantedAnswer {
     }
 }
 
-/// Holds a wish against the benches, at some speeds.
+/// Compares a wish with what the benches can do, at some speeds.
 ///
 /// # Errors
 /// As [`crate::map::map`].

@@ -50,7 +50,7 @@ pub fn change(change: Change) -> String {
     }
 }
 
-/// What decides between yes and no, and the recording that would tell.
+/// What decides between yes and no, and the recording that shows it.
 pub(super) fn doubts(verdict: &Verdict) -> Blocks {
     if verdict.answer != Answer::Perhaps {
         return Blocks::default();

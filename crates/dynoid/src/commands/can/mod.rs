@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         return map::run(arguments, terminal);
     }
     if !arguments.want.is_empty() {
-        let what = "--want holds sines and gradients against the map; give `map` as the test".to_owned();
+        let what = "--want compares sines and gradients with the map; give `map` as the test".to_owned();
         return Err(CliError::Usage { what });
     }
     let test = Test::of(arguments, terminal)?;
