@@ -2,7 +2,7 @@
 
 use bench_model::model::BenchModel;
 use cycle::{Judged, Own, RequirementSet, Validation};
-use design::safety::BenchSpread;
+use design::safety::{BenchSpread, reaches};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 
@@ -58,13 +58,11 @@ pub(crate) struct Drawn {
 
 /// Whether a bench keeps every limit and meets every requirement.
 pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
-    let reaches = |of: LimitOf| {
-        let value = outcome.peaks[of as usize].value;
-        of.limit(&inputs.limits).is_some_and(|limit| value >= limit && value > 0.0)
-    };
+    let is_reached =
+        |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(outcome.peaks[of as usize].value, limit));
     let meets = outcome.validations.len() == inputs.sets.len()
         && outcome.validations.iter().all(|validation| validation.passes)
         && outcome.own.len() == inputs.own.len()
         && outcome.own.iter().all(Judged::passes);
-    !outcome.is_unstable && meets && !LimitOf::of_test(inputs.demand.has_shaft()).any(reaches)
+    !outcome.is_unstable && meets && !LimitOf::of_test(inputs.demand.has_shaft()).any(is_reached)
 }

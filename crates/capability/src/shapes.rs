@@ -1,6 +1,6 @@
 //! Shapes that tests of drivelines have, with parameters.
 
-use rig::experiment::catalogue::{CatalogueError, Parameter, Settings};
+use rig::experiment::catalogue::{CatalogueError, Parameter, Settings, parameter};
 use rig::experiment::{
     ControlMode, DEMAND_HOLD_S, Excitation, ExperimentLabel, ExperimentPlan, Test, UPDATE_S, Waveform,
 };
@@ -22,16 +22,6 @@ pub struct Shape {
 
 /// Speed, rpm, and torque, Nm.
 type Point = (f64, f64);
-
-const fn parameter(
-    name: &'static str,
-    unit: &'static str,
-    default: f64,
-    (lowest, highest): (f64, f64),
-    meaning: &'static str,
-) -> Parameter {
-    Parameter { name, unit, default, lowest, highest, meaning }
-}
 
 const RPM: (f64, f64) = (-20_000.0, 20_000.0);
 const NM: (f64, f64) = (-20_000.0, 20_000.0);

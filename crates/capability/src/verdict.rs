@@ -1,7 +1,7 @@
 //! What all benches together say.
 
 use cycle::{Judged, Own, RequirementSet, Signal, Statistic, Validation};
-use design::safety::Proportion;
+use design::safety::{Proportion, reaches};
 use numerics::order;
 use serde::Serialize;
 
@@ -182,7 +182,7 @@ fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal:
         of,
         limit,
         values: sorted(outcomes.iter().map(value).collect()),
-        reached: limit.map(|limit| proportion(outcomes, |one| value(one) >= limit && value(one) > 0.0)),
+        reached: limit.map(|limit| proportion(outcomes, |one| reaches(value(one), limit))),
         time_s: nominal.peaks[of as usize].time_s,
     }
 }

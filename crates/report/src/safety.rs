@@ -1,15 +1,14 @@
 //! A safety check: the verdict, how peaks spread over the benches drawn, and how large sines may be.
 
-use design::safety::{Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck};
+use design::safety::{Checked, Proposal, Quantity, SafeSine, Safety, SafetyCheck};
 use page::{
-    Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Rounded, Style, Table, Tone, decimal,
-    rounded,
+    Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Rounded, Style, Table, Tone, rounded,
 };
 use rig::ControlMode;
 use rig::experiment::ExperimentPlan;
 use virtual_bench::Assumption;
 
-use crate::assumptions::assumptions;
+use crate::assumptions::{assumptions, prior_ranges};
 use crate::wording::{self, number};
 
 /// Height of a panel on the page.
@@ -103,18 +102,9 @@ fn findings(check: &SafetyCheck) -> Blocks {
 }
 
 fn spread_words(has_study: bool) -> String {
-    let percent = |share: f64| format!("±{} %", decimal::fixed(100.0 * share, 0));
     match has_study {
         true => "by the covariance of the study's estimates; all other parameters are taken as exact".to_owned(),
-        false => {
-            let Prior { resonance, damping, engine_inertia } = Prior::default();
-            format!(
-                "resonance {}, damping {}, inertia of the engine {} (95 % ranges)",
-                percent(resonance),
-                percent(damping),
-                percent(engine_inertia)
-            )
-        }
+        false => prior_ranges(),
     }
 }
 
@@ -130,15 +120,15 @@ fn limits(checked: &SafetyCheck) -> Table {
     for one in &checked.checked {
         let (name, unit, si) = wording::quantity(one.of);
         let limit = match (one.limit, one.of.has_limit()) {
-            (Some(limit), _) => Cell::from(value(limit / si, unit)),
+            (Some(limit), _) => Cell::from(number::bounded(limit / si, unit)),
             (None, true) => Cell::toned("none stated", Tone::Faint),
             (None, false) => Cell::from(""),
         };
         let verdict = if one.of.has_limit() { wording::safety(one.safety()) } else { "" };
         table.row([
             name.into(),
-            value(one.quantile(0.5) / si, unit).into(),
-            value(beyond(one) / si, unit).into(),
+            number::bounded(one.quantile(0.5) / si, unit).into(),
+            number::bounded(beyond(one) / si, unit).into(),
             limit,
             one.reached.as_ref().map_or_else(String::new, number::proportion).into(),
             Cell::toned(verdict, tone(one.safety())),
@@ -150,10 +140,6 @@ fn limits(checked: &SafetyCheck) -> Table {
 /// What one bench in twenty goes beyond.
 fn beyond(checked: &Checked) -> f64 {
     checked.quantile(if checked.of == Quantity::LowestSpeed { 0.05 } else { 0.95 })
-}
-
-fn value(value: f64, unit: &str) -> String {
-    if value.is_infinite() { "without bound".to_owned() } else { format!("{} {unit}", number::significant(value, 4)) }
 }
 
 fn tone(safety: Safety) -> Tone {
@@ -179,9 +165,9 @@ fn propose(proposal: &Proposal) -> Blocks {
     ]);
     for sine in &too_large {
         table.row([
-            value(sine.frequency_hz, "Hz").into(),
-            value(sine.planned_nm, "Nm").into(),
-            value(sine.safe_nm, "Nm").into(),
+            number::bounded(sine.frequency_hz, "Hz").into(),
+            number::bounded(sine.planned_nm, "Nm").into(),
+            number::bounded(sine.safe_nm, "Nm").into(),
             number::proportion(&sine.reached).into(),
         ]);
     }

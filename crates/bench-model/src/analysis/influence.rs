@@ -5,18 +5,6 @@ use rig::results::Quantity;
 use crate::analysis::{Influence, ParameterInfluence};
 use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
 
-/// Parameters of a model, as far as it has the part.
-const PARAMETERS: [ModelParameter; 9] = [
-    ModelParameter::DynoInertia,
-    ModelParameter::EngineInertia,
-    ModelParameter::Stiffness,
-    ModelParameter::Damping,
-    ModelParameter::Proportional,
-    ModelParameter::Integral,
-    ModelParameter::ControllerDelay,
-    ModelParameter::TorqueControlDelay,
-    ModelParameter::TorqueControlBandwidth,
-];
 /// Step of the numerical slopes, in parts of the parameter.
 const STEP: f64 = 1e-4;
 /// Results that move by less than this many per cent a per cent are not moved by a parameter.
@@ -37,5 +25,5 @@ pub(super) fn influence(
         let share = known.map(|(_, share)| *share);
         (elasticity.abs() > UNMOVED).then_some(ParameterInfluence { parameter, elasticity, variance_share: share })
     };
-    Influence { quantity, parameters: PARAMETERS.into_iter().filter_map(of).collect() }
+    Influence { quantity, parameters: ModelParameter::ALL.into_iter().filter_map(of).collect() }
 }

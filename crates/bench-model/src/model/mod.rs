@@ -90,12 +90,16 @@ impl BenchModel {
     /// Samples of the controller by which ω_d* is late in the speed error, and in the feed-forward. Where a recording has ω_d* later
     /// than the controller has it, both are those of ω_d* as the controller has it.
     pub fn demand_lags(&self) -> (usize, usize) {
-        let Some(pi) = self.speed_controller else { return (0, 0) };
-        let samples = |time_s: f64| (time_s / pi.sample_time_s).round() as i64;
-        let error = samples(pi.demand_delay_s - pi.delay_s);
-        let feed_forward = samples(self.feed_forward.map_or(0.0, |feed| feed.delay_s));
+        let (error, feed_forward) = self.recorded_demand_lags();
         let least = error.min(feed_forward).min(0);
-        ((error - least).unsigned_abs() as usize, (feed_forward - least).unsigned_abs() as usize)
+        ((error - least).unsigned_abs(), (feed_forward - least).unsigned_abs())
+    }
+
+    /// The same of ω_d* as recordings have it, which may be later than the controller has it: negative then.
+    pub(crate) fn recorded_demand_lags(&self) -> (isize, isize) {
+        let Some(pi) = self.speed_controller else { return (0, 0) };
+        let samples = |time_s: f64| (time_s / pi.sample_time_s).round() as isize;
+        (samples(pi.demand_delay_s - pi.delay_s), samples(self.feed_forward.map_or(0.0, |feed| feed.delay_s)))
     }
 
     /// The model without feed-forward.

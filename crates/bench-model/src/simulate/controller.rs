@@ -25,16 +25,12 @@ impl Pi {
         if (gains.sample_time_s - sample_time_s).abs() > SAME_CLOCK * sample_time_s {
             return Err(SimulationError::Clock { inputs_s: sample_time_s, controller_s: gains.sample_time_s });
         }
-        let samples = |time_s: f64| (time_s / gains.sample_time_s).round() as isize;
         Ok(Pi {
             gains,
             feed_forward: model.feed_forward,
             limit_nm: model.torque_limit_nm.unwrap_or(f64::INFINITY),
             integral_nm: start.integrator_nm,
-            lags: (
-                samples(gains.demand_delay_s - gains.delay_s),
-                samples(model.feed_forward.map_or(0.0, |f| f.delay_s)),
-            ),
+            lags: model.recorded_demand_lags(),
         })
     }
 

@@ -114,7 +114,7 @@ impl Bench {
         let gate_samples = (model.encoder_gate_s / pi.sample_time_s).max(0.0);
         let oldest = substeps.iter().map(|part| part.delayed_back).max().unwrap_or(0);
         let reported = samples_back(pi.delay_s / pi.sample_time_s, 0.0);
-        let samples = |time_s: f64| (time_s / pi.sample_time_s).round();
+        let (in_error, in_feed_forward) = model.recorded_demand_lags();
         Ok(Bench {
             substeps,
             pi,
@@ -123,10 +123,7 @@ impl Bench {
             stiffness_nm_per_rad: model.mechanics.stiffness_nm_per_rad,
             damping_nm_s_per_rad: model.mechanics.damping_nm_s_per_rad,
             gate_samples,
-            lags: (
-                samples(pi.demand_delay_s - pi.delay_s),
-                samples(model.feed_forward.map_or(0.0, |feed_forward| feed_forward.delay_s)),
-            ),
+            lags: (in_error as f64, in_feed_forward as f64),
             kept: (oldest.max(reported) + 1, gate_samples.ceil() as usize),
         })
     }

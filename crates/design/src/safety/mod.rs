@@ -19,7 +19,7 @@ use rig::random::Source;
 use serde::Serialize;
 
 pub use checked::Checked;
-pub use quantity::Quantity;
+pub use quantity::{Quantity, reaches};
 use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
 use spread::Drawn;

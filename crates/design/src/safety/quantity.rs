@@ -85,7 +85,7 @@ impl Quantity {
 }
 
 /// Whether a value reaches a limit; nothing at all reaches none.
-pub(super) fn reaches(value: f64, limit: f64) -> bool {
+pub fn reaches(value: f64, limit: f64) -> bool {
     value >= limit && value > 0.0
 }
 

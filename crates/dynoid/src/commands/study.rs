@@ -7,6 +7,7 @@ use report::{Origin, wording};
 use rig::BenchFile;
 use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
+use super::bench_model::MODEL;
 use crate::cli::bench::StudyArguments;
 use crate::date;
 use crate::error::{CliError, Outcome};
@@ -19,8 +20,6 @@ use crate::terminal::{Progress, Terminal};
 /// Parts that are estimated, and replays there usually are: steps of the progress display.
 const PARTS: u64 = 6;
 const REPLAYS: u64 = 4;
-/// The bench model among the results.
-const MODEL: &str = "model.json";
 
 /// How much a report holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

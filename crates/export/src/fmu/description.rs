@@ -31,6 +31,18 @@ impl<'a> Description<'a> {
         }
     }
 
+    /// Attributes of the root element that both versions have; they call the token otherwise.
+    pub(super) fn head(&self, token: &str) -> String {
+        let all = [
+            ("generationTool", self.tool()),
+            ("modelName", self.document.bench.name.clone()),
+            (token, self.token.clone()),
+            ("description", self.sentence()),
+            ("generationDateAndTime", self.date()),
+        ];
+        all.iter().map(|(name, value)| attribute(name, value)).collect()
+    }
+
     /// One sentence about the model.
     pub(super) fn sentence(&self) -> String {
         let mode = if self.numbers.has_speed_control { "speed and torque control" } else { "torque control" };
@@ -108,6 +120,11 @@ impl<'a> Description<'a> {
     }
 }
 
+/// Messages by their kind; the same in FMI 2.0 and 3.0.
+pub(super) const LOG: &str = "  <LogCategories>\n    \
+    <Category name=\"logStatusWarning\" description=\"The bench is outside the range of validity\"/>\n    \
+    <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
+
 /// `name="value"` for XML, with a space before it.
 pub(super) fn attribute(name: &str, value: &str) -> String {
     format!(" {name}=\"{}\"", escaped(value))
@@ -116,6 +133,29 @@ pub(super) fn attribute(name: &str, value: &str) -> String {
 /// Text for XML and HTML.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// Attributes of a variable that both versions have.
+pub(super) fn variable_head(variable: &Variable) -> String {
+    named(&variable.name, &variable.reference.to_string(), &variable.description, causality(variable.role))
+}
+
+/// Attributes of a variable: name, reference, description, and causality, variability and `initial`.
+pub(super) fn named(
+    name: &str,
+    reference: &str,
+    description: &str,
+    (causality, variability, initial): (&str, &str, Option<&str>),
+) -> String {
+    let all = [
+        ("name", Some(name)),
+        ("valueReference", Some(reference)),
+        ("description", Some(description)),
+        ("causality", Some(causality)),
+        ("variability", Some(variability)),
+        ("initial", initial),
+    ];
+    all.into_iter().filter_map(|(name, value)| Some(attribute(name, value?))).collect()
 }
 
 /// A definition of a unit, the same in FMI 2.0 and 3.0.

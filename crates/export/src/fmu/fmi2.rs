@@ -1,20 +1,12 @@
 //! The model description of FMI 2.0.
 
-use super::description::{Description, attribute, causality, unit_definition};
+use super::description::{Description, LOG, attribute, unit_definition, variable_head};
 use super::platforms::Runtime;
 use super::variables::{Kind, Role, Variable};
 use super::{csv, sources};
 
 /// `modelDescription.xml`.
 pub(super) fn xml(description: &Description<'_>) -> String {
-    let head = [
-        ("generationTool", description.tool()),
-        ("modelName", description.document.bench.name.clone()),
-        ("guid", description.token.clone()),
-        ("description", description.sentence()),
-        ("generationDateAndTime", description.date()),
-    ];
-    let head: String = head.iter().map(|(name, value)| attribute(name, value)).collect();
     let units: String = description.units().into_iter().map(unit_definition).collect();
     let variables: String = description.variables.iter().map(|one| variable(description, one)).collect();
     let step = attribute("stepSize", &csv::number(description.numbers.value("T_s")));
@@ -24,6 +16,7 @@ pub(super) fn xml(description: &Description<'_>) -> String {
          {interfaces}  <UnitDefinitions>\n{units}  </UnitDefinitions>\n{TYPES}{LOG}  \
          <DefaultExperiment startTime=\"0\" stopTime=\"10\"{step}/>\n  \
          <ModelVariables>\n{variables}  </ModelVariables>\n{structure}</fmiModelDescription>\n",
+        head = description.head("guid"),
         interfaces = interfaces(),
         structure = structure(description),
     )
@@ -34,10 +27,6 @@ const TYPES: &str = "  <TypeDefinitions>\n    \
     <Item name=\"speed_control\" value=\"1\" description=\"NT\"/>\n        \
     <Item name=\"torque_control\" value=\"2\" description=\"TN\"/>\n      \
     </Enumeration>\n    </SimpleType>\n  </TypeDefinitions>\n";
-
-const LOG: &str = "  <LogCategories>\n    \
-    <Category name=\"logStatusWarning\" description=\"The bench is outside the range of validity\"/>\n    \
-    <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
 
 /// The sources that an importer may compile.
 pub(super) fn source_files(runtime: Runtime) -> String {
@@ -59,13 +48,7 @@ fn interfaces() -> String {
 }
 
 fn variable(description: &Description<'_>, variable: &Variable) -> String {
-    let (causality, variability, initial) = causality(variable.role);
-    let mut head = attribute("name", &variable.name);
-    head += &attribute("valueReference", &variable.reference.to_string());
-    head += &attribute("description", &variable.description);
-    head += &attribute("causality", causality);
-    head += &attribute("variability", variability);
-    head += &initial.map_or_else(String::new, |initial| attribute("initial", initial));
+    let head = variable_head(variable);
     format!("    <ScalarVariable{head}>\n      {}\n    </ScalarVariable>\n", typed(description, variable))
 }
 

@@ -1,20 +1,12 @@
 //! The model description of FMI 3.0, and what it has in files of their own.
 
-use super::description::{Description, attribute, causality, unit_definition};
+use super::description::{Description, LOG, attribute, unit_definition, variable_head};
 use super::platforms::Runtime;
 use super::variables::{Kind, Role, Variable};
 use super::{csv, sources};
 
 /// `modelDescription.xml`.
 pub(super) fn xml(description: &Description<'_>) -> String {
-    let head = [
-        ("generationTool", description.tool()),
-        ("modelName", description.document.bench.name.clone()),
-        ("instantiationToken", description.token.clone()),
-        ("description", description.sentence()),
-        ("generationDateAndTime", description.date()),
-    ];
-    let head: String = head.iter().map(|(name, value)| attribute(name, value)).collect();
     let units: String = description.units().into_iter().map(unit_definition).collect();
     let variables: String = description.variables.iter().map(variable).collect();
     let step = csv::number(description.numbers.value("T_s"));
@@ -25,6 +17,7 @@ pub(super) fn xml(description: &Description<'_>) -> String {
          {interfaces}  <UnitDefinitions>\n{units}  </UnitDefinitions>\n{TYPES}{LOG}  \
          <DefaultExperiment startTime=\"0\" stopTime=\"10\"{experiment}/>\n  \
          <ModelVariables>\n{variables}  </ModelVariables>\n{structure}</fmiModelDescription>\n",
+        head = description.head("instantiationToken"),
         interfaces = interfaces(&step),
         structure = structure(description),
     )
@@ -35,10 +28,6 @@ const TYPES: &str = "  <TypeDefinitions>\n    \
     <Item name=\"speed_control\" value=\"1\" description=\"NT\"/>\n      \
     <Item name=\"torque_control\" value=\"2\" description=\"TN\"/>\n    \
     </EnumerationType>\n  </TypeDefinitions>\n";
-
-const LOG: &str = "  <LogCategories>\n    \
-    <Category name=\"logStatusWarning\" description=\"The bench is outside the range of validity\"/>\n    \
-    <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
 
 fn interfaces(step: &str) -> String {
     let runtime = Runtime::Bench;
@@ -53,13 +42,7 @@ fn interfaces(step: &str) -> String {
 }
 
 fn variable(variable: &Variable) -> String {
-    let (causality, variability, initial) = causality(variable.role);
-    let mut head = attribute("name", &variable.name);
-    head += &attribute("valueReference", &variable.reference.to_string());
-    head += &attribute("description", &variable.description);
-    head += &attribute("causality", causality);
-    head += &attribute("variability", variability);
-    head += &initial.map_or_else(String::new, |initial| attribute("initial", initial));
+    let head = variable_head(variable);
     match variable.kind {
         Kind::Real(unit, start, min) => {
             let number =

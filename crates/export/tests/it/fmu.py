@@ -11,9 +11,8 @@ import sys
 import numpy as np
 from fmpy import extract, platform, platform_tuple, read_model_description, simulate_fmu, supported_platforms
 from fmpy.build import build_platform_binary
-from fmpy.fmi2 import FMU2Model, FMU2Slave
-from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.validation import validate_fmu
+from instances import instance
 
 OUTPUTS = ["dyno_speed", "engine_speed", "air_gap_torque", "shaft_torque", "limited_torque_demand"]
 EXPECTED = ["w_d", "w_e", "T_d", "T_shaft", "T_d_demand"]
@@ -40,11 +39,7 @@ class Slave:
         self.description = read_model_description(path)
         self.by_name = {v.name: v for v in self.description.modelVariables}
         self.is_fmi2 = self.description.fmiVersion == "2.0"
-        kind = FMU2Slave if self.is_fmi2 else FMU3Slave
-        token = self.description.guid if self.is_fmi2 else self.description.instantiationToken
-        identifier = self.description.coSimulation.modelIdentifier
-        self.fmu = kind(guid=token, unzipDirectory=folder, modelIdentifier=identifier)
-        self.fmu.instantiate()
+        self.fmu = instance(self.description, folder, "coSimulation")
 
     def set(self, values):
         references = [self.by_name[name].valueReference for name in values]
@@ -174,10 +169,7 @@ def derived(path, unzipped):
     """The largest difference between directional derivatives and differences of derivatives, which are linear."""
     description = read_model_description(path)
     is_fmi2 = description.fmiVersion == "2.0"
-    token = description.guid if is_fmi2 else description.instantiationToken
-    kind = FMU2Model if is_fmi2 else FMU3Model
-    fmu = kind(guid=token, unzipDirectory=unzipped, modelIdentifier=description.modelExchange.modelIdentifier)
-    fmu.instantiate()
+    fmu = instance(description, unzipped, "modelExchange")
     if is_fmi2:
         fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()

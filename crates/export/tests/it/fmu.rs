@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use bench_model::document::BenchModelDocument;
-use bench_model::model::{AssembledModel, BenchModel, ModelParameter, TorqueControlModel};
+use bench_model::model::{AssembledModel, BenchModel, ModelParameter};
 use export::fmu::{DRAWS, FmiVersion, c_files, fmu, linear_fmu, model_in};
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 
 use crate::cases::{Case, Drive, SAMPLES};
-use crate::model::document;
+use crate::model::{document, late_demands};
 use crate::others::{folder_with, largest, python as run};
 
 fn names() -> Names {
@@ -153,12 +153,7 @@ fn ref_fmpy_simulates_an_fmu_as_the_program_does() {
 
 #[test]
 fn ref_an_fmu_has_fractional_delays_gates_and_late_demands() {
-    let mut model = document().model;
-    let pi = model.speed_controller.as_mut().unwrap();
-    (pi.delay_s, pi.demand_delay_s) = (1.37e-3, 3.37e-3);
-    model.feed_forward.as_mut().unwrap().delay_s = 1e-3;
-    model.torque_control = Some(TorqueControlModel { delay_s: 0.71e-3, bandwidth_rad_s: None });
-    model.encoder_gate_s = 2.4e-3;
+    let model = late_demands();
     let mut early = document().model;
     let pi = early.speed_controller.as_mut().unwrap();
     (pi.delay_s, pi.demand_delay_s) = (2.3e-3, 0.2e-3);

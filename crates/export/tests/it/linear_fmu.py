@@ -9,19 +9,15 @@ import sys
 import numpy as np
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.build import build_platform_binary
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
+from instances import instance
 
 CHECK = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
 
 
 def slave(description, folder):
     is_fmi2 = description.fmiVersion == "2.0"
-    token = description.guid if is_fmi2 else description.instantiationToken
-    kind = FMU2Slave if is_fmi2 else FMU3Slave
-    fmu = kind(guid=token, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier)
-    fmu.instantiate()
+    fmu = instance(description, folder, "coSimulation")
     if is_fmi2:
         fmu.setupExperiment(startTime=0.0)
     return fmu, (fmu.setReal if is_fmi2 else fmu.setFloat64), (fmu.getReal if is_fmi2 else fmu.getFloat64)

@@ -1,7 +1,9 @@
 //! The models that the tests export.
 
 use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance, Validity};
-use bench_model::model::{AssembledModel, ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::model::{
+    AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance, TorqueControlModel,
+};
 use bench_testkit::models::bench_a;
 use faer::Mat;
 use ident::{FormulaStructure, GreyBoxModel, Label, LinearModel, ModelDocument};
@@ -31,6 +33,17 @@ pub(crate) fn document() -> BenchModelDocument {
         frequency_hz: Some((0.5, 60.0)),
     };
     document
+}
+
+/// A bench whose delays and gate are no whole samples, and whose demand is late in the feed-forward.
+pub(crate) fn late_demands() -> BenchModel {
+    let mut model = document().model;
+    let pi = model.speed_controller.as_mut().expect("a speed controller");
+    (pi.delay_s, pi.demand_delay_s) = (1.37e-3, 3.37e-3);
+    model.feed_forward.as_mut().expect("a feed-forward").delay_s = 1e-3;
+    model.torque_control = Some(TorqueControlModel { delay_s: 0.71e-3, bandwidth_rad_s: None });
+    model.encoder_gate_s = 2.4e-3;
+    model
 }
 
 fn facts() -> BenchFacts {

@@ -1,12 +1,12 @@
 //! The Python module.
 
 use bench_model::document::BenchModelDocument;
-use bench_model::model::{AssembledModel, BenchModel, TorqueControlModel};
+use bench_model::model::{AssembledModel, BenchModel};
 use export::names::Names;
 use export::python;
 
 use crate::cases::{Case, Drive};
-use crate::model::{arx, document};
+use crate::model::{arx, document, late_demands};
 use crate::others::{folder_with, largest, python as run};
 
 fn with_model(model: BenchModel) -> BenchModelDocument {
@@ -38,14 +38,8 @@ fn ref_python_simulates_as_the_program_does() {
 
 #[test]
 fn ref_python_has_fractional_delays_gates_and_late_demands() {
-    let mut model = document().model;
-    let pi = model.speed_controller.as_mut().unwrap();
-    (pi.delay_s, pi.demand_delay_s) = (1.37e-3, 3.37e-3);
-    model.feed_forward.as_mut().unwrap().delay_s = 1e-3;
-    model.torque_control = Some(TorqueControlModel { delay_s: 0.71e-3, bandwidth_rad_s: None });
-    model.encoder_gate_s = 2.4e-3;
     let drives = [Drive::Speed, Drive::Torque, Drive::Governed];
-    if let Some(difference) = difference("python_fractions", &with_model(model), &drives) {
+    if let Some(difference) = difference("python_fractions", &with_model(late_demands()), &drives) {
         assert!(difference < 1e-9, "{difference:e}");
     }
 }

@@ -10,7 +10,7 @@ use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
 use super::{changes, words};
-use crate::assumptions::assumptions;
+use crate::assumptions::{assumptions, prior_ranges};
 use crate::wording::{self, number};
 
 /// Height of a panel on the page.
@@ -79,10 +79,7 @@ fn limits(verdict: &Verdict) -> Table {
     ]);
     for one in &verdict.limits {
         let (name, unit, si) = words::limit_of(one.of);
-        let value = |value: f64| match value.is_infinite() {
-            true => "without bound".to_owned(),
-            false => format!("{} {unit}", number::significant(value / si, 4)),
-        };
+        let value = |value: f64| number::bounded(value / si, unit);
         let limit = one.limit.map_or_else(|| Cell::toned("none stated", Tone::Faint), |limit| value(limit).into());
         let tone = one.reached.as_ref().map_or(Tone::Faint, of_reached);
         table.row([
@@ -122,10 +119,7 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
         ("kept (95 % interval)", Align::Left),
     ]);
     for one in &judged.statistics {
-        let at = |share: f64| {
-            let place = (share * one.values.len().saturating_sub(1) as f64).round() as usize;
-            words::value_of(one.signal, one.statistic, one.values.get(place).copied().unwrap_or(f64::NAN))
-        };
+        let at = |share: f64| words::value_of(one.signal, one.statistic, nearest(&one.values, share));
         table.row([
             words::signal(one.signal).0.into(),
             words::statistic(one.statistic).into(),
@@ -142,6 +136,12 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
     all
 }
 
+/// The growing value that a share of the others is below; one of them, as some are infinite.
+fn nearest(values: &[f64], share: f64) -> f64 {
+    let place = (share * values.len().saturating_sub(1) as f64).round() as usize;
+    values.get(place).copied().unwrap_or(f64::NAN)
+}
+
 fn own(verdict: &Verdict) -> Table {
     let mut table = Table::new(&[
         ("", Align::Left),
@@ -151,10 +151,7 @@ fn own(verdict: &Verdict) -> Table {
         ("worst at", Align::Right),
     ]);
     for one in &verdict.own {
-        let at = |share: f64| {
-            let place = (share * one.values.len().saturating_sub(1) as f64).round() as usize;
-            words::own_value(&one.own, one.values.get(place).copied().unwrap_or(f64::NAN))
-        };
+        let at = |share: f64| words::own_value(&one.own, nearest(&one.values, share));
         table.row([
             words::own(&one.own).into(),
             at(0.5).into(),
@@ -171,8 +168,8 @@ fn findings(asked: &Asked<'_>) -> Blocks {
     let finding = |tone, what: &str, words: String| Block::Finding(Finding::new(tone, what, words));
     let mut all = Blocks::default();
     let drawn = match asked.has_study {
-        true => "by the covariance of the study's estimates",
-        false => "resonance ±20 %, damping ±50 %, inertia of the engine ±10 % (95 % ranges)",
+        true => "by the covariance of the study's estimates".to_owned(),
+        false => prior_ranges(),
     };
     all.push(Block::paragraph(format!("{} benches drawn: {drawn}.", verdict.kept.of)));
     if !verdict.unchecked.is_empty() {

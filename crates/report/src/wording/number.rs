@@ -30,3 +30,8 @@ pub fn interval(parameter: impl Into<WrittenParameter>) -> String {
 pub fn proportion(of: &Proportion) -> String {
     share_within(of.estimate, (of.lower, of.upper))
 }
+
+/// A number with its unit, to four digits; one that grows on unstable benches may be infinite.
+pub fn bounded(value: f64, unit: &str) -> String {
+    if value.is_infinite() { "without bound".to_owned() } else { format!("{} {unit}", significant(value, 4)) }
+}

@@ -6,6 +6,7 @@ use report::next::{best, command};
 use study::{NextError, NextExperiments, NextOptions, next_experiments};
 
 use crate::cli::experiment::NextArguments;
+use crate::commands::bench_model::MODEL;
 use crate::commands::study::{no_study, read_bench, read_sources, show};
 use crate::error::{CliError, Outcome};
 use crate::paths;
@@ -63,7 +64,7 @@ fn refused(bench: &Path, error: NextError) -> CliError {
 fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Terminal) {
     terminal.page(&report::pages::next(found));
     if let Some(first) = best(found).first() {
-        let study = paths::folder_of(&arguments.bench).join("study").join("model.json");
+        let study = paths::folder_of(&arguments.bench).join("study").join(MODEL);
         let study = study.is_file().then(|| shown(&study).to_string());
         let command = command(first.candidate, &shown(&arguments.bench).to_string(), study.as_deref());
         terminal.line(&format!("its demands: {command}"));

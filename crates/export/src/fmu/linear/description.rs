@@ -3,7 +3,7 @@
 use ident::{Label, ModelDocument};
 
 use super::super::csv;
-use super::super::description::attribute;
+use super::super::description::{attribute, named};
 use super::model::LinearNumbers;
 use crate::names::Names;
 
@@ -25,6 +25,21 @@ pub(super) struct Variable {
     pub(super) reference: usize,
     pub(super) role: Role,
     pub(super) description: String,
+}
+
+impl Variable {
+    /// Attributes that both versions have.
+    pub(super) fn head(&self) -> String {
+        named(&self.name, &self.reference.to_string(), &self.description, causality(self.role))
+    }
+
+    pub(super) fn unit(&self) -> String {
+        if self.unit.is_empty() { String::new() } else { attribute("unit", &self.unit) }
+    }
+
+    pub(super) fn start(&self) -> &'static str {
+        if self.role == Role::Output { "" } else { " start=\"0\"" }
+    }
 }
 
 /// What the FMU of a linear model says of itself.
@@ -148,7 +163,7 @@ pub(super) const LOG: &str = "  <LogCategories>\n    \
     <Category name=\"logStatusError\" description=\"Wrong calls and values\"/>\n  </LogCategories>\n";
 
 /// Causality, variability and `initial` of a variable.
-pub(super) fn causality(role: Role) -> (&'static str, &'static str, Option<&'static str>) {
+fn causality(role: Role) -> (&'static str, &'static str, Option<&'static str>) {
     match role {
         Role::Input => ("input", "continuous", None),
         Role::Output => ("output", "discrete", Some("calculated")),

@@ -49,20 +49,8 @@ fn interfaces() -> String {
 }
 
 fn variable(variable: &Variable) -> String {
-    let (causality, variability, initial) = super::description::causality(variable.role);
-    let head = [
-        ("name", variable.name.as_str()),
-        ("valueReference", &variable.reference.to_string()),
-        ("description", &variable.description),
-        ("causality", causality),
-        ("variability", variability),
-    ]
-    .map(|(name, value)| attribute(name, value))
-    .concat();
-    let initial = initial.map_or_else(String::new, |initial| attribute("initial", initial));
-    let unit = if variable.unit.is_empty() { String::new() } else { attribute("unit", &variable.unit) };
-    let start = if variable.role == Role::Output { "" } else { " start=\"0\"" };
-    format!("    <ScalarVariable{head}{initial}>\n      <Real{unit}{start}/>\n    </ScalarVariable>\n")
+    let (head, unit, start) = (variable.head(), variable.unit(), variable.start());
+    format!("    <ScalarVariable{head}>\n      <Real{unit}{start}/>\n    </ScalarVariable>\n")
 }
 
 fn structure(description: &Description<'_>) -> String {

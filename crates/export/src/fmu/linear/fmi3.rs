@@ -44,20 +44,8 @@ fn interfaces(step: &str) -> String {
 }
 
 fn variable(variable: &Variable) -> String {
-    let (causality, variability, initial) = super::description::causality(variable.role);
-    let head = [
-        ("name", variable.name.as_str()),
-        ("valueReference", &variable.reference.to_string()),
-        ("description", &variable.description),
-        ("causality", causality),
-        ("variability", variability),
-    ]
-    .map(|(name, value)| attribute(name, value))
-    .concat();
-    let initial = initial.map_or_else(String::new, |initial| attribute("initial", initial));
-    let unit = if variable.unit.is_empty() { String::new() } else { attribute("unit", &variable.unit) };
-    let start = if variable.role == Role::Output { "" } else { " start=\"0\"" };
-    format!("    <Float64{head}{initial}{unit}{start}/>\n")
+    let (head, unit, start) = (variable.head(), variable.unit(), variable.start());
+    format!("    <Float64{head}{unit}{start}/>\n")
 }
 
 fn structure(description: &Description<'_>) -> String {

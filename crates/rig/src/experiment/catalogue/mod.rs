@@ -19,7 +19,7 @@ use recording::names::likely_meant;
 
 use super::{ExperimentLabel, Test};
 pub use error::CatalogueError;
-pub use parameter::Parameter;
+pub use parameter::{Parameter, parameter};
 pub use settings::Settings;
 pub use template::Template;
 

@@ -27,7 +27,8 @@ pub(super) const DURATION: Parameter = parameter("duration", "s", 60.0, (0.01, 1
 pub(super) const SETTLING: Parameter =
     parameter("settling", "s", 2.0, (0.0, 1000.0), "time at the first demands before the recording starts");
 
-pub(super) const fn parameter(
+/// One with its default, and its smallest and largest value.
+pub const fn parameter(
     name: &'static str,
     unit: &'static str,
     default: f64,
