@@ -102,6 +102,20 @@ impl BenchModel {
         (samples(pi.demand_delay_s - pi.delay_s), samples(self.feed_forward.map_or(0.0, |feed| feed.delay_s)))
     }
 
+    /// The same whose input is ω_d* as the controller has it. Recordings may have it whole samples later, so that a delay is
+    /// negative; without that, what runs in real time would have to know the demand in advance.
+    #[must_use]
+    pub fn with_demand_of_controller(&self) -> Self {
+        let Some(pi) = self.speed_controller else { return self.clone() };
+        let fed_s = self.feed_forward.map_or(0.0, |feed| feed.delay_s);
+        let early_s = (-pi.demand_delay_s.min(fed_s) / pi.sample_time_s).round().max(0.0) * pi.sample_time_s;
+        BenchModel {
+            speed_controller: Some(PiController { demand_delay_s: pi.demand_delay_s + early_s, ..pi }),
+            feed_forward: self.feed_forward.map(|feed| FeedForwardGains { delay_s: feed.delay_s + early_s, ..feed }),
+            ..self.clone()
+        }
+    }
+
     /// The model without feed-forward.
     pub fn without_feed_forward(&self) -> Self {
         BenchModel { feed_forward: None, ..self.clone() }

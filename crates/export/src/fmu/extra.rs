@@ -44,7 +44,7 @@ pub(super) fn files(
     numbers: &BenchNumbers,
     report: Option<&[u8]>,
 ) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
-    let run = reference::run(&document.model, numbers)?;
+    let run = reference::run(&document.model.with_demand_of_controller(), numbers)?;
     let mut related = vec![
         Related::csv("reference_in.csv", run.inputs, "experiment/smoke-test", "Inputs of a run of 1001 samples"),
         Related::csv("reference_out.csv", run.outputs, "result", "What dynoid's own simulation has for that run"),

@@ -67,8 +67,8 @@ impl BenchNumbers {
 
     /// The estimate alone.
     pub(super) fn without_draws(document: &BenchModelDocument) -> Result<Self, ExportError> {
-        let model = &document.model;
-        let known = all(model);
+        let model = document.model.with_demand_of_controller();
+        let known = all(&model);
         let parameters: Vec<RuntimeParameter> = ORDER.into_iter().filter_map(|name| of_runtime(name, &known)).collect();
         let validity = document.validity;
         let numbers = BenchNumbers {

@@ -115,6 +115,27 @@ fn exact_an_fmu_holds_the_draws_of_the_covariance() {
     assert_eq!(covariance.lines().nth(3), Some("K_p,0,0,0.0001,2e-5,0".replace("2e-5", "0.00002").as_str()));
 }
 
+/// Recordings that have ω_d* a sample later than the controller has it.
+#[test]
+fn ref_an_fmu_takes_the_demand_as_the_controller_has_it() {
+    let recorded = |early_s: f64| {
+        let mut model = document().model;
+        let pi = model.speed_controller.as_mut().unwrap();
+        (pi.delay_s, pi.demand_delay_s) = (3.1e-3, 1e-3 - early_s);
+        model.feed_forward.as_mut().unwrap().delay_s = -early_s;
+        model
+    };
+    let (late, own) = (recorded(1e-3), recorded(0.0));
+    assert_eq!((late.with_demand_of_controller(), own.with_demand_of_controller()), (own.clone(), own.clone()));
+    let files = |model: &BenchModel| c_files(&with_model(model.clone()), &names()).unwrap();
+    assert_eq!(files(&late), files(&own));
+    assert!(!made(&with_model(late), FmiVersion::V2).is_empty());
+    let folder = with_cases("fmu_controller", &with_model(own), &[Drive::Speed], false);
+    if let Some(lines) = run("fmu.py", &folder) {
+        assert!(largest(&lines) < 1e-11, "{lines}");
+    }
+}
+
 #[test]
 fn regress_a_delay_that_the_runtime_cannot_hold_is_refused() {
     let model = document().model.with(ModelParameter::TorqueControlDelay, 0.6);
