@@ -41,7 +41,7 @@ fn gather(folder: &Path, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
         let path = entry?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() {
-            let left_out = ["target", "tests", "testkit", "fuzz", "node_modules", "book"];
+            let left_out = ["target", "dynoid-demo", "tests", "testkit", "fuzz", "node_modules", "book"];
             if !name.starts_with('.') && !left_out.contains(&name.as_str()) {
                 gather(&path, found)?;
             }
