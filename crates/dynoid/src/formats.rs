@@ -163,6 +163,15 @@ fn lost_in_text(recording: &Recording) -> Option<String> {
     (!lost.is_empty()).then(|| format!("text has no place for {}", lost.join(", ")))
 }
 
+/// A recording as a table for data frames; where this build leaves Parquet out, as MDF.
+pub(crate) fn encode_table(recording: &Recording) -> Result<Vec<u8>, CliError> {
+    #[cfg(feature = "parquet")]
+    let encoded = recording::encode_parquet(recording);
+    #[cfg(not(feature = "parquet"))]
+    let encoded = recording::encode_mdf4(recording);
+    encoded.map_err(CliError::internal)
+}
+
 #[cfg(feature = "parquet")]
 fn parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
     recording::write_parquet(recording, out)

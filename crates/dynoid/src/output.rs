@@ -50,8 +50,20 @@ impl OutputFolder {
         Ok(paths)
     }
 
+    /// Writes those results that there are, as [`Self::write`] does, and then removes earlier ones of the other names. Returns the
+    /// path of each result in order.
+    pub(crate) fn write_or_remove<const N: usize>(
+        &self,
+        results: [(&str, Option<&[u8]>); N],
+    ) -> Result<[Option<PathBuf>; N], CliError> {
+        let files: Vec<(&str, &[u8])> = results.iter().filter_map(|(name, bytes)| Some((*name, (*bytes)?))).collect();
+        self.write(&files)?;
+        results.iter().filter(|(_, bytes)| bytes.is_none()).try_for_each(|(name, _)| self.remove(name))?;
+        Ok(results.map(|(name, bytes)| bytes.map(|_| self.path.join(name))))
+    }
+
     /// Removes an earlier result, if there is one.
-    pub(crate) fn remove(&self, name: &str) -> Result<(), CliError> {
+    fn remove(&self, name: &str) -> Result<(), CliError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => Err(CliError::write(&path, source)),

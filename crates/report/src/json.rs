@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 use study::Study;
 
 /// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
+
+/// The earliest version whose model is read; it had the series in the document.
+const EARLIEST: u32 = 2;
 
 /// What a file of another kind calls itself.
 const FORMAT: &str = "dynoid-study";
@@ -15,15 +18,19 @@ const FORMAT: &str = "dynoid-study";
 struct Document<'a> {
     format: &'static str,
     format_version: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    series_file: Option<&'a str>,
     study: &'a Study,
 }
 
-/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 2, "study": {…}}`.
+/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 3, "series_file": …, "study": {…}}`.
+///
+/// `series_file` is the name of the table that holds the values of [`study::series`], where there is one.
 ///
 /// Numbers keep their full precision; one that is NaN or infinite is `null`. Should serialisation ever fail, the
 /// document holds an `error` text in place of `study`, so that a reader of the file sees why.
-pub fn json(study: &Study) -> String {
-    let document = Document { format: FORMAT, format_version: FORMAT_VERSION, study };
+pub fn json(study: &Study, series_file: Option<&str>) -> String {
+    let document = Document { format: FORMAT, format_version: FORMAT_VERSION, series_file, study };
     serde_json::to_string(&document).unwrap_or_else(|error| {
         let reason = serde_json::Value::String(error.to_string());
         format!(r#"{{"format":"dynoid-study","format_version":{FORMAT_VERSION},"error":{reason}}}"#)
@@ -62,7 +69,7 @@ impl std::fmt::Display for BenchModelError {
             BenchModelError::Document { source } => source.fmt(f),
             BenchModelError::OtherVersion { found } => write!(
                 f,
-                "this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study bench.toml` again"
+                "this study is of version {found}, where {EARLIEST} to {FORMAT_VERSION} are read; run `dynoid study bench.toml` again"
             ),
             BenchModelError::NoModel => f.write_str(
                 "this study holds no bench model: its recordings did not give one, or an earlier dynoid wrote it; run \
@@ -112,7 +119,7 @@ pub fn model(text: &str) -> Result<AssembledModel, BenchModelError> {
     if header.format != FORMAT {
         return Err(not_a_model(format!("it calls itself “{}”", header.format)));
     }
-    if header.format_version != u64::from(FORMAT_VERSION) {
+    if !(u64::from(EARLIEST)..=u64::from(FORMAT_VERSION)).contains(&header.format_version) {
         return Err(BenchModelError::OtherVersion { found: header.format_version });
     }
     let document: WithModel = serde_json::from_str(text).map_err(|error| not_a_model(error.to_string()))?;

@@ -15,6 +15,7 @@ mod recorded;
 mod result;
 mod ripple_clock;
 mod run;
+mod series;
 mod validity;
 mod whole;
 
@@ -30,3 +31,4 @@ pub use progress::Progress;
 pub use recorded::{RecordedCourse, StepResponse};
 pub use result::*;
 pub use run::{Campaign, run, run_full};
+pub use series::series;

@@ -91,8 +91,14 @@ impl BenchModel {
     /// than the controller has it, both are those of ω_d* as the controller has it.
     pub fn demand_lags(&self) -> (usize, usize) {
         let (error, feed_forward) = self.recorded_demand_lags();
-        let least = error.min(feed_forward).min(0);
-        ((error - least).unsigned_abs(), (feed_forward - least).unsigned_abs())
+        let lead = self.demand_lead() as isize;
+        ((error + lead).unsigned_abs(), (feed_forward + lead).unsigned_abs())
+    }
+
+    /// Samples by which the demand of [`Self::demand_lags`] is earlier than ω_d* of recordings.
+    pub fn demand_lead(&self) -> usize {
+        let (error, feed_forward) = self.recorded_demand_lags();
+        error.min(feed_forward).min(0).unsigned_abs()
     }
 
     /// The same of ω_d* as recordings have it, which may be later than the controller has it: negative then.

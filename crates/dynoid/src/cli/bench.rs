@@ -34,7 +34,7 @@ Examples:
   dynoid study bench.toml --full
   dynoid study bench.toml --json | jq .verdict.level
 
-The study writes report.html, one file for any browser, study.json, every number for programs, and model.json, the bench model, which other commands take. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
+The study writes report.html, one file for any browser, and model.json, the bench model, which other commands take. For programs it writes every number to study.json, and the measured and modelled series to study-series.parquet. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
 
 With --full the report also contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.")]
 pub(crate) struct StudyArguments {
@@ -59,7 +59,7 @@ Examples:
   dynoid demo --out first-try --seed 7
   dynoid demo --json | jq '.comparison[] | select(.contains_truth | not)'
 
-The folder then contains recordings/*.mf4, bench.toml, report.html, effects.html, study.json and model.json. Change bench.toml and run `dynoid study` on it: leave recordings out, or change an inertia.")]
+The folder then contains recordings/*.mf4, bench.toml, report.html, effects.html, model.json, study.json and study-series.parquet. Change bench.toml and run `dynoid study` on it: leave recordings out, or change an inertia.")]
 pub(crate) struct DemoArguments {
     /// Folder to write to; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]

@@ -8,7 +8,7 @@ use crate::error::CliError;
 use crate::input::{read_bytes, read_text};
 
 /// The bench model beside a study.
-pub(super) const MODEL: &str = "model.json";
+pub(in crate::commands) const MODEL: &str = "model.json";
 const WANTED: &str = "a model.json as `dynoid study` writes, or an FMU of dynoid";
 
 /// The bench model in a file.

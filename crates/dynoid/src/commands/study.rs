@@ -11,12 +11,20 @@ use super::bench_model::MODEL;
 use crate::cli::bench::StudyArguments;
 use crate::date;
 use crate::error::{CliError, Outcome};
+use crate::formats;
 use crate::input;
 use crate::output::OutputFolder;
 use crate::paths;
 use crate::summary::{self, Written};
 use crate::terminal::{Progress, Terminal};
 
+pub(crate) const REPORT: &str = "report.html";
+pub(crate) const DATA: &str = "study.json";
+/// The measured and modelled series of a study, in a table.
+#[cfg(feature = "parquet")]
+pub(crate) const SERIES: &str = "study-series.parquet";
+#[cfg(not(feature = "parquet"))]
+pub(crate) const SERIES: &str = "study-series.mf4";
 /// Parts that are estimated, and replays there usually are: steps of the progress display.
 const PARTS: u64 = 6;
 const REPLAYS: u64 = 4;
@@ -58,19 +66,20 @@ pub(crate) fn study(
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
     let (study, html) = studied(campaign, extent, &progress).map_err(|error| no_study(bench, error))?;
-    let json = report::json(&study);
+    let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
+    let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = bench_model(&study, &text)?;
-    let mut files = vec![("study.json", json.as_bytes()), ("report.html", html.as_bytes())];
-    files.extend(model.as_ref().map(|model| (MODEL, model.as_bytes())));
-    let mut paths = folder.write(&files)?.into_iter();
-    drop(progress);
-    let (Some(data), Some(report), model) = (paths.next(), paths.next(), paths.next()) else {
+    let results = [
+        (DATA, Some(json.as_bytes())),
+        (REPORT, Some(html.as_bytes())),
+        (SERIES, series.as_deref()),
+        (MODEL, model.as_ref().map(String::as_bytes)),
+    ];
+    let [Some(data), Some(report), series, model] = folder.write_or_remove(results)? else {
         return Err(CliError::internal("results without a path"));
     };
-    if model.is_none() {
-        folder.remove(MODEL)?;
-    }
-    Ok(Written { study, report, data, model })
+    drop(progress);
+    Ok(Written { study, report, data, series, model })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.

@@ -44,8 +44,9 @@ fn print_places(written: &Written, terminal: &mut Terminal) {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     table.row(["data".into(), shown(&written.data).into()]);
-    if let Some(model) = &written.model {
-        table.row(["model".into(), shown(model).into()]);
+    let optional = [("series", &written.series), ("model", &written.model)];
+    for (what, path) in optional.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))) {
+        table.row([what.into(), shown(path).into()]);
     }
     terminal.heading("Written", Tone::Strong);
     terminal.table(&table);

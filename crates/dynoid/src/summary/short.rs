@@ -23,6 +23,8 @@ pub(crate) struct Short<'a> {
     recordings: Vec<ShortRecording<'a>>,
     report: &'a Path,
     data: &'a Path,
+    /// The table of measured and modelled series; none where nothing was estimated.
+    series: Option<&'a Path>,
     /// The bench model; none where the study has none.
     model: Option<&'a Path>,
 }
@@ -92,6 +94,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         recordings: study.recordings.iter().map(short_recording).collect(),
         report: &written.report,
         data: &written.data,
+        series: written.series.as_deref(),
         model: written.model.as_deref(),
     }
 }

@@ -9,6 +9,8 @@ pub(crate) struct Written {
     pub(crate) study: Study,
     pub(crate) report: PathBuf,
     pub(crate) data: PathBuf,
+    /// The measured and modelled series, where something was estimated.
+    pub(crate) series: Option<PathBuf>,
     /// The bench model, where the study has one.
     pub(crate) model: Option<PathBuf>,
 }

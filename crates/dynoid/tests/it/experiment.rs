@@ -179,9 +179,9 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     assert!(shaft["quantile_95"].as_f64() > shaft["quantile_5"].as_f64(), "{json}");
     let with_document = campaign.run(&[&check[..], &["--model", "study/model.json"]].concat()).json();
     assert_eq!(with_document["limits"], json["limits"], "model.json and study.json hold the same model");
-    campaign.write("old.json", text.replace("\"format_version\":2", "\"format_version\":9").as_bytes());
+    campaign.write("old.json", text.replace("\"format_version\":3", "\"format_version\":9").as_bytes());
     let old = [&design[..6], &["--model", "old.json"]].concat();
-    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 2 is read", "dynoid study"]);
+    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 2 to 3 are read", "dynoid study"]);
 }
 
 #[test]

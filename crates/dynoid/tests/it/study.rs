@@ -10,12 +10,52 @@ fn report_and_data_lie_beside_the_bench_file() {
     let campaign = Campaign::whole();
     let ran = campaign.run(&["study", "bench.toml"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
-    assert_eq!(campaign.results(), ["model.json", "report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "report.html", "study-series.parquet", "study.json"]);
     assert!(campaign.read("study/report.html").contains("Test bench"));
     let data: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
     assert_eq!(data["format"], "dynoid-study");
     for words in ["Verdict", "K_p", "Nm/rad", "Not estimated", "feed-forward", "needs", "study/report.html"] {
         assert!(ran.stdout.contains(words), "`{words}` is not in:\n{}", ran.stdout);
+    }
+}
+
+#[test]
+fn exact_the_values_of_every_series_of_the_document_are_in_the_table() {
+    let campaign = Campaign::whole();
+    campaign.run(&["study", "bench.toml", "--quiet"]);
+    let text = campaign.read("study/study.json");
+    assert!(text.len() < 1_000_000, "{} bytes", text.len());
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["series_file"], "study-series.parquet");
+    let mut places = Vec::new();
+    series_in(&document["study"], "", &mut places);
+    assert!(places.len() > 10, "{places:?}");
+    let bytes = std::fs::read(campaign.path("study/study-series.parquet")).unwrap();
+    let table = recording::decode("study-series.parquet", &bytes, &recording::Selection::All).unwrap();
+    let names: Vec<&str> = table.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names.len(), places.len(), "{names:?}");
+    for (place, samples, start_s) in places {
+        let channel = table.channel(&place).unwrap_or_else(|| panic!("{place} is not in {names:?}"));
+        assert_eq!(channel.samples.len() as u64, samples, "{place}");
+        assert_eq!(table.time_s(channel).unwrap()[0], start_s, "{place}");
+        assert!(channel.samples.iter().all(|value| value.is_finite()), "{place}");
+    }
+}
+
+/// Places of series below a value, with their numbers of samples and their starts.
+fn series_in(value: &serde_json::Value, place: &str, found: &mut Vec<(String, u64, f64)>) {
+    let below = |key: &str| if place.is_empty() { key.to_owned() } else { format!("{place}/{key}") };
+    match value {
+        serde_json::Value::Object(fields) => match (fields.get("samples"), fields.get("start_s")) {
+            (Some(samples), Some(start)) => {
+                found.push((place.to_owned(), samples.as_u64().unwrap(), start.as_f64().unwrap()));
+            }
+            _ => fields.iter().for_each(|(key, value)| series_in(value, &below(key), found)),
+        },
+        serde_json::Value::Array(values) => {
+            values.iter().enumerate().for_each(|(k, value)| series_in(value, &below(&k.to_string()), found));
+        }
+        _ => {}
     }
 }
 
@@ -85,7 +125,7 @@ fn existing_results_are_kept_when_a_run_fails() {
     }
     campaign.run(&["study", "bench.toml"]).assert_refused(3, &["none of the 2 recordings", "BS_T_NT_1200"]);
     assert_eq!([campaign.read("study/report.html"), campaign.read("study/study.json")], before);
-    assert_eq!(campaign.results(), ["model.json", "report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "report.html", "study-series.parquet", "study.json"]);
 }
 
 #[test]
@@ -104,7 +144,7 @@ fn other_files_beside_the_results_are_left_alone() {
     std::fs::create_dir(campaign.path("study")).unwrap();
     campaign.write("study/notes.txt", b"mine");
     campaign.run(&["study", "bench.toml", "--quiet"]);
-    assert_eq!(campaign.results(), ["model.json", "notes.txt", "report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "notes.txt", "report.html", "study-series.parquet", "study.json"]);
     assert_eq!(campaign.read("study/notes.txt"), "mine");
 }
 

@@ -41,7 +41,7 @@ fn quiet_leaves_standard_output_empty() {
     let ran = campaign.run(&["study", "bench.toml", "--quiet"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
-    assert_eq!(campaign.results(), ["model.json", "report.html", "study.json"]);
+    assert_eq!(campaign.results(), ["model.json", "report.html", "study-series.parquet", "study.json"]);
 }
 
 #[test]

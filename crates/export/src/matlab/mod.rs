@@ -53,6 +53,7 @@ fn value(document: &BenchModelDocument) -> Result<Value, ExportError> {
         fields.push(("tn", discrete(document, LoopMode::Torque, tick)?));
         if model.speed_controller.is_some() {
             fields.push(("nt", discrete(document, LoopMode::Speed, tick)?));
+            fields.push(("demand_lead", Value::number(model.demand_lead() as f64)));
         }
     }
     Ok(Value::Struct(fields))

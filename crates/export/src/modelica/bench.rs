@@ -79,6 +79,14 @@ fn validity(document: &BenchModelDocument) -> String {
     if conditions.is_empty() { "true".to_owned() } else { conditions.join(" and ") }
 }
 
+/// How a recorded demand becomes the one that the controller takes.
+fn demand_lead(model: &BenchModel) -> String {
+    match model.demand_lead() {
+        0 => String::new(),
+        lead => format!("; recordings have it {lead} T_s later: advance a recorded demand by as much"),
+    }
+}
+
 /// The speed controller, with its demand as late as the recordings show.
 fn controller(model: &BenchModel, pi: &PiController) -> String {
     let (lag, feed_lag) = model.demand_lags();
@@ -104,6 +112,7 @@ fn controller(model: &BenchModel, pi: &PiController) -> String {
     };
     CONTROL
         .replace("@CONTROLLER_PARAMETERS@", &parameters(model, &CONTROLLER))
+        .replace("@DEMAND_LEAD@", &demand_lead(model))
         .replace("@PAST_EQUATIONS@", &shifts)
         .replace("@PAST@", &past)
         .replace("@LAG@", &lag.to_string())

@@ -2,7 +2,7 @@
   model SpeedController "PI with feed-forward, as it runs: every T_s, its output held"
 @CONTROLLER_PARAMETERS@    parameter Real w_start(unit = "rad/s") = 100.0 "speed at the start";
     parameter Real T_start(unit = "N.m") = 0.0 "torque at the start";
-    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand";
+    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
     input Real w_d(unit = "rad/s", start = w_start) "speed as the encoder reads it";
     output Real T_d_demand(unit = "N.m") "demanded torque";
   protected
@@ -24,7 +24,7 @@
   model SpeedControl "The bench in speed control (NT)"
     parameter Real w_start(unit = "rad/s") = 100.0 "speed at the start";
     parameter Real T_start(unit = "N.m") = 0.0 "torque at the start";
-    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand";
+    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
     input Real T_e(unit = "N.m", start = T_start) "torque of the engine";
     output Real w_d(unit = "rad/s") "speed of the dynamometer";
     output Real w_e(unit = "rad/s") "speed of the engine";

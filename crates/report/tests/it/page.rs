@@ -147,14 +147,14 @@ fn exact_numbers_that_are_not_finite_are_null_or_not_known() {
     assert!(!body.contains("NaN") && !body.contains("inf "));
     assert!(body.contains("not known"));
     assert!(serde_json::from_str::<serde_json::Value>(&page::json(&report::study(&study)).unwrap()).is_ok());
-    let json: serde_json::Value = serde_json::from_str(&report::json(&study)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&report::json(&study, None)).unwrap();
     assert!(json["study"]["shaft"]["validation"]["fit_percent"].is_null());
 }
 
 #[test]
 fn exact_json_names_its_format_and_keeps_full_precision() {
     let study = fixture::complete();
-    let json: serde_json::Value = serde_json::from_str(&report::json(&study)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&report::json(&study, None)).unwrap();
     assert_eq!(json["format"], "dynoid-study");
     assert_eq!(json["format_version"], report::FORMAT_VERSION);
     let gain = json["study"]["speed_controller"]["estimate"]["parameters"][0]["value"].as_f64().unwrap();
@@ -187,18 +187,19 @@ fn exact_thinned_traces_keep_their_peaks_and_times() {
 fn exact_the_model_of_a_study_is_read_back() {
     let study = fixture::complete();
     assert!(study.model.as_ref().is_some_and(|model| model.uncertainty != ModelUncertainty::default()));
-    assert_eq!(report::model(&report::json(&study)).as_ref(), Ok(study.model.as_ref().unwrap()));
+    assert_eq!(report::model(&report::json(&study, None)).as_ref(), Ok(study.model.as_ref().unwrap()));
 }
 
 #[test]
 fn regress_what_holds_no_model_is_refused_in_words() {
     let words = |text: &str| report::model(text).unwrap_err().to_string();
-    let json = report::json(&fixture::complete());
+    let json = report::json(&fixture::complete(), None);
     assert!(
-        words(&json.replace("\"format_version\":2", "\"format_version\":7")).contains("version 7, where 2 is read")
+        words(&json.replace("\"format_version\":3", "\"format_version\":7"))
+            .contains("version 7, where 2 to 3 are read")
     );
     assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("calls itself “dynoid model”"));
     assert!(words("{}").contains("neither a bench model nor a study"));
     assert!(words(&json[..json.len() / 2]).contains("neither a bench model nor a study"));
-    assert!(words(&report::json(&fixture::bare())).contains("holds no bench model"));
+    assert!(words(&report::json(&fixture::bare(), None)).contains("holds no bench model"));
 }

@@ -1,11 +1,14 @@
 //! Measured against modelled, on data an estimate has not seen.
 
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 use super::estimate::Stretch;
 
 /// A uniformly sampled curve for plots, in the unit people use.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+///
+/// A document holds where it starts, its sample time and its number of samples; the values belong into a table beside it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// Time of the first sample, s.
     pub start_s: f64,
@@ -13,6 +16,16 @@ pub struct Trace {
     pub sample_time_s: f64,
     /// Values.
     pub values: Vec<f64>,
+}
+
+impl Serialize for Trace {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Trace", 3)?;
+        fields.serialize_field("start_s", &self.start_s)?;
+        fields.serialize_field("sample_time_s", &self.sample_time_s)?;
+        fields.serialize_field("samples", &self.values.len())?;
+        fields.end()
+    }
 }
 
 /// Measured against modelled, on data the estimate has not seen.

@@ -10,6 +10,7 @@ use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
 
 use crate::cli::bench::DemoArguments;
+use crate::commands::bench_model::MODEL;
 use crate::commands::study::{self, Extent};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
@@ -79,7 +80,7 @@ fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
         return Err(refuse(out.join(BENCH_FILE)));
     }
     let own = |name: &str| {
-        [RECORDINGS, BENCH_FILE, EFFECTS, "report.html", "study.json", "model.json", "study"].contains(&name)
+        [RECORDINGS, BENCH_FILE, EFFECTS, study::REPORT, study::DATA, study::SERIES, MODEL, "study"].contains(&name)
     };
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));

@@ -1,0 +1,84 @@
+//! The measured and modelled series of a study as one table.
+
+use recording::{Channel, Format, Raster, Recording};
+use rig::results::{Trace, Validation};
+
+use crate::Study;
+
+/// Every series of a study: what was measured and what the model gives, of each part and each replay.
+///
+/// A channel has the name of its place in the study's JSON document, e.g. `replays/0/signals/2/measured`, and the file and
+/// the quantity as its comment. Times are those of each recording, s. `None` where nothing was estimated.
+pub fn series(study: &Study) -> Option<Recording> {
+    let mut table = Table::default();
+    if let Some(controller) = study.speed_controller.estimated() {
+        table.add("speed_controller/validation", &controller.validation);
+        table.add("speed_controller/without_delay", &controller.without_delay);
+    }
+    if let Some(feed_forward) = study.feed_forward.estimated() {
+        table.add("feed_forward/validation", &feed_forward.validation);
+        table.add("feed_forward/pi_alone", &feed_forward.pi_alone);
+    }
+    if let Some(control) = study.torque_control.estimated() {
+        table.add("torque_control/pure_delay_validation", &control.pure_delay_validation);
+        table.add("torque_control/delay_and_lag_validation", &control.delay_and_lag_validation);
+    }
+    if let Some(shaft) = study.shaft.estimated() {
+        table.add("shaft/validation", &shaft.validation);
+    }
+    for (number, replay) in study.replays.iter().enumerate() {
+        for (place, signal) in replay.signals.iter().enumerate() {
+            table.add(&format!("replays/{number}/signals/{place}"), signal);
+        }
+    }
+    table.recording()
+}
+
+/// Start in s, sample time in s, and number of samples: traces that agree in them share a clock.
+type Clock = (u64, u64, usize);
+
+#[derive(Default)]
+struct Table {
+    clocks: Vec<Clock>,
+    rasters: Vec<Raster>,
+    channels: Vec<Channel>,
+}
+
+impl Table {
+    fn add(&mut self, place: &str, validation: &Validation) {
+        for (what, trace) in [("measured", &validation.measured), ("modelled", &validation.modelled)] {
+            let raster = self.raster(trace);
+            self.channels.push(Channel {
+                name: format!("{place}/{what}"),
+                unit: validation.unit.clone(),
+                comment: format!("{}: {}, {what}", validation.stretch.file, validation.quantity),
+                raster,
+                samples: trace.values.clone(),
+            });
+        }
+    }
+
+    fn raster(&mut self, trace: &Trace) -> usize {
+        let clock = (trace.start_s.to_bits(), trace.sample_time_s.to_bits(), trace.values.len());
+        if let Some(known) = self.clocks.iter().position(|one| *one == clock) {
+            return known;
+        }
+        let time_s = (0..trace.values.len()).map(|k| trace.start_s + k as f64 * trace.sample_time_s).collect();
+        self.clocks.push(clock);
+        self.rasters.push(Raster { time_s, name: None });
+        self.rasters.len() - 1
+    }
+
+    fn recording(self) -> Option<Recording> {
+        (!self.channels.is_empty()).then(|| Recording {
+            format: Format::Parquet,
+            comment: Some(
+                "dynoid study: each column is a series at the place in study.json that its name says".to_owned(),
+            ),
+            start_time: None,
+            rasters: self.rasters,
+            channels: self.channels,
+            findings: Vec::new(),
+        })
+    }
+}
