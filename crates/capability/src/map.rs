@@ -11,6 +11,7 @@ use numerics::{order, parallel};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
+use rig::results::Part;
 use serde::Serialize;
 use signal::Complex64;
 
@@ -231,11 +232,11 @@ impl Rest {
 
 fn gains(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf, omega: f64) -> Result<Gains, CapabilityError> {
     let missing = |part| bench_model::simulate::SimulationError::MissingPart { part };
-    let control = model.torque_control.ok_or_else(|| missing("torque control"))?;
+    let control = model.torque_control.ok_or_else(|| missing(Part::TorqueControl))?;
     match of {
         SineOf::Speed => {
-            let pi = model.speed_controller.ok_or_else(|| missing("speed controller"))?;
-            let speed = model.speed_demand_to_speed(omega).ok_or_else(|| missing("speed controller"))?;
+            let pi = model.speed_controller.ok_or_else(|| missing(Part::SpeedController))?;
+            let speed = model.speed_demand_to_speed(omega).ok_or_else(|| missing(Part::SpeedController))?;
             let drive = pi.hold(omega) * control.response(omega);
             let demand = speed / (drive * model.mechanics.torque_to_speed(omega));
             let shaft = demand * drive * model.mechanics.torque_to_shaft(omega);

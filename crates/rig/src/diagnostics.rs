@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::Role;
 use crate::experiment::ExperimentLabel;
-use crate::results::{Part, Quantity, write_symbol};
+use crate::results::{Part, Quantity, Reason, write_symbol};
 use crate::words::write_words;
 
 /// How much a finding matters.
@@ -71,6 +71,23 @@ pub enum SeenInstead {
     },
     /// N_d* changes where the torque should be excited at a constant speed.
     SpeedDemandChanges,
+}
+
+/// Why a recording could not be replayed on a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotReplayed {
+    /// The recording or the model lacks something.
+    Lacks(Reason),
+    /// The demand is on another clock than the controller.
+    Clock {
+        /// Sample time of the demand, s.
+        demand_s: f64,
+        /// Sample time of the controller, s.
+        controller_s: f64,
+    },
+    /// The model cannot be simulated at the recording's sample time.
+    NotSimulated,
 }
 
 /// What can be found.
@@ -377,8 +394,8 @@ pub enum Finding {
     },
     /// A recording could not be replayed on the model.
     NotReplayed {
-        /// The replay's own words.
-        reason: String,
+        /// Why.
+        reason: NotReplayed,
     },
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {

@@ -26,7 +26,7 @@ pub mod role;
 mod words;
 
 pub use bench_file::BenchFile;
-pub use diagnostics::{Diagnostic, Finding, LikelyUnit, Place, SeenInstead, Severity};
+pub use diagnostics::{Diagnostic, Finding, LikelyUnit, NotReplayed, Place, SeenInstead, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
 pub use prepare::{PrepareError, prepare};
 pub use role::Role;

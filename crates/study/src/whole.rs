@@ -114,7 +114,7 @@ pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &
             match replay_one(findings, pieces, model, experiment) {
                 Ok(replay) => done.push(replay),
                 Err(error) => {
-                    let finding = Finding::NotReplayed { reason: error.to_string() };
+                    let finding = Finding::NotReplayed { reason: error.into() };
                     findings.doubt(&experiment.file, Severity::Note, finding);
                 }
             }

@@ -1,6 +1,8 @@
 //! Why a recording cannot be replayed.
 
+use rig::NotReplayed;
 use rig::estimation::EstimateError;
+use rig::results::Reason;
 
 use crate::simulate::SimulationError;
 
@@ -18,4 +20,19 @@ pub enum ReplayError {
         /// The reason.
         source: SimulationError,
     },
+}
+
+impl From<ReplayError> for NotReplayed {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Recording(error) => NotReplayed::Lacks(Reason::from(error)),
+            ReplayError::Simulation { source: SimulationError::MissingPart { part }, .. } => {
+                NotReplayed::Lacks(Reason::Part { part })
+            }
+            ReplayError::Simulation { source: SimulationError::Clock { inputs_s, controller_s }, .. } => {
+                NotReplayed::Clock { demand_s: inputs_s, controller_s }
+            }
+            ReplayError::Simulation { .. } => NotReplayed::NotSimulated,
+        }
+    }
 }

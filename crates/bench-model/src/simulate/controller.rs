@@ -1,5 +1,7 @@
 //! The sampled speed controller.
 
+use rig::results::Part;
+
 use super::plant::Streams;
 use crate::model::{BenchModel, FeedForwardGains, PiController};
 use crate::simulate::error::SimulationError;
@@ -21,7 +23,7 @@ pub(super) struct Pi {
 
 impl Pi {
     pub(super) fn new(model: &BenchModel, start: &InitialState, sample_time_s: f64) -> Result<Self, SimulationError> {
-        let gains = model.speed_controller.ok_or(SimulationError::MissingPart { part: "speed controller" })?;
+        let gains = model.speed_controller.ok_or(SimulationError::MissingPart { part: Part::SpeedController })?;
         if (gains.sample_time_s - sample_time_s).abs() > SAME_CLOCK * sample_time_s {
             return Err(SimulationError::Clock { inputs_s: sample_time_s, controller_s: gains.sample_time_s });
         }

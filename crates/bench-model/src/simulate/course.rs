@@ -4,6 +4,8 @@
 //! its limit, controller and bench are linear. Their samples from one point to the next are then one matrix, which is found by
 //! stepping through them once. Near the limit, the bench is stepped sample by sample, with limit and anti-windup.
 
+use rig::results::Part;
+
 use super::plant::{STATES, Substep, samples_back};
 use crate::model::{BenchModel, FeedForwardGains, PiController};
 use crate::simulate::error::SimulationError;
@@ -108,8 +110,8 @@ struct Bench {
 
 impl Bench {
     fn new(model: &BenchModel) -> Result<Self, SimulationError> {
-        let pi = model.speed_controller.ok_or(SimulationError::MissingPart { part: "speed controller" })?;
-        let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?;
+        let pi = model.speed_controller.ok_or(SimulationError::MissingPart { part: Part::SpeedController })?;
+        let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: Part::TorqueControl })?;
         let substeps = Substep::of_a_sample(model, Some(torque_control), pi.sample_time_s)?;
         let gate_samples = (model.encoder_gate_s / pi.sample_time_s).max(0.0);
         let oldest = substeps.iter().map(|part| part.delayed_back).max().unwrap_or(0);

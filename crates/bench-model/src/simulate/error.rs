@@ -1,13 +1,15 @@
 //! Why the model cannot be simulated.
 
+use rig::results::Part;
+
 /// Why a simulation cannot run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// The model lacks a part the drive needs.
-    #[error("the model has no {part}")]
+    #[error("the model has no {}", name(*.part))]
     MissingPart {
         /// Which part.
-        part: &'static str,
+        part: Part,
     },
     /// Inputs differ in length, or there is none.
     #[error("{what}: {found} samples where {expected} are needed")]
@@ -30,4 +32,15 @@ pub enum SimulationError {
     /// The model has no exact discrete form.
     #[error(transparent)]
     Discretisation(#[from] lti::LtiError),
+}
+
+/// A part that a simulation may need.
+fn name(part: Part) -> &'static str {
+    match part {
+        Part::SpeedController => "speed controller",
+        Part::FeedForward => "feed-forward",
+        Part::TorqueControl => "torque control",
+        Part::Shaft => "shaft",
+        Part::Timing | Part::Whole => "such part",
+    }
 }

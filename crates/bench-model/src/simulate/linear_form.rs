@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::StateSpace;
+use rig::results::Part;
 
 use super::error::SimulationError;
 use super::inputs::InitialState;
@@ -69,7 +70,7 @@ pub fn linear_form(model: &BenchModel, mode: LoopMode, sample_time_s: f64) -> Re
     let step_s = match mode {
         LoopMode::Torque => sample_time_s,
         LoopMode::Speed => {
-            model.speed_controller.ok_or(SimulationError::MissingPart { part: "speed controller" })?.sample_time_s
+            model.speed_controller.ok_or(SimulationError::MissingPart { part: Part::SpeedController })?.sample_time_s
         }
     };
     Builder::new(model, mode, step_s)?.build()
@@ -127,7 +128,7 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(model: &'a BenchModel, mode: LoopMode, step_s: f64) -> Result<Self, SimulationError> {
-        let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?;
+        let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: Part::TorqueControl })?;
         let substeps = Substep::of_a_sample(model, Some(torque_control), step_s)?;
         let lags = model.demand_lags();
         let states = states(model, mode, step_s, &substeps, lags);

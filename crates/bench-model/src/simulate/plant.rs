@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::StateSpace;
+use rig::results::Part;
 
 use super::ripple::{Ripple, between};
 use crate::model::{BenchModel, Mechanics, TorqueControlModel};
@@ -104,7 +105,7 @@ impl<'a> Plant<'a> {
         let step = inputs.sample_time_s;
         let torque_control = match inputs.dyno {
             DynoInput::AirGapTorque(_) => None,
-            _ => Some(model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?),
+            _ => Some(model.torque_control.ok_or(SimulationError::MissingPart { part: Part::TorqueControl })?),
         };
         let substeps = Substep::of_a_sample(model, torque_control, step)?;
         let bandwidth = torque_control.and_then(|i| i.bandwidth_rad_s);

@@ -5,6 +5,7 @@ use bench_model::simulate::{
     CourseInputs, DynoInput, InitialState, Inputs, Response, SimulationError, simulate, simulate_course,
 };
 use rig::bench_parameters::BenchParameters;
+use rig::results::Part;
 
 const STEP: usize = 5;
 
@@ -81,7 +82,7 @@ fn regress_what_a_long_run_lacks_is_named() {
     let start = InitialState::steady(&model, 100.0, 0.0);
     let inputs = CourseInputs { step_samples: 5, speed_demand_rad_s: &[1.0, 1.0], engine_torque_nm: &[0.0, 0.0] };
     let error = simulate_course(&model, &inputs, &start).unwrap_err();
-    assert_eq!(error, SimulationError::MissingPart { part: "speed controller" });
+    assert_eq!(error, SimulationError::MissingPart { part: Part::SpeedController });
     let inputs = CourseInputs { engine_torque_nm: &[0.0], ..inputs };
     let model = BenchModel::of(&BenchParameters::default());
     assert!(matches!(simulate_course(&model, &inputs, &start), Err(SimulationError::Length { .. })));

@@ -7,6 +7,7 @@ use bench_model::simulate::{DynoInput, InitialState, Inputs, Ripple, SimulationE
 use bench_testkit::models::bench_a;
 use proptest::prelude::*;
 use rig::facts::Engine;
+use rig::results::Part;
 
 fn grid(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(|i| i as f64 * 1e-3)
@@ -135,7 +136,7 @@ fn exact_missing_parts_are_named() {
     let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &[0.0], dyno };
     let start = InitialState::steady(&model, 1.0, 0.0);
     let error = simulate(&model, &inputs, &start).unwrap_err();
-    assert_eq!(error, SimulationError::MissingPart { part: "speed controller" });
+    assert_eq!(error, SimulationError::MissingPart { part: Part::SpeedController });
 }
 
 #[test]

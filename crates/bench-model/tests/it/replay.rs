@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use bench_model::model::BenchModel;
 use bench_model::replay::{EncoderError, ReplayError, ReplayInputs, replay};
 use bench_model::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
 use bench_model::skews::SignalSkews;
 use rig::estimation::EstimateError;
-use rig::{Experiment, Role};
+use rig::results::{Part, Reason};
+use rig::{Experiment, NotReplayed, Role};
 use signal::Signal;
 
 use bench_testkit::models::bench_a;
@@ -99,6 +101,23 @@ fn exact_missing_signals_and_short_stretches_are_errors() {
     experiment.signals.remove(&Role::EngineSpeed);
     let error = replay(&experiment, &model, &ReplayInputs::default()).unwrap_err();
     assert!(matches!(error, ReplayError::Recording(EstimateError::MissingSignal { role: Role::EngineSpeed, .. })));
+}
+
+#[test]
+fn exact_a_study_learns_what_a_replay_lacks() {
+    let reason = |experiment: &Experiment, model: &BenchModel| {
+        NotReplayed::from(replay(experiment, model, &ReplayInputs::default()).unwrap_err())
+    };
+    let without = BenchModel { speed_controller: None, ..bench_a() };
+    let part = Part::SpeedController;
+    assert_eq!(reason(&speed_control(), &without), NotReplayed::Lacks(Reason::Part { part }));
+    let mut experiment = speed_control();
+    experiment.signals.remove(&Role::EngineSpeed);
+    let (file, role) = (experiment.file.clone(), Role::EngineSpeed);
+    assert_eq!(reason(&experiment, &bench_a()), NotReplayed::Lacks(Reason::Channel { file, role }));
+    let mut slow = bench_a();
+    slow.speed_controller.as_mut().unwrap().sample_time_s = 2e-3;
+    assert!(matches!(reason(&speed_control(), &slow), NotReplayed::Clock { controller_s: 2e-3, .. }));
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Each finding in plain words: what was found, and what to do about it.
 
 use rig::results::{Parameter, Quantity};
-use rig::{ControlMode, Diagnostic, Finding, LikelyUnit, Role, SeenInstead};
+use rig::{ControlMode, Diagnostic, Finding, LikelyUnit, NotReplayed, Role, SeenInstead};
 
 use super::number::{self, NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
+use super::reason::reason_of;
 use super::{join, mode_short, part, place, role, severity};
 
 /// A diagnostic on one line: severity, place, what was found, what to do.
@@ -163,7 +164,9 @@ pub fn finding(finding: &Finding) -> String {
                 si(*step)
             )
         }
-        Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
+        Finding::NotReplayed { reason } => {
+            format!("The recording was not replayed on the model: {}.", not_replayed(reason))
+        }
         Finding::Simulated { files, beside_measured } => {
             let all = if *beside_measured { "" } else { "All recordings are simulated: " };
             format!("{all}{} from a virtual bench.", join(files, "and"))
@@ -402,6 +405,18 @@ fn si(value: f64) -> String {
 }
 
 /// A reader's own words as part of a sentence: trimmed, without a closing full stop.
+fn not_replayed(reason: &NotReplayed) -> String {
+    match reason {
+        NotReplayed::Lacks(reason) => phrase(&reason_of(reason)).to_owned(),
+        NotReplayed::Clock { demand_s, controller_s } => format!(
+            "the demand has a value every {} ms, and the controller runs every {} ms",
+            si(1e3 * demand_s),
+            si(1e3 * controller_s)
+        ),
+        NotReplayed::NotSimulated => "the model cannot be simulated at its sample time".to_owned(),
+    }
+}
+
 fn phrase(reason: &str) -> &str {
     let trimmed = reason.trim().trim_end_matches('.');
     if trimmed.is_empty() { "no reason given" } else { trimmed }

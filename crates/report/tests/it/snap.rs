@@ -6,7 +6,7 @@ use recording::RecordingError;
 use report::wording::{self, number};
 use rig::estimation::EstimateError;
 use rig::results::{Notation, Part, Quantity, Reason, WrittenParameter};
-use rig::{Diagnostic, ExperimentLabel, Finding, LikelyUnit, Place, Role, SeenInstead, Severity};
+use rig::{Diagnostic, ExperimentLabel, Finding, LikelyUnit, NotReplayed, Place, Role, SeenInstead, Severity};
 
 use crate::fixture;
 
@@ -19,6 +19,9 @@ fn findings() -> Vec<Finding> {
         Finding::UnreadableRecording { error: RecordingError::Empty { file: "bs.mf4".into() } },
         Finding::ReaderDoubt { doubt: recording::Finding::NotFinalised },
         Finding::NoLabel,
+        Finding::NotReplayed { reason: NotReplayed::Lacks(Reason::Part { part: Part::SpeedController }) },
+        Finding::NotReplayed { reason: NotReplayed::Clock { demand_s: 1e-3, controller_s: 2e-3 } },
+        Finding::NotReplayed { reason: NotReplayed::NotSimulated },
         Finding::DuplicateRecording { other: "bs.mf4".into() },
         Finding::MissingChannel { role: Role::DynoSpeed, closest: vec!["N_dyn".into(), "Ndyno".into()] },
         Finding::MissingChannel { role: Role::Throttle, closest: Vec::new() },
