@@ -5,7 +5,7 @@ use std::sync::Once;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use page::{Page, Screen, Table, Tone, safe, wrap};
+use page::{Page, Screen, Tone, safe};
 use serde::Serialize;
 
 use crate::cli::{ColorWhen, Global};
@@ -63,24 +63,6 @@ impl Terminal {
     /// An empty line.
     pub(crate) fn gap(&mut self) {
         self.put("");
-    }
-
-    /// A line that stands out.
-    pub(crate) fn heading(&mut self, text: &str, style: Tone) {
-        let text = self.painted(style, &safe(text));
-        self.put(&text);
-    }
-
-    /// A paragraph, broken into lines.
-    pub(crate) fn paragraph(&mut self, text: &str) {
-        for line in wrap(&safe(text), self.width) {
-            self.put(&line);
-        }
-    }
-
-    /// A table, indented.
-    pub(crate) fn table(&mut self, table: &Table) {
-        page::table_lines(table, 2, self.screen()).iter().for_each(|line| self.put(line));
     }
 
     /// A page, but for its figures.
@@ -156,10 +138,6 @@ impl Terminal {
             Some(source) if source.kind() != io::ErrorKind::BrokenPipe => Err(CliError::StandardOutput { source }),
             _ => Ok(()),
         }
-    }
-
-    fn painted(&self, style: Tone, text: &str) -> String {
-        if self.colour_out { style.paint(text) } else { text.to_owned() }
     }
 
     fn put(&mut self, line: &str) {

@@ -31,7 +31,7 @@ pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};
 pub use svg::svg;
 pub use table::{Align, Cell, Column, Content, Row, Table};
-pub use terminal::{Screen, safe, table_lines, terminal, wrap};
+pub use terminal::{Screen, safe, terminal};
 pub use tone::Tone;
 
 /// The page as JSON: its data, as they are.

@@ -91,6 +91,7 @@ impl Lines {
             Block::Drawing { caption, .. } => self.text(caption, 0, Tone::Plain),
             Block::Finding(finding) => self.finding(finding),
             Block::Callout { tone, title, blocks, .. } => {
+                self.gap();
                 self.push_painted(Tone::Strong, &self.screen.painted(*tone, &safe(title)));
                 self.blocks(blocks);
             }
@@ -168,7 +169,7 @@ fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
 }
 
 /// The lines of a table, indented. The last column is broken into lines where it is too wide.
-pub fn table_lines(table: &Table, indent: usize, screen: Screen) -> Vec<String> {
+fn table_lines(table: &Table, indent: usize, screen: Screen) -> Vec<String> {
     let widths = widths(table);
     let mut lines = Vec::new();
     if table.has_headings() {
@@ -229,7 +230,7 @@ pub(crate) fn linear(formula: &str) -> String {
 
 /// The text broken at spaces into lines of at most `width` columns; a longer word gets a line of its own. At least one
 /// line.
-pub fn wrap(text: &str, width: usize) -> Vec<String> {
+fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         let last = lines.len() - 1;

@@ -15,7 +15,10 @@ const MOST_FINDINGS: usize = 20;
 
 /// The study in short.
 pub fn summary(study: &Study) -> Page {
-    let mut all = judged(study);
+    let used = study.recordings.iter().filter(|recording| !recording.used_for.is_empty()).count();
+    let subject = format!("{}: {} recordings, {used} used for estimates", study.bench.name, study.recordings.len());
+    let mut all = Blocks::from(Block::paragraph(Prose::verbatim(subject)));
+    all.push(judged(study));
     all.push(estimates(study));
     all.push(missing(study));
     all.push(findings(&study.diagnostics));

@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result
     if arguments.json {
         terminal.json(&summary::short(&written))?;
     } else if !terminal.is_quiet() {
-        summary::print(&written, terminal);
+        terminal.page(&summary::page(&written));
     }
     Ok(summary::outcome(&written.study))
 }

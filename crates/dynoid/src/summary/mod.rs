@@ -5,12 +5,11 @@ mod written;
 
 use std::path::Path;
 
-use page::{Align, Table, Tone};
+use page::{Align, Block, Page, Table};
 use report::verdict::{Level, verdict};
 use study::Study;
 
 use crate::error::Outcome;
-use crate::terminal::Terminal;
 
 pub(crate) use short::{Short, short};
 pub(crate) use written::Written;
@@ -23,24 +22,21 @@ pub(crate) fn outcome(study: &Study) -> Outcome {
     }
 }
 
-/// Prints a study.
-pub(crate) fn print(written: &Written, terminal: &mut Terminal) {
-    let study = &written.study;
-    let used = study.recordings.iter().filter(|recording| !recording.used_for.is_empty()).count();
-    terminal.line(&format!("{}: {} recordings, {used} used for estimates", study.bench.name, study.recordings.len()));
-    terminal.gap();
-    terminal.page(&report::brief::summary(study));
-    print_places(written, terminal);
+/// A study on a screen, and where its files are.
+pub(crate) fn page(written: &Written) -> Page {
+    let mut page = report::brief::summary(&written.study);
+    page.blocks.extend(places(written));
+    page
 }
 
-/// Prints what a study says about itself, without its numbers.
-pub(crate) fn print_judgement(written: &Written, terminal: &mut Terminal) {
-    terminal.page(&report::brief::judgement(&written.study));
-    print_places(written, terminal);
+/// What a study says about itself without its numbers, and where its files are.
+pub(crate) fn judgement(written: &Written) -> Vec<Block> {
+    let mut blocks = report::brief::judgement(&written.study).blocks;
+    blocks.extend(places(written));
+    blocks
 }
 
-fn print_places(written: &Written, terminal: &mut Terminal) {
-    terminal.gap();
+fn places(written: &Written) -> [Block; 2] {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     table.row(["data".into(), shown(&written.data).into()]);
@@ -48,8 +44,7 @@ fn print_places(written: &Written, terminal: &mut Terminal) {
     for (what, path) in optional.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))) {
         table.row([what.into(), shown(path).into()]);
     }
-    terminal.heading("Written", Tone::Strong);
-    terminal.table(&table);
+    [Block::heading("Written"), Block::Table(table)]
 }
 
 /// A path from where the user is, if it lies below.

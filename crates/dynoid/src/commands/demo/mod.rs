@@ -17,7 +17,7 @@ use crate::output::{self, OutputFolder};
 use crate::summary::{self, Written, shown};
 use crate::terminal::Terminal;
 use numerics::parallel;
-use page::{Page, Tone};
+use page::{Block, Page, Prose};
 
 const RECORDINGS: &str = "recordings";
 const BENCH_FILE: &str = "bench.toml";
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;
     } else if !terminal.is_quiet() {
-        print(&written, &bench, &rows, terminal);
+        terminal.page(&page(&written, &bench, &rows));
     }
     Ok(summary::outcome(&written.study))
 }
@@ -98,20 +98,23 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
     strangers.next().map(|entry| entry.path())
 }
 
-fn print(written: &Written, bench: &Path, rows: &[comparison::Row], terminal: &mut Terminal) {
-    terminal.line("A bench was simulated, recorded and studied. The estimates and the true values:");
-    terminal.gap();
-    terminal.table(&comparison::table(rows));
-    terminal.gap();
-    terminal.paragraph(&comparison::remark(rows));
-    terminal.gap();
-    summary::print_judgement(written, terminal);
-    terminal.gap();
-    terminal.heading("Next", Tone::Strong);
-    terminal.line(&format!("  open {} in a browser", shown(&written.report)));
-    let effects = shown(&written.report.with_file_name(EFFECTS));
-    terminal.line(&format!("  open {effects}: firing, aliases and late sensors in the recordings"));
-    terminal.line(&format!("  dynoid inspect {}", shown(&written.report.with_file_name(RECORDINGS))));
-    terminal.line(&format!("  change {} and: dynoid study {0}", shown(bench)));
-    terminal.line("  your own recordings: dynoid init FOLDER");
+/// What the demo shows on a screen.
+fn page(written: &Written, bench: &Path, rows: &[comparison::Row]) -> Page {
+    let beside = |name: &str| shown(&written.report.with_file_name(name));
+    let next = vec![
+        format!("open {} in a browser", shown(&written.report)),
+        format!("open {}: firing, aliases and late sensors in the recordings", beside(EFFECTS)),
+        format!("dynoid inspect {}", beside(RECORDINGS)),
+        format!("change {} and: dynoid study {0}", shown(bench)),
+        "your own recordings: dynoid init FOLDER".to_owned(),
+    ];
+    let mut blocks = vec![
+        Block::paragraph("A bench was simulated, recorded and studied. The estimates and the true values:"),
+        Block::Table(comparison::table(rows)),
+        Block::paragraph(comparison::remark(rows)),
+    ];
+    blocks.extend(summary::judgement(written));
+    blocks.push(Block::heading("Next"));
+    blocks.push(Block::List { items: next.into_iter().map(Prose::verbatim).collect() });
+    Page::new("Demonstration", blocks)
 }
