@@ -251,6 +251,6 @@ fn value_at(x: &[f64], position: f64, method: Interpolation) -> f64 {
             let fraction = position - below;
             x[below as usize] * (1.0 - fraction) + x[below as usize + 1] * fraction
         }
-        Interpolation::BandLimited => sinc::interpolate(|i| odd_extended(x, i), position),
+        Interpolation::BandLimited => sinc::interpolate_slice(x, |i| odd_extended(x, i), position),
     }
 }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use crate::Signal;
+use numerics::vector::dot;
+
+use crate::{Complex64, Signal};
 
 /// Half length of the kernels, s.
 const REACH_S: f64 = 0.1;
@@ -62,7 +64,7 @@ impl ZeroPhase {
         let times: Vec<f64> = (-half..=half + 1).map(|n| (fraction - n as f64) * step).collect();
         let weight = |t: &f64| {
             let window = (0.5 * PI * t / (REACH_S + step)).cos().max(0.0).powi(2);
-            window * response.iter().map(|(f, h)| h * self.wave(TAU * f, *t)).sum::<f64>()
+            window * self.wave(&response, *t)
         };
         let mut weights: Vec<f64> = times.iter().map(weight).collect();
         let sum: f64 = weights.iter().sum();
@@ -78,13 +80,22 @@ impl ZeroPhase {
         weights
     }
 
-    fn wave(&self, omega: f64, t: f64) -> f64 {
-        match self.wanted {
-            Wanted::Value => (omega * t).cos(),
-            Wanted::Derivative => -omega * (omega * t).sin(),
+    /// The sum of all frequencies' waves at `t`. Equally spaced frequencies turn on by the same angle each.
+    fn wave(&self, response: &[(f64, f64)], t: f64) -> f64 {
+        let omega = TAU * response.first().map_or(0.0, |(f, _)| *f);
+        let (mut wave, turn) = (Complex64::cis(omega * t), Complex64::cis(2.0 * omega * t));
+        let mut sum = 0.0;
+        for (f, h) in response {
+            sum += match self.wanted {
+                Wanted::Value => h * wave.re,
+                Wanted::Derivative => -h * TAU * f * wave.im,
+            };
+            wave *= turn;
         }
+        sum
     }
 
+    /// Frequencies, odd multiples of the first, and the response there.
     fn response(&self, band: f64) -> Vec<(f64, f64)> {
         let point = |i: usize| {
             let f = STOP * band * (i as f64 + 0.5) / POINTS as f64;
@@ -101,7 +112,7 @@ impl ZeroPhase {
 fn product(x: &[f64], first: i64, kernel: &[f64]) -> f64 {
     let end = x.len() as i64;
     if first >= 0 && first + kernel.len() as i64 <= end {
-        return x[first as usize..].iter().zip(kernel).map(|(x, k)| x * k).sum();
+        return dot(&x[first as usize..], kernel);
     }
     (first..).zip(kernel).map(|(i, k)| k * reflected(x, i)).sum()
 }
