@@ -14,12 +14,22 @@ const PART: usize = 8 * BLOCK;
 /// columns scaled to one, falls below `least`. The Gram matrix squares the condition of the data: at this bound its
 /// rounding is `1e-16/least²` of the smallest direction.
 pub(crate) fn cholesky(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
+    let is_zero = |i: usize| gram[(i, i)] == 0.0;
+    if (0..gram.nrows()).any(is_zero) { None } else { cholesky_with_zeros(gram, least) }
+}
+
+/// The same where a column may be zero, as that of a parameter that is held: its column and row of R are zero too.
+pub(crate) fn cholesky_with_zeros(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
     let n = gram.nrows();
     let size: Vec<f64> = (0..n).map(|i| gram[(i, i)].sqrt()).collect();
-    if size.iter().any(|s| !s.is_normal() || s.is_sign_negative()) {
+    if size.iter().any(|s| !(s.is_normal() || *s == 0.0)) {
         return None;
     }
-    let scaled = Mat::from_fn(n, n, |i, j| if j <= i { gram[(i, j)] / (size[i] * size[j]) } else { 0.0 });
+    let scaled = Mat::from_fn(n, n, |i, j| match size[i] * size[j] {
+        _ if j > i => 0.0,
+        0.0 => f64::from(u8::from(i == j)),
+        scale => gram[(i, j)] / scale,
+    });
     let factor = Cholesky::new(scaled.as_ref()).ok()?;
     let lower = factor.lower();
     if (0..n).any(|i| lower[(i, i)].is_nan() || lower[(i, i)] < least) {

@@ -113,7 +113,8 @@ impl Triangle {
     fn fold(&mut self) {
         let (rows, columns) = (self.filled, self.block.ncols());
         if self.well_conditioned && rows >= TALL * columns {
-            if let Some(factor) = gram::cholesky(&linalg::gram(self.block.get(..rows, ..)), WELL_CONDITIONED) {
+            let gram = linalg::gram(self.block.get(..rows, ..));
+            if let Some(factor) = gram::cholesky_with_zeros(&gram, WELL_CONDITIONED) {
                 self.block.get_mut(..columns, ..).copy_from(&factor);
                 self.filled = columns;
                 return;

@@ -69,12 +69,15 @@ impl<M: ResidualModel> SumOfSquares for Tabulated<'_, M> {
         }
         let n = self.jacobian.ncols();
         let mut triangle = Triangle::new(n + 1);
-        let mut row = vec![0.0; n + 1];
-        for (i, residual) in self.residuals.iter().enumerate() {
-            (0..n).for_each(|j| row[j] = self.jacobian[(i, j)]);
-            row[n] = *residual;
-            triangle.push_row(&row);
-        }
+        let column = |j: usize| match j == n {
+            true => Some(self.residuals.as_slice()),
+            false => self.jacobian.col(j).try_as_col_major().map(|column| column.as_slice()),
+        };
+        triangle.push_columns(self.residuals.len(), |j, start, target| {
+            if let Some(column) = column(j) {
+                target.copy_from_slice(&column[start..start + target.len()]);
+            }
+        });
         Ok(triangle.finish())
     }
 }
