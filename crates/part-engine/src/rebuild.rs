@@ -208,8 +208,7 @@ impl Recorded<'_> {
             let values = Values::of(values);
             let (mechanics, observed) = (two_masses(&values), self.observations(&values)?);
             let smoother = TorqueSmoother { mechanics: &mechanics, observed: &observed };
-            let smoothed = smoother.smooth(levels).map_err(failed)?;
-            Ok((observed.start_s, smoothed.combination(&smoother.weights()).map_err(failed)?.0))
+            Ok((observed.start_s, smoother.sought(levels).map_err(failed)?))
         };
         let mut variances = vec![0.0; smoothed_nm.len()];
         for outcome in parallel::map(&masses.apart(), moved) {

@@ -1,8 +1,11 @@
 //! The Kalman filter, one measurement after the other.
 
-use faer::MatRef;
-use numerics::vector::dot;
+use std::ops::Range;
 
+use faer::MatRef;
+use numerics::vector::add_scaled;
+
+use super::sparse::{SparseRow, sparse_rows};
 use super::steady::Memory;
 use super::system::{Belief, NoisySystem, check_length, check_square};
 use crate::IdentError;
@@ -22,23 +25,26 @@ pub(super) struct Innovation {
 /// What the filter leaves behind: innovations, and where it is asked for, what the way back needs. Matrices are by rows.
 pub(super) struct Forward {
     pub(super) states: usize,
-    pub(super) transition: Vec<f64>,
-    pub(super) output: Vec<f64>,
+    /// A, and the same without its zeros.
+    pub(super) by_rows: Vec<f64>,
+    pub(super) transition: Vec<SparseRow>,
+    /// C.
+    pub(super) output: Vec<SparseRow>,
     pub(super) innovations: Vec<Innovation>,
     /// Gain of each innovation.
-    pub(super) gains: Vec<f64>,
+    gains: Vec<f64>,
     /// x(k) given the measurements before sample k.
     pub(super) predicted: Vec<f64>,
-    /// Its covariance.
-    pub(super) covariances: Vec<f64>,
-    /// Equal where gains, variances and covariances are.
+    /// Its covariances, each different one once.
+    covariances: Vec<f64>,
+    /// Which of them is that of a sample: equal where gains and variances are.
     pub(super) settled: Vec<usize>,
 }
 
 /// What one sample makes of a covariance.
 #[derive(Clone)]
 struct Sample {
-    /// Number of the step that is settled upon.
+    /// Which of the covariances that are kept it is made of.
     number: usize,
     /// Of each measurement.
     variances: Vec<f64>,
@@ -72,8 +78,9 @@ impl Forward {
         let samples = outputs.nrows();
         let mut forward = Forward {
             states: n,
-            transition: by_rows(system.system.a()),
-            output: by_rows(system.system.c()),
+            by_rows: by_rows(system.system.a()),
+            transition: sparse_rows(system.system.a()),
+            output: sparse_rows(system.system.c()),
             innovations: Vec::with_capacity(samples),
             gains: Vec::new(),
             predicted: Vec::new(),
@@ -93,16 +100,19 @@ impl Forward {
         for sample in 0..samples {
             if keep {
                 forward.predicted.extend_from_slice(&filter.x);
-                forward.covariances.extend_from_slice(&filter.p);
             }
             measured.clear();
             measured.extend((0..outputs.ncols()).filter(|i| !outputs[(sample, *i)].is_nan()));
             let p = std::mem::take(&mut filter.p);
             let made = memory.step(&measured, &p, || {
-                filter.covariances(&p, (&forward.output, &forward.transition), &measured, sample)
+                let number = forward.covariances.len() / (n * n).max(1);
+                if keep {
+                    forward.covariances.extend_from_slice(&p);
+                }
+                filter.covariances(&p, (&forward.output, &forward.transition), &measured, number)
             })?;
             for (i, output) in measured.iter().enumerate() {
-                let expected = filter.expected(&forward.output, *output, inputs, sample);
+                let expected = filter.expected(&forward.output[*output], *output, inputs, sample);
                 let value = outputs[(sample, *output)] - expected;
                 if !value.is_finite() {
                     return Err(CERTAIN);
@@ -124,6 +134,26 @@ impl Forward {
         Ok(forward)
     }
 
+    /// The covariance of x(k) given the measurements before sample k.
+    pub(super) fn covariance(&self, sample: usize) -> &[f64] {
+        let square = self.states * self.states;
+        &self.covariances[self.settled[sample] * square..(self.settled[sample] + 1) * square]
+    }
+
+    /// The innovations of a sample, which end at `end`; it is moved to where they begin.
+    pub(super) fn measured_at(&self, sample: usize, end: &mut usize) -> Range<usize> {
+        let last = *end;
+        while *end > 0 && self.innovations[*end - 1].sample == sample {
+            *end -= 1;
+        }
+        *end..last
+    }
+
+    /// The gain of an innovation.
+    pub(super) fn gain(&self, innovation: usize) -> &[f64] {
+        &self.gains[innovation * self.states..(innovation + 1) * self.states]
+    }
+
     pub(super) fn log_likelihood(&self) -> f64 {
         let each = |one: &Innovation| (std::f64::consts::TAU * one.variance).ln() + one.value.powi(2) / one.variance;
         -0.5 * self.innovations.iter().map(each).sum::<f64>()
@@ -132,25 +162,23 @@ impl Forward {
 
 impl Filter<'_> {
     /// What an output is expected to be.
-    fn expected(&self, c: &[f64], output: usize, inputs: MatRef<'_, f64>, sample: usize) -> f64 {
-        let n = self.x.len();
+    fn expected(&self, c: &SparseRow, output: usize, inputs: MatRef<'_, f64>, sample: usize) -> f64 {
         let through = (0..inputs.ncols()).map(|j| self.system.system.d()[(output, j)] * inputs[(sample, j)]);
-        dot(&c[output * n..(output + 1) * n], &self.x) + through.sum::<f64>()
+        c.dot(&self.x) + through.sum::<f64>()
     }
 
-    /// What the sample with this number makes of the covariance, with these outputs measured.
+    /// What a sample makes of the covariance with this number, with these outputs measured.
     fn covariances(
         &mut self,
         before: &[f64],
-        (c, a): (&[f64], &[f64]),
+        (c, a): (&[SparseRow], &[SparseRow]),
         measured: &[usize],
         number: usize,
     ) -> Result<Sample, IdentError> {
-        let n = self.x.len();
         self.p = before.to_vec();
         let mut made = Sample { number, variances: Vec::new(), gains: Vec::new(), next: Vec::new() };
         for output in measured {
-            made.variances.push(self.update(&c[output * n..(output + 1) * n], *output)?);
+            made.variances.push(self.update(&c[*output], self.system.measurement_variance[*output])?);
             made.gains.extend_from_slice(&self.column);
         }
         self.predict(a);
@@ -158,35 +186,35 @@ impl Filter<'_> {
         Ok(made)
     }
 
-    /// Takes up one measurement and returns the variance of its innovation; `column` is then its gain.
-    fn update(&mut self, c: &[f64], output: usize) -> Result<f64, IdentError> {
+    /// Takes up one measurement of variance r and returns the variance of its innovation; `column` is then its gain.
+    fn update(&mut self, c: &SparseRow, r: f64) -> Result<f64, IdentError> {
         let n = self.x.len();
         for i in 0..n {
-            self.column[i] = dot(&self.p[i * n..(i + 1) * n], c);
+            self.column[i] = c.dot(&self.p[i * n..(i + 1) * n]);
         }
-        let variance = dot(c, &self.column) + self.system.measurement_variance[output];
+        let variance = c.dot(&self.column) + r;
         if !(variance > 0.0 && variance.is_finite()) {
             return Err(CERTAIN);
         }
         self.column.iter_mut().for_each(|gain| *gain /= variance);
-        self.joseph(c, self.system.measurement_variance[output]);
+        self.joseph(c, r);
         Ok(variance)
     }
 
     /// P ← L P Lᵀ + r K Kᵀ with L = I − K cᵀ and K in `column`: Joseph's form, positive where P is far above r.
-    fn joseph(&mut self, c: &[f64], r: f64) {
+    fn joseph(&mut self, c: &SparseRow, r: f64) {
         let n = self.x.len();
-        for i in 0..n {
-            let (row, gain) = (&mut self.p[i * n..(i + 1) * n], &self.column);
-            // Row i of P Lᵀ.
-            let seen = dot(row, c);
-            row.iter_mut().zip(gain).for_each(|(p, gain)| *p -= seen * gain);
+        for row in self.p.chunks_exact_mut(n.max(1)) {
+            // A row of P Lᵀ.
+            let seen = c.dot(row);
+            add_scaled(-seen, &self.column, row);
         }
-        for j in 0..n {
-            let seen: f64 = (0..n).map(|i| c[i] * self.p[i * n + j]).sum();
-            for i in 0..n {
-                self.p[i * n + j] += (r * self.column[j] - seen) * self.column[i];
-            }
+        // r K − P Lᵀ c, which each row takes up by its gain.
+        let more = &mut self.product[..n];
+        c.times(&self.p, n, more);
+        more.iter_mut().zip(&self.column).for_each(|(more, gain)| *more = r * gain - *more);
+        for (row, gain) in self.p.chunks_exact_mut(n.max(1)).zip(&self.column) {
+            add_scaled(*gain, more, row);
         }
     }
 
@@ -201,19 +229,24 @@ impl Filter<'_> {
     }
 
     /// One sample on: A P Aᵀ + Q.
-    fn predict(&mut self, a: &[f64]) {
+    fn predict(&mut self, a: &[SparseRow]) {
         let n = self.x.len();
+        for (row, product) in a.iter().zip(self.product.chunks_exact_mut(n.max(1))) {
+            row.times(&self.p, n, product);
+        }
+        // P is symmetric: A P Aᵀ is A (A P)ᵀ.
         for i in 0..n {
             for j in 0..n {
-                // P is symmetric: its rows are its columns.
-                self.product[i * n + j] = dot(&a[i * n..(i + 1) * n], &self.p[j * n..(j + 1) * n]);
+                self.p[j * n + i] = self.product[i * n + j];
             }
         }
+        for (row, product) in a.iter().zip(self.product.chunks_exact_mut(n.max(1))) {
+            row.times(&self.p, n, product);
+        }
+        let noise = &self.system.process_covariance;
         for i in 0..n {
             for j in 0..=i {
-                let sum = dot(&self.product[i * n..(i + 1) * n], &a[j * n..(j + 1) * n]);
-                let value =
-                    sum + 0.5 * (self.system.process_covariance[(i, j)] + self.system.process_covariance[(j, i)]);
+                let value = self.product[i * n + j] + 0.5 * (noise[(i, j)] + noise[(j, i)]);
                 self.p[i * n + j] = value;
                 self.p[j * n + i] = value;
             }

@@ -51,8 +51,10 @@ pub struct Smoothed {
     pub states: Mat<f64>,
     /// ln p(y), in nats.
     pub log_likelihood: f64,
-    /// Covariances, one after the other, by rows.
+    /// The covariances that differ, one after the other, by rows.
     pub(super) covariances: Vec<f64>,
+    /// Which of them is that of each sample.
+    pub(super) of_sample: Vec<usize>,
 }
 
 impl Smoothed {
@@ -60,7 +62,8 @@ impl Smoothed {
     #[must_use]
     pub fn covariance(&self, sample: usize) -> Option<Mat<f64>> {
         let n = self.states.ncols();
-        let square = self.covariances.get(sample * n * n..(sample + 1) * n * n)?;
+        let place = *self.of_sample.get(sample)?;
+        let square = self.covariances.get(place * n * n..(place + 1) * n * n)?;
         Some(Mat::from_fn(n, n, |i, j| square[i * n + j]))
     }
 
@@ -77,7 +80,8 @@ impl Smoothed {
             (0..n).map(|i| weights[i] * (0..n).map(|j| square[i * n + j] * weights[j]).sum::<f64>()).sum()
         };
         let deviations = self.covariances.chunks_exact((n * n).max(1)).map(|square| pairs(square).max(0.0).sqrt());
-        Ok((values, deviations.collect()))
+        let deviations: Vec<f64> = deviations.collect();
+        Ok((values, self.of_sample.iter().map(|place| deviations.get(*place).copied().unwrap_or(0.0)).collect()))
     }
 }
 

@@ -167,6 +167,18 @@ impl TorqueSmoother<'_> {
         system.smooth(&start, self.observed.torque.as_ref(), self.observed.speeds.as_ref())
     }
 
+    /// The torque sought alone, without its uncertainty.
+    ///
+    /// # Errors
+    /// Those of [`TorqueSmoother::smooth`].
+    pub fn sought(&self, levels: &Levels) -> Result<Vec<f64>, IdentError> {
+        let (system, start) = self.system(&levels.logarithms, levels.scale)?;
+        let states = system.smooth_states(&start, self.observed.torque.as_ref(), self.observed.speeds.as_ref())?;
+        let weights = self.weights();
+        let value = |k: usize| weights.iter().enumerate().map(|(i, weight)| weight * states[(k, i)]).sum();
+        Ok((0..states.nrows()).map(value).collect())
+    }
+
     /// The model at logarithms of noise densities, see [`levels`], all covariances times `scale`.
     fn system(&self, logarithms: &[f64], scale: f64) -> Result<(NoisySystem, Belief), IdentError> {
         let (n, step, means, wandering) = (self.states(), self.observed.sample_time_s, self.means(), self.wandering());
