@@ -13,8 +13,9 @@ use crate::verdict::{Answer, Verdict};
 const SAMPLES: (usize, usize) = (24, 100);
 /// Halvings of the range of a change.
 const HALVINGS: usize = 5;
-/// Times that a change is made larger which a few benches called enough and more do not.
-const ENLARGED: usize = 4;
+/// How much larger, as a share of the largest, a change is made first which a few benches called enough and more do not; then twice as
+/// much again and again.
+const ENLARGED: f64 = 0.02;
 
 /// A change with the answer it gives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,16 +58,20 @@ fn least(inputs: &CanInputs<'_>, kind: &dyn Fn(f64) -> Change) -> Result<Option<
         let middle = 0.5 * (low + high);
         if is_yes(middle)? { high = middle } else { low = middle }
     }
-    for _ in 0..ENLARGED {
+    let mut larger = ENLARGED;
+    loop {
         let change = kind(high);
         let all = CanInputs { samples: SAMPLES.1.min(inputs.samples), ..*inputs };
         let verdict = change.with(&all, |changed| can(changed, &|_, _| {}))?;
         if verdict.answer == Answer::Yes {
             return Ok(Some(Easier { change, verdict }));
         }
-        high = (high + 0.02).min(1.0);
+        if high >= 1.0 {
+            return Ok(None);
+        }
+        high = (high + larger).min(1.0);
+        larger *= 2.0;
     }
-    Ok(None)
 }
 
 /// Whether a few benches call it a yes; most that do not are known by the nominal one.

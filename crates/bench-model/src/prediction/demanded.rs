@@ -45,16 +45,10 @@ impl Demanded {
             mean_engine_torque_nm: self.mean_engine_torque_nm,
         }
     }
-
-    /// The same with pulses of the engine.
-    pub(super) fn with(mut self, pulses_nm: &[f64]) -> Self {
-        self.engine_torque_nm.iter_mut().zip(pulses_nm).for_each(|(torque, pulse)| *torque += pulse);
-        self
-    }
 }
 
 /// A series with its first value so many times before it.
-pub(super) fn held_before(samples: usize, series: &[f64]) -> Vec<f64> {
+fn held_before(samples: usize, series: &[f64]) -> Vec<f64> {
     std::iter::repeat_n(series[0], samples).chain(series.iter().copied()).collect()
 }
 

@@ -1,14 +1,12 @@
 //! What a bench will do in an experiment, before it is run: the bench model under the plan's demands, and its peaks against
 //! the limits that the bench file states.
 //!
-//! The engine gives its mean torque and, where they are asked for, its firing pulses at the crank's angle of a run without them: they
-//! hardly change the speed. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that
+//! The engine gives its mean torque and, where they are asked for, its firing pulses, at the angle of its crank. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that
 //! of the virtual bench.
 
 mod demanded;
 mod inputs;
 mod peaks;
-mod pulses;
 
 use std::cell::RefCell;
 
@@ -17,9 +15,10 @@ use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
-    DynoInput, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
+    DynoInput, EngineSpeedControl, FiringEngine, InitialState, Inputs, Response, SimulationError, simulate,
+    simulate_fired, simulate_governed,
 };
-use demanded::{Demanded, held_before};
+use demanded::Demanded;
 pub use inputs::PredictionInputs;
 pub use peaks::{Peak, PeakOf};
 
@@ -99,14 +98,13 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let sample_time_s = sample_time_s(inputs);
     let demanded = Demanded::of(inputs, sample_time_s);
     let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
-    let mean = run(inputs, model, &demanded, &start)?;
-    let Some(seed) = inputs.firing_seed.filter(|_| is_fired(plan)) else { return Ok(mean) };
+    let Some(seed) = inputs.firing_seed.filter(|_| is_fired(plan)) else {
+        return run(inputs, model, &demanded, None, &start);
+    };
     // The bench is recorded once its answer to the first pulses has died away.
     let settling = (plan.settling_s / sample_time_s).round() as usize;
-    let (level, turning) =
-        (held_before(settling, &mean.engine_torque_nm), held_before(settling, &mean.engine_speed_rad_s));
-    let pulses = pulses::of((inputs.engine, seed), &level, &turning, sample_time_s);
-    let response = run(inputs, model, &demanded.after(settling).with(&pulses), &start)?;
+    let fires = FiringEngine { engine: inputs.engine, seed };
+    let response = run(inputs, model, &demanded.after(settling), Some(&fires), &start)?;
     Ok(response.without_first(settling, model.torque_limit_nm))
 }
 
@@ -124,25 +122,26 @@ fn run(
     inputs: &PredictionInputs<'_>,
     model: &BenchModel,
     demanded: &Demanded,
+    fires: Option<&FiringEngine<'_>>,
     start: &InitialState,
 ) -> Result<Response, PredictionError> {
     let PredictionInputs { plan, engine, .. } = *inputs;
-    let (sample_time_s, engine_torque_nm) = (sample_time_s(inputs), demanded.engine_torque_nm.as_slice());
-    let of = |dyno| Inputs { sample_time_s, engine_torque_nm, dyno };
-    let response = match plan.label.mode {
-        ControlMode::Nt => simulate(model, &of(DynoInput::SpeedDemand(&demanded.speed_rad_s)), start)?,
-        ControlMode::Tn if !is_fired(plan) => {
-            simulate(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), start)?
-        }
-        ControlMode::Tn => {
-            let control = EngineSpeedControl {
-                demand_rad_s: &demanded.speed_rad_s,
-                proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
-                integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
-                start_nm: demanded.mean_engine_torque_nm,
-            };
-            simulate_governed(model, &of(DynoInput::TorqueDemand(&demanded.dyno_torque_nm)), &control, start)?
-        }
+    let dyno = match plan.label.mode {
+        ControlMode::Nt => DynoInput::SpeedDemand(&demanded.speed_rad_s),
+        ControlMode::Tn => DynoInput::TorqueDemand(&demanded.dyno_torque_nm),
+    };
+    let of = Inputs { sample_time_s: sample_time_s(inputs), engine_torque_nm: &demanded.engine_torque_nm, dyno };
+    let is_governed = plan.label.mode == ControlMode::Tn && is_fired(plan);
+    let control = is_governed.then_some(EngineSpeedControl {
+        demand_rad_s: &demanded.speed_rad_s,
+        proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
+        integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
+        start_nm: demanded.mean_engine_torque_nm,
+    });
+    let response = match (fires, &control) {
+        (Some(fires), control) => simulate_fired(model, &of, (fires, control.as_ref()), start)?,
+        (None, Some(control)) => simulate_governed(model, &of, control, start)?,
+        (None, None) => simulate(model, &of, start)?,
     };
     is_bounded(&response).then_some(response).ok_or(PredictionError::Unstable)
 }

@@ -8,19 +8,22 @@
 mod controller;
 mod course;
 mod encoder;
+mod engine;
 mod error;
+mod firing;
 mod inputs;
 mod linear_form;
 mod plant;
 mod ripple;
 
-use std::borrow::Cow;
-
 use crate::model::BenchModel;
 use controller::Pi;
 pub use course::{Course, CourseInputs, simulate_course};
 use encoder::Encoder;
+use engine::Engine;
+pub use engine::EngineSpeedControl;
 pub use error::SimulationError;
+pub use firing::FiringEngine;
 pub use inputs::{DynoInput, InitialState, Inputs};
 pub use linear_form::{LinearForm, LoopMode, linear_form};
 use plant::{Plant, Streams};
@@ -39,24 +42,8 @@ pub struct Response {
     pub shaft_torque_nm: Vec<f64>,
     /// T_d*, Nm, limited; empty when the air-gap torque was given.
     pub torque_demand_nm: Vec<f64>,
-    /// The engine's torque, Nm: the one given, and that of its speed control.
-    pub engine_torque_nm: Vec<f64>,
     /// Share of the samples at which T_d* rests at its limit, 0…1.
     pub limited_share: f64,
-}
-
-/// Engine speed control in TN mode, every sample: T_e = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), ω_e as the encoder
-/// reads it. The torque gets there straight, within a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EngineSpeedControl<'a> {
-    /// ω_e*, rad/s.
-    pub demand_rad_s: &'a [f64],
-    /// K_p, Nm s/rad.
-    pub proportional_nm_s_per_rad: f64,
-    /// K_i, Nm/rad.
-    pub integral_nm_per_rad: f64,
-    /// I at the start, Nm.
-    pub start_nm: f64,
 }
 
 /// Simulates the bench.
@@ -111,7 +98,8 @@ pub fn simulate_with_ripple(
     ripple: Ripple<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, ripple, None, start)
+    ripple.check_length(inputs.engine_torque_nm.len())?;
+    run(model, inputs, ripple, Engine::of(inputs, None, None)?, start)
 }
 
 /// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
@@ -124,28 +112,36 @@ pub fn simulate_governed(
     engine: &EngineSpeedControl<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, Ripple::NONE, Some(engine), start)
+    run(model, inputs, Ripple::NONE, Engine::of(inputs, Some(engine), None)?, start)
+}
+
+/// Simulates the bench with an engine that fires. The engine torque of `inputs`, and that of the speed control if there is one, is the
+/// level that the next firing takes up; pulses come at the angle that the crank has in the run itself.
+///
+/// # Errors
+/// Those of [`simulate_governed`].
+pub fn simulate_fired(
+    model: &BenchModel,
+    inputs: &Inputs<'_>,
+    (fires, control): (&FiringEngine<'_>, Option<&EngineSpeedControl<'_>>),
+    start: &InitialState,
+) -> Result<Response, SimulationError> {
+    run(model, inputs, Ripple::NONE, Engine::of(inputs, control, Some(fires))?, start)
 }
 
 fn run(
     model: &BenchModel,
     inputs: &Inputs<'_>,
     ripple: Ripple<'_>,
-    engine_control: Option<&EngineSpeedControl<'_>>,
+    mut engine: Engine<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    ripple.check_length(inputs.engine_torque_nm.len())?;
-    let mut governor = engine_control.map(|control| Governor::new(control, inputs)).transpose()?;
-    let mut engine_torque_nm = Cow::Borrowed(inputs.engine_torque_nm);
-    if let Some(governor) = &governor {
-        engine_torque_nm.to_mut()[0] += governor.integral_nm;
-    }
     let mut plant = Plant::new(model, inputs, ripple, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);
-    let mut engine = dyno.clone();
+    let mut engine_encoder = dyno.clone();
     let mut streams = Streams::new(samples, start, model.torque_limit_nm);
     let mut pi = match inputs.dyno {
         DynoInput::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
@@ -155,12 +151,9 @@ fn run(
         let state = plant.state();
         let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s);
         response.dyno_speed_rad_s.push(reading);
-        let engine_reading = engine.read(state.engine_angle_rad, state.engine_speed_rad_s);
+        let engine_reading = engine_encoder.read(state.engine_angle_rad, state.engine_speed_rad_s);
         response.engine_speed_rad_s.push(engine_reading);
-        if let Some(governor) = &mut governor {
-            governor.update(k, engine_reading, engine_torque_nm.to_mut());
-        }
-        let inputs = &Inputs { engine_torque_nm: &engine_torque_nm, ..*inputs };
+        let engine_nm = engine.update(k, engine_reading, &plant);
         let demand = match (inputs.dyno, pi.as_mut()) {
             (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, (demand, k), &mut streams),
             (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
@@ -171,9 +164,8 @@ fn run(
         }
         response.air_gap_torque_nm.push(plant.air_gap_torque_nm(inputs, &streams, k));
         response.shaft_torque_nm.push(plant.shaft_torque_nm());
-        plant.advance(inputs, &streams, k);
+        plant.advance(inputs, &streams, k, engine_nm);
     }
-    response.engine_torque_nm = engine_torque_nm.into_owned();
     response.limited_share = response.share_at(model.torque_limit_nm);
     Ok(response)
 }
@@ -187,7 +179,6 @@ impl Response {
             &mut self.air_gap_torque_nm,
             &mut self.shaft_torque_nm,
             &mut self.torque_demand_nm,
-            &mut self.engine_torque_nm,
         ];
         for series in all {
             series.drain(..first.min(series.len()));
@@ -211,35 +202,7 @@ impl Response {
             air_gap_torque_nm: series(),
             shaft_torque_nm: series(),
             torque_demand_nm: series(),
-            engine_torque_nm: Vec::new(),
             limited_share: 0.0,
-        }
-    }
-}
-
-/// Engine speed control at work.
-struct Governor<'a> {
-    control: EngineSpeedControl<'a>,
-    sample_time_s: f64,
-    integral_nm: f64,
-}
-
-impl<'a> Governor<'a> {
-    fn new(control: &EngineSpeedControl<'a>, inputs: &Inputs<'_>) -> Result<Self, SimulationError> {
-        let (expected, found) = (inputs.engine_torque_nm.len(), control.demand_rad_s.len());
-        if expected != found {
-            return Err(SimulationError::Length { what: "engine speed demand", expected, found });
-        }
-        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm: control.start_nm })
-    }
-
-    /// The torque that sample `k` asks for is there at the next one.
-    fn update(&mut self, k: usize, reading_rad_s: f64, engine_torque_nm: &mut [f64]) {
-        let error_rad_s = self.control.demand_rad_s[k] - reading_rad_s;
-        let torque_nm = self.control.proportional_nm_s_per_rad * error_rad_s + self.integral_nm;
-        self.integral_nm += self.control.integral_nm_per_rad * self.sample_time_s * error_rad_s;
-        if let Some(next) = engine_torque_nm.get_mut(k + 1) {
-            *next += torque_nm;
         }
     }
 }

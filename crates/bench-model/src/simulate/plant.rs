@@ -122,6 +122,11 @@ impl<'a> Plant<'a> {
         }
     }
 
+    /// dω_e/dt under a torque of the engine.
+    pub(super) fn engine_acceleration_rad_s2(&self, engine_nm: f64) -> f64 {
+        (engine_nm - self.shaft_torque_nm()) / self.mechanics.engine_inertia_kg_m2
+    }
+
     pub(super) fn shaft_torque_nm(&self) -> f64 {
         self.mechanics.stiffness_nm_per_rad * self.x[2] + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
     }
@@ -136,8 +141,9 @@ impl<'a> Plant<'a> {
         smooth + self.ripple.upon(smooth, k, 0.0)
     }
 
-    /// Moves on from sample `k` to the next; beyond the last sample inputs stay.
-    pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize) {
+    /// Moves on from sample `k` to the next, under a torque of the engine that is straight between these ends; beyond the last sample
+    /// inputs stay.
+    pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize, engine_nm: [f64; 2]) {
         for substep in &self.substeps {
             let braking = |x: f64| match inputs.dyno {
                 DynoInput::AirGapTorque(torque) => between(torque, k, x),
@@ -149,7 +155,7 @@ impl<'a> Plant<'a> {
                 self.ripple.upon(smooth(self.x[TORQUE], from), k, from),
                 self.ripple.upon(smooth(substep.torque_after(self.x[TORQUE], braking(to)), to), k, to),
             ];
-            let input = |x: f64, ripple: f64| [braking(x), between(inputs.engine_torque_nm, k, x), ripple];
+            let input = |x: f64, ripple: f64| [braking(x), engine_nm[0] + (engine_nm[1] - engine_nm[0]) * x, ripple];
             self.x = substep.apply(&self.x, input(from, ripple[0]), input(to, ripple[1]));
         }
     }

@@ -8,7 +8,7 @@ use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Wave
 use units::RPM_RAD_S;
 use virtual_bench::Numerics;
 
-use bench_testkit::runs::{run, smooth};
+use bench_testkit::runs::{clean, run, smooth};
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -56,6 +56,34 @@ fn exact_predictions_are_what_the_virtual_bench_does() {
     assert!(speed < 1.0 && shaft < 2.0, "step: {speed} rpm, {shaft} Nm");
     let (speed, _) = errors(&ExperimentPlan::no_shaft_n_nt(1200.0, 8.0));
     assert!(speed < 0.5, "no shaft: {speed} rpm");
+}
+
+/// Root mean square of the error of T_shaft where both fire alike, and how much too high the predicted peak is, Nm.
+fn errors_fired(plan: &ExperimentPlan) -> (f64, f64) {
+    let parameters = clean();
+    let truth = run(&parameters, plan, Numerics::default()).hidden.shaft_torque_nm;
+    let found = with_inputs(&parameters, plan, Limits::default(), |inputs| {
+        predict(&PredictionInputs { firing_seed: Some(7), ..*inputs }).unwrap().response.shaft_torque_nm
+    });
+    let sum: f64 = found.iter().zip(&truth).map(|(found, truth)| (found - truth).powi(2)).sum();
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    ((sum / truth.len() as f64).sqrt(), peak(&found) - peak(&truth))
+}
+
+/// Order 1 of 1100 rpm and order 2 of 600 rpm are at the resonance: a crank angle without the pulses' own swing gives 10 and 50 Nm.
+#[test]
+fn exact_firing_pulses_are_those_of_the_virtual_bench() {
+    let plans = [
+        ExperimentPlan::bs_t_nt(600.0, 4.0),
+        ExperimentPlan::bs_t_nt(1100.0, 4.0),
+        ExperimentPlan::levels_n_nt(1500.0, 4.0),
+        ExperimentPlan::step_t_tn(1200.0, 4.0),
+        ExperimentPlan::white_noise_t_tn(1200.0, 4.0),
+    ];
+    for plan in plans {
+        let (rms, peak) = errors_fired(&plan);
+        assert!(rms < 0.5 && peak.abs() < 0.5, "{:?}: {rms:.3} Nm, peak {peak:+.3} Nm", plan.label);
+    }
 }
 
 #[test]

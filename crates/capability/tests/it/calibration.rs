@@ -20,7 +20,7 @@ const DRAWS: usize = 80;
 const ERRORS: [f64; 3] = [0.05, 0.3, 0.03];
 /// Classes of predicted probabilities.
 const CLASSES: usize = 5;
-/// A class may be so far off: the prediction takes the pulses of a run without them, and is a little cautious.
+/// A class may be so far off.
 const CAUTION: f64 = 0.06;
 
 /// A bench unlike the others, and what a study would say of it.
