@@ -2,16 +2,15 @@
 
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use cycle::CycleError;
-use design::safety::slowed;
+use design::safety::{AtResonance, slowed};
 use numerics::parallel;
 use rig::experiment::{Demands, ExperimentPlan};
-use rig::facts::Engine;
 use rig::random::Source;
 
 use crate::cycle_run::CycleGrid;
 use crate::demand::Demand;
 use crate::error::CapabilityError;
-use crate::extremes::{Firing, peaks, unbounded};
+use crate::extremes::{peaks, unbounded};
 use crate::filter;
 use crate::judged;
 use crate::outcome::{CanInputs, Drawn, Outcome, keeps};
@@ -119,15 +118,12 @@ fn outcome(
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
         other => other?,
     };
-    let engine = Engine { cylinders: bench.engine.cylinder_factors.len() as u32, strokes: bench.engine.strokes };
-    let firing = Firing {
-        resonance_hz: bench.model.mechanics.resonance().frequency_hz,
-        firings_per_turn: engine.firings_per_turn(),
-    };
+    let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
+    let near = AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
     let pulses = driven.grid().map(|grid| (Pulses::of(&bench.model, &bench.engine, grid.range_rad_s()), grid));
     let with = pulses.as_ref().map(|(pulses, grid)| (pulses, grid.engine_nm.as_slice()));
     Ok(Outcome {
-        peaks: peaks(&trace, with, &firing),
+        peaks: peaks(&trace, with, &near),
         validations: match judged::validations(&inputs.demand, &trace, inputs.sets) {
             Err(CapabilityError::Cycle(CycleError::NotFinite { .. })) => Vec::new(),
             other => other?,

@@ -1,7 +1,6 @@
 //! What is compared with the limits of a bench.
 
-use std::f64::consts::TAU;
-
+use design::safety::{AtResonance, largest_change};
 use rig::bench_file::Limits;
 use serde::Serialize;
 
@@ -12,8 +11,6 @@ use crate::trace::Trace;
 const TORQUE_CHANGE_S: f64 = 0.01;
 /// Changes of the speed count over this time, s.
 const SPEED_CHANGE_S: f64 = 0.05;
-/// Firing frequencies closer to the resonance than this part of it are at the resonance.
-const RESONANCE_BAND: f64 = 0.1;
 
 /// A quantity with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -33,7 +30,7 @@ pub enum LimitOf {
     SpeedGradient,
     /// Largest |T_d* ω_d|, W.
     Power,
-    /// Longest stay of the firing frequency near the resonance, s.
+    /// Longest stay of the firing frequency, or of the sine of a sine test, near the resonance, s.
     TimeAtResonance,
 }
 
@@ -80,16 +77,9 @@ impl LimitOf {
     }
 }
 
-/// The resonance of a bench, and how often its engine fires.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Firing {
-    pub(crate) resonance_hz: f64,
-    pub(crate) firings_per_turn: f64,
-}
-
 /// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. Pulses are added where the run has none of its own;
 /// with them comes the torque of the engine.
-pub(crate) fn peaks(trace: &Trace, pulses: Option<(&Pulses, &[f64])>, firing: &Firing) -> [Peak; 8] {
+pub(crate) fn peaks(trace: &Trace, pulses: Option<(&Pulses, &[f64])>, near: &AtResonance<'_>) -> [Peak; 8] {
     let shaft = shaft(trace, pulses);
     let magnitude = |values: &[f64]| peak(trace, values.iter().map(|value| value.abs()));
     let speeds = [magnitude(&trace.dyno_speed_rad_s), magnitude(&trace.engine_speed_rad_s)];
@@ -103,7 +93,7 @@ pub(crate) fn peaks(trace: &Trace, pulses: Option<(&Pulses, &[f64])>, firing: &F
         speed,
         change(trace, &trace.dyno_speed_rad_s, SPEED_CHANGE_S),
         peak(trace, power),
-        longest_at_resonance(trace, firing),
+        longest_at_resonance(trace, near),
     ]
 }
 
@@ -136,32 +126,14 @@ fn peak(trace: &Trace, values: impl Iterator<Item = f64>) -> Peak {
     Peak { value: largest.1, time_s: trace.time_s(largest.0) }
 }
 
-/// The largest change within a time, over that time.
+/// The largest change within a time, over that time: a step within it counts as one over all of it.
 fn change(trace: &Trace, values: &[f64], within_s: f64) -> Peak {
     let apart = ((within_s / trace.step_s).round() as usize).max(1);
-    let over_s = apart as f64 * trace.step_s;
-    let of = |apart: usize| {
-        let pairs = values.iter().zip(values.iter().skip(apart));
-        peak(trace, pairs.map(|(before, after)| (after - before).abs() / over_s))
-    };
-    // A step within the time counts as one over all of it.
-    [of(1), of(apart)]
-        .into_iter()
-        .fold(Peak { value: 0.0, time_s: trace.start_s }, |most, one| if one.value > most.value { one } else { most })
+    let (change, place) = largest_change(values, apart);
+    Peak { value: change / (apart as f64 * trace.step_s), time_s: trace.time_s(place) }
 }
 
-fn longest_at_resonance(trace: &Trace, firing: &Firing) -> Peak {
-    let is_near = |speed: f64| {
-        let firing_hz = speed.abs() * firing.firings_per_turn / TAU;
-        (firing_hz - firing.resonance_hz).abs() <= RESONANCE_BAND * firing.resonance_hz
-    };
-    let (mut longest, mut stay) = (Peak { value: 0.0, time_s: trace.start_s }, 0);
-    for (k, speed) in trace.engine_speed_rad_s.iter().enumerate() {
-        stay = if is_near(*speed) { stay + 1 } else { 0 };
-        let value = f64::from(stay) * trace.step_s;
-        if value > longest.value {
-            longest = Peak { value, time_s: trace.time_s(k) };
-        }
-    }
-    longest
+fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
+    let (stay, place) = near.longest_stay(&trace.engine_speed_rad_s);
+    Peak { value: stay as f64 * trace.step_s, time_s: trace.time_s(place) }
 }

@@ -1,5 +1,7 @@
+use bench_model::prediction::PredictionInputs;
 use capability::{Answer, Change, CycleDemand, Demand, LimitOf, can, easier, shapes};
 use cycle::{Own, builtin, requirement};
+use design::safety::{Quantity, SafetyInputs, check};
 use rig::bench_file::Limits;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
@@ -177,4 +179,34 @@ fn exact_every_shape_makes_a_plan_that_can_be_predicted() {
         assert_eq!(verdict.unstable.count, 0, "{}", shape.name);
         assert_eq!(verdict.bands.time_s.len(), 400.min(verdict.nominal.speed_rad_s.len()), "{}", shape.name);
     }
+}
+
+/// What is longest near the resonance in a sine test is the sine there, as the check of experiments counts it.
+#[test]
+fn exact_a_sine_at_the_resonance_counts() {
+    let bench = bench();
+    let plan = ExperimentPlan::sine_t_tn(2500.0, 40.0);
+    let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
+    let inputs = bench.inputs(Demand::Plan(&plan, &demands));
+    let verdict = can(&inputs, silent()).unwrap();
+    let stays = &verdict.limits.iter().find(|one| one.of == LimitOf::TimeAtResonance).unwrap().values;
+    let prediction = PredictionInputs {
+        plan: &plan,
+        demands: &demands,
+        model: &bench.model,
+        engine: &bench.engine,
+        firing_seed: Some(inputs.seed),
+        limits: Limits::default(),
+    };
+    let of_check = SafetyInputs {
+        prediction,
+        spread: inputs.spread,
+        slowest_engine_control: inputs.slowest_engine_control,
+        samples: inputs.samples,
+        seed: inputs.seed,
+    };
+    let checked = check(&of_check, silent()).unwrap();
+    let of_check = checked.checked.iter().find(|one| one.of == Quantity::TimeAtResonance).unwrap();
+    assert_eq!(*stays, of_check.values);
+    assert!(stays[0] >= 2.0, "{stays:?}");
 }

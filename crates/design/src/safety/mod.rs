@@ -6,6 +6,7 @@
 
 mod allowed;
 mod checked;
+mod course;
 mod ladder;
 mod quantity;
 mod run;
@@ -19,6 +20,7 @@ use rig::random::Source;
 use serde::Serialize;
 
 pub use checked::Checked;
+pub use course::{AtResonance, largest_change};
 pub use quantity::{Quantity, reaches};
 use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};

@@ -1,18 +1,13 @@
 //! What is compared with limits.
 
-use std::f64::consts::TAU;
-
 use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionInputs};
 use rig::bench_file::Limits;
 use rig::experiment::ExperimentPlan;
-use rig::facts::Engine;
 use serde::Serialize;
 
-use super::ladder::{Ladder, demand_samples};
-
-/// Frequencies closer to the resonance than this part of it lie at the resonance.
-const RESONANCE_BAND: f64 = 0.1;
+use super::course::{AtResonance, largest_change};
+use super::ladder::demand_samples;
 
 /// A number of a run that matters for safety.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -108,7 +103,8 @@ pub(super) fn values(
     set(Quantity::LowestSpeed, speeds().fold(f64::INFINITY, f64::min));
     set(Quantity::LimitedShare, response.limited_share);
     if prediction.has_shaft {
-        set(Quantity::TimeAtResonance, longest_at_resonance(inputs, bench, prediction));
+        let near = AtResonance::of(&bench.mechanics, inputs.engine, Some(inputs.plan));
+        set(Quantity::TimeAtResonance, near.longest_stay(engine_speed).0 as f64 * step_s);
     }
     values
 }
@@ -128,24 +124,5 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 
 /// The largest change between values at most `apart` samples from each other, over the time of `apart`, per s.
 pub(super) fn slew(values: &[f64], apart: usize, step_s: f64) -> f64 {
-    let change = |apart: usize| {
-        let pairs = values.iter().zip(values.iter().skip(apart));
-        pairs.fold(0.0_f64, |most, (before, after)| most.max((after - before).abs()))
-    };
-    (1..=apart).map(change).fold(0.0, f64::max) / (apart as f64 * step_s)
-}
-
-fn longest_at_resonance(inputs: &PredictionInputs<'_>, bench: &BenchModel, prediction: &Prediction) -> f64 {
-    let resonance_hz = bench.mechanics.resonance().frequency_hz;
-    let is_near = |frequency_hz: f64| (frequency_hz - resonance_hz).abs() <= RESONANCE_BAND * resonance_hz;
-    let engine = Engine { cylinders: inputs.engine.cylinder_factors.len() as u32, strokes: inputs.engine.strokes };
-    let firing_per_rad = engine.firings_per_turn() / TAU;
-    let ladder = Ladder::of(inputs.plan);
-    let (mut longest, mut stay) = (0_usize, 0_usize);
-    for (k, speed) in prediction.response.engine_speed_rad_s.iter().enumerate() {
-        let sine_hz = ladder.as_ref().map(|ladder| ladder.frequencies_hz[ladder.rung(k)]);
-        stay = if is_near(speed.abs() * firing_per_rad) || sine_hz.is_some_and(is_near) { stay + 1 } else { 0 };
-        longest = longest.max(stay);
-    }
-    longest as f64 * prediction.sample_time_s
+    largest_change(values, apart).0 / (apart as f64 * step_s)
 }

@@ -135,12 +135,18 @@ pub fn answer(verdict: &Verdict) -> String {
     let kept = number::proportion(&verdict.kept);
     let binds = binding(verdict);
     match (verdict.answer, binds) {
-        (Answer::Yes, _) => format!("yes, {kept} of the benches like yours"),
+        (Answer::Yes, _) => format!("yes{}, {kept} of the benches like yours", of_limits(verdict)),
         (Answer::Perhaps, Some(binds)) => format!("perhaps, {kept} of the benches like yours; {binds}"),
         (Answer::No, Some(binds)) => format!("no: {binds}"),
         (Answer::Perhaps, None) => format!("perhaps, {kept} of the benches like yours"),
         (Answer::No, None) => format!("no, {kept} of the benches like yours"),
     }
+}
+
+/// Of how many limits a yes speaks, where some are not stated.
+fn of_limits(verdict: &Verdict) -> String {
+    let (all, unchecked) = (verdict.limits.len(), verdict.unchecked.len());
+    if unchecked == 0 { String::new() } else { format!(" for {} of {all} limits", all - unchecked) }
 }
 
 /// The limit or requirement that most benches fail.
