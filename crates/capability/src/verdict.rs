@@ -128,10 +128,28 @@ pub struct Verdict {
 }
 
 impl LimitVerdict {
-    /// The value that a share of the benches stays below, SI.
+    /// The value that a bench stays below with a probability, SI.
     pub fn quantile(&self, probability: f64) -> f64 {
-        order::quantile_of_sorted(&self.values, probability).unwrap_or(f64::NAN)
+        quantile(&self.values, probability)
     }
+}
+
+impl StatisticVerdict {
+    /// The value that a bench stays below with a probability, SI.
+    pub fn quantile(&self, probability: f64) -> f64 {
+        quantile(&self.values, probability)
+    }
+}
+
+impl OwnVerdict {
+    /// The value that a bench stays below with a probability.
+    pub fn quantile(&self, probability: f64) -> f64 {
+        quantile(&self.values, probability)
+    }
+}
+
+fn quantile(growing: &[f64], probability: f64) -> f64 {
+    order::quantile_of_sorted(growing, probability).unwrap_or(f64::NAN)
 }
 
 /// Puts the outcomes of all benches together.
@@ -227,12 +245,12 @@ pub(crate) fn band_places(trace: &Trace) -> impl Iterator<Item = usize> {
 
 fn bands(trace: &Trace, outcomes: &[Outcome]) -> Bands {
     let places: Vec<usize> = band_places(trace).collect();
-    let quantile = |k: usize, of: fn(&(f64, f64)) -> f64, probability: f64| {
+    let at = |k: usize, of: fn(&(f64, f64)) -> f64, probability: f64| {
         let values = sorted(outcomes.iter().filter_map(|outcome| outcome.course.get(k)).map(of).collect());
-        order::quantile_of_sorted(&values, probability).unwrap_or(f64::NAN)
+        quantile(&values, probability)
     };
     let band = |of: fn(&(f64, f64)) -> f64| {
-        [0.05, 0.95].map(|probability| (0..places.len()).map(|k| quantile(k, of, probability)).collect())
+        [0.05, 0.95].map(|probability| (0..places.len()).map(|k| at(k, of, probability)).collect())
     };
     Bands {
         time_s: places.iter().map(|k| trace.time_s(*k)).collect(),

@@ -31,18 +31,23 @@ pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     select(values, values.len() / 2)
 }
 
-/// The value that a share of sorted values stays below, linear between them; `None` of an empty slice.
+/// The value that a further draw stays below with a probability, from draws that are sorted; linear between them, `None` without any.
+///
+/// A further draw falls with 1/(n + 1) between any two neighbours, so that the quantile of p is at place p(n + 1) from 1 on. The quantiles
+/// of 5 and 95 % then hold 90 % of all further draws for any n from 19 on. Those at place 1 + p(n − 1), as spreadsheets have them, hold
+/// 87.8 % where n is 80.
 ///
 /// # Example
 /// ```
-/// assert_eq!(numerics::order::quantile_of_sorted(&[0.0, 10.0, 20.0], 0.25), Some(5.0));
+/// assert_eq!(numerics::order::quantile_of_sorted(&[0.0, 10.0, 20.0], 0.375), Some(5.0));
 /// ```
 ///
 /// # Source
-/// Hyndman, R. J. and Fan, Y. (1996), *Sample quantiles in statistical packages*, definition 7.
+/// Hyndman, R. J. and Fan, Y. (1996), *Sample quantiles in statistical packages*, definition 6.
 #[must_use]
 pub fn quantile_of_sorted(sorted: &[f64], probability: f64) -> Option<f64> {
-    let place = probability.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
+    let last = sorted.len().checked_sub(1)? as f64;
+    let place = (probability * (last + 2.0) - 1.0).clamp(0.0, last);
     let (below, part) = (sorted[place.floor() as usize], place.fract());
     let above = sorted[place.ceil() as usize];
     Some(if part == 0.0 { below } else { below * (1.0 - part) + above * part })
@@ -178,7 +183,7 @@ mod tests {
     #[test]
     fn exact_quantiles_between_values() {
         let at = |probability| quantile_of_sorted(&[1.0, 2.0, 4.0], probability);
-        assert_eq!([at(-1.0), at(0.5), at(0.75), at(2.0)], [Some(1.0), Some(2.0), Some(3.0), Some(4.0)]);
+        assert_eq!([at(0.1), at(0.5), at(0.625), at(0.9)], [Some(1.0), Some(2.0), Some(3.0), Some(4.0)]);
         assert_eq!(quantile_of_sorted(&[], 0.5), None);
     }
 }

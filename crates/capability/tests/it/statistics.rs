@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use capability::{CanInputs, Demand, shapes};
 use cycle::{Feedback, Reference, RequirementSet, requirement, validate};
 use design::safety::BenchSpread;
-use numerics::{order, parallel};
+use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::catalogue::Settings;
@@ -13,13 +13,17 @@ use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, UPDATE_S, Waveform
 use units::RPM_RAD_S;
 use virtual_bench::{Numerics, simulate_hidden};
 
-use crate::calibration::{BENCHES, drawn};
+use crate::calibration::{Known, drawn};
 
+const BENCHES: u64 = 200;
 const LENGTH_S: f64 = 60.0;
 const DRAWS: usize = 40;
 /// Largest difference from the predicted median, as a part of the room that the limit gives: a verdict further from its limit stays.
-/// The bands of slope and intercept of the torque are too narrow: 62 and 79 % of the benches are inside.
 const PART: f64 = 0.1;
+/// Share of the benches that a band states.
+const IN_BAND: f64 = 0.9;
+/// Standard deviations by which a count of 200 benches may be off: one is 2.1 %, so that exact bands hold 87 … 93 % in 6 of 7 counts only.
+const DEVIATIONS: f64 = 3.0;
 /// Share of the verdicts that agree at least.
 const AGREE: f64 = 0.95;
 
@@ -64,7 +68,7 @@ fn feedback(truth: &BenchParameters, seed: u64, plan: &ExperimentPlan) -> Feedba
 type Compared = Vec<(String, bool, f64)>;
 
 fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
-    let (truth, model, uncertainty) = drawn(seed);
+    let Known { truth, model, uncertainty } = drawn(seed);
     let demands = Demands::of(plan, seed, DEMAND_HOLD_S);
     let set = RequirementSet { omission: false, shift_s: 0.0, ..requirement("1065.514").unwrap() };
     let inputs = CanInputs {
@@ -84,12 +88,15 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
     let seconds = |values: &[f64]| values.iter().copied().step_by(1000).collect::<Vec<_>>();
     let asked = &verdict.nominal;
     let reference = Reference::of_itself(0.0, seconds(&asked.speed_demand_rad_s), seconds(&asked.torque_demand_nm));
-    let found = validate(&reference, &feedback(&truth, seed, plan), &set).unwrap();
+    let found = validate(&reference, &feedback(&truth, seed + 2_000_000, plan), &set).unwrap();
     let compared = verdict.sets[0].statistics.iter().zip(&found.checked).map(|(band, one)| {
-        let at = |share: f64| order::quantile_of_sorted(&band.values, share).unwrap();
         let room = one.low.map_or_else(|| one.high.unwrap(), |low| 1.0 - low);
         let name = format!("{:?} {:?}", one.signal, one.statistic);
-        (name, (at(0.05)..=at(0.95)).contains(&one.value), (one.value - at(0.5)) / room)
+        (
+            name,
+            (band.quantile(0.05)..=band.quantile(0.95)).contains(&one.value),
+            (one.value - band.quantile(0.5)) / room,
+        )
     });
     (compared.collect(), found.passes == (verdict.sets[0].kept.estimate > 0.5))
 }
@@ -104,7 +111,8 @@ fn stat_predicted_statistics_are_those_of_virtual_benches() {
     for (name, is_in_band, part) in all.iter().flat_map(|one| &one.0) {
         by_name.entry(name).or_default().push((*is_in_band, *part));
     }
-    let mut far = Vec::new();
+    let (mut far, mut wrong) = (Vec::new(), Vec::new());
+    let deviation = (IN_BAND * (1.0 - IN_BAND) / BENCHES as f64).sqrt();
     for (name, found) in &by_name {
         let inside = found.iter().filter(|one| one.0).count() as f64 / found.len() as f64;
         let mean = found.iter().map(|one| one.1).sum::<f64>() / found.len() as f64;
@@ -113,10 +121,12 @@ fn stat_predicted_statistics_are_those_of_virtual_benches() {
             "{name}: {:.1} % in the 90 % band, off by {mean:+.4} of the room, {largest:.4} at most",
             100.0 * inside
         );
+        wrong.extend(((inside - IN_BAND).abs() > DEVIATIONS * deviation).then(|| (*name).to_owned()));
         far.extend((largest > PART).then(|| (*name).to_owned()));
     }
     let agree = all.iter().filter(|one| one.1).count();
     println!("{agree} of {} verdicts agree", all.len());
     assert!(agree as f64 >= AGREE * all.len() as f64, "{agree}");
     assert!(far.is_empty(), "{far:?}");
+    assert!(wrong.is_empty(), "{wrong:?}");
 }

@@ -25,7 +25,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// The value that a share of the benches stays below, SI (linear between them).
+    /// The value that a bench stays below with a probability, SI.
     pub fn quantile(&self, probability: f64) -> f64 {
         order::quantile_of_sorted(&self.values, probability).unwrap_or(f64::NAN)
     }

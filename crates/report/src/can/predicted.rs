@@ -119,7 +119,7 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
         ("kept (95 % interval)", Align::Left),
     ]);
     for one in &judged.statistics {
-        let at = |share: f64| words::value_of(one.signal, one.statistic, nearest(&one.values, share));
+        let at = |share: f64| words::value_of(one.signal, one.statistic, one.quantile(share));
         table.row([
             words::signal(one.signal).0.into(),
             words::statistic(one.statistic).into(),
@@ -136,12 +136,6 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
     all
 }
 
-/// The growing value that a share of the others is below; one of them, as some are infinite.
-fn nearest(values: &[f64], share: f64) -> f64 {
-    let place = (share * values.len().saturating_sub(1) as f64).round() as usize;
-    values.get(place).copied().unwrap_or(f64::NAN)
-}
-
 fn own(verdict: &Verdict) -> Table {
     let mut table = Table::new(&[
         ("", Align::Left),
@@ -151,7 +145,7 @@ fn own(verdict: &Verdict) -> Table {
         ("worst at", Align::Right),
     ]);
     for one in &verdict.own {
-        let at = |share: f64| words::own_value(&one.own, nearest(&one.values, share));
+        let at = |share: f64| words::own_value(&one.own, one.quantile(share));
         table.row([
             words::own(&one.own).into(),
             at(0.5).into(),

@@ -83,16 +83,16 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
             "quantile_5": one.quantile(0.05) / si, "median": one.quantile(0.5) / si, "quantile_95": one.quantile(0.95) / si,
             "margin": one.limit.map(|limit| 1.0 - one.quantile(0.95) / limit), "reached": one.reached, "time_s": one.time_s})
     };
-    let middle = |values: &[f64]| values.get(values.len() / 2).copied();
     let set = |set: &capability::SetVerdict| {
         let numbers = set.statistics.iter().map(|one| {
             json!({"signal": one.signal, "statistic": statistic(one.statistic), "low": one.low, "high": one.high,
-                "median": middle(&one.values), "lowest": one.values.first(), "highest": one.values.last(), "kept": one.kept})
+                "quantile_5": one.quantile(0.05), "median": one.quantile(0.5), "quantile_95": one.quantile(0.95),
+                "lowest": one.values.first(), "highest": one.values.last(), "kept": one.kept})
         });
         json!({"name": set.name, "kept": set.kept, "statistics": numbers.collect::<Vec<_>>(), "nominal": set.nominal})
     };
     let own = verdict.own.iter().map(|one| {
-        json!({"requirement": report::can::own(&one.own), "median": middle(&one.values), "limit": one.limit, "kept": one.kept, "time_s": one.time_s})
+        json!({"requirement": report::can::own(&one.own), "median": one.quantile(0.5), "limit": one.limit, "kept": one.kept, "time_s": one.time_s})
     });
     let change = |one: &Easier| json!({"change": one.change, "words": report::can::change(one.change), "kept": one.verdict.kept, "answer": one.verdict.answer});
     json!({
