@@ -220,6 +220,8 @@ impl Line {
 /// cost next to nothing: in each block the rest of the rotation is taken to second order.
 struct Demodulated {
     centre: f64,
+    /// Samples of each block but the last.
+    length: f64,
     /// Middle of each block and its moments of order 0, 1 and 2 about that.
     blocks: Vec<(f64, [Complex64; 3])>,
 }
@@ -247,16 +249,25 @@ impl Demodulated {
             }
             (start + middle, moments)
         };
-        Self { centre, blocks: x.chunks(length).enumerate().map(moments).collect() }
+        Self { centre, length: length as f64, blocks: x.chunks(length).enumerate().map(moments).collect() }
     }
 
     fn sum_at(&self, turns: f64) -> Complex64 {
         let shift = TAU * (turns - self.centre);
-        let block = |(middle, [sum, first, second]): &(f64, [Complex64; 3])| {
-            let local = sum - Complex64::new(0.0, shift) * first - second * (0.5 * shift * shift);
-            Complex64::cis(-shift * middle) * local
+        let local = |[sum, first, second]: &[Complex64; 3]| {
+            sum - Complex64::new(0.0, shift) * first - second * (0.5 * shift * shift)
         };
-        self.blocks.iter().map(block).sum()
+        let (Some((first, _)), Some(((end, moments), before))) = (self.blocks.first(), self.blocks.split_last()) else {
+            return Complex64::ZERO;
+        };
+        // All blocks but the last are as long as each other, and turn on by the same angle.
+        let (mut turn, step) = (Complex64::cis(-shift * first), Complex64::cis(-shift * self.length));
+        let mut sum = Complex64::cis(-shift * end) * local(moments);
+        for (_, moments) in before {
+            sum += turn * local(moments);
+            turn *= step;
+        }
+        sum
     }
 }
 

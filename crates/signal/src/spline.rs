@@ -78,16 +78,28 @@ impl UniformSpline {
 /// Solves M_{i−1} + 4 M_i + M_{i+1} = 6 (y_{i−1} − 2 y_i + y_{i+1}) with M = 0 at both ends.
 fn natural_curvature(y: &[f64]) -> Vec<f64> {
     let n = y.len();
-    let mut ratio = vec![0.0; n];
     let mut curvature = vec![0.0; n];
+    let ratios = ratios();
+    // The ratios of the pivots settle within a few rows.
+    let ratio = |i: usize| ratios[i.min(SETTLED)];
     for i in 1..n - 1 {
-        let pivot = 4.0 - ratio[i - 1];
-        ratio[i] = 1.0 / pivot;
-        curvature[i] = (6.0 * (y[i - 1] - 2.0 * y[i] + y[i + 1]) - curvature[i - 1]) / pivot;
+        curvature[i] = (6.0 * (y[i - 1] - 2.0 * y[i] + y[i + 1]) - curvature[i - 1]) * ratio(i);
     }
     curvature[n - 1] = 0.0;
     for i in (1..n - 1).rev() {
-        curvature[i] -= ratio[i] * curvature[i + 1];
+        curvature[i] -= ratio(i) * curvature[i + 1];
     }
     curvature
+}
+
+/// The row from which the ratios no longer change: they near 2 − √3 by a factor of (2 − √3)² a row.
+const SETTLED: usize = 20;
+
+/// What each row of the elimination is divided by, turned over: 1/(4 − the one before).
+fn ratios() -> [f64; SETTLED + 1] {
+    let mut ratios = [0.0; SETTLED + 1];
+    for i in 1..=SETTLED {
+        ratios[i] = 1.0 / (4.0 - ratios[i - 1]);
+    }
+    ratios
 }
