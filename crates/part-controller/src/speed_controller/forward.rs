@@ -40,7 +40,7 @@ pub fn estimate_forward(experiment: &Experiment) -> Result<Estimate, EstimateErr
     let spline = UniformSpline::new(data.speed.samples.clone()).map_err(|e| signal_error(&data.stretch.file, e))?;
     let bounds = [Bounds::new(1e-9, 1e9), Bounds::new(0.0, 1e9), Bounds::NONE, Bounds::new(-5.0, 15.0)];
     let from = |theta: &[f64]| {
-        let mut model = Forward { data: &data, spline: &spline, prefilter: prefilter(theta) };
+        let mut model = Forward::new(&data, &spline, prefilter(theta));
         minimise(&mut model, theta, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(&data, source))
     };
     let mut fit = from(&[1.0 / rough[inverse::P], rough[inverse::Q] / rough[inverse::P], 0.0, 1.0])?;
@@ -70,9 +70,20 @@ struct Forward<'a> {
     data: &'a Data,
     spline: &'a UniformSpline,
     prefilter: Vec<f64>,
+    /// What the prefilter leaves of T_d*, and of its own start.
+    demand: Vec<f64>,
+    start: Vec<f64>,
 }
 
-impl Forward<'_> {
+impl<'a> Forward<'a> {
+    fn new(data: &'a Data, spline: &'a UniformSpline, prefilter: Vec<f64>) -> Self {
+        let mut forward = Forward { data, spline, prefilter, demand: Vec::new(), start: Vec::new() };
+        let count = forward.residual_count();
+        forward.demand = forward.filtered(&data.demand.samples[EDGE..EDGE + count]);
+        forward.start = recursion(&forward.prefilter, 1.0, &vec![0.0; count]);
+        forward
+    }
+
     /// The speed error seen at each sample of T_d*, and its change with τ, after the first ones.
     fn error(&self, delay: f64) -> (Vec<f64>, Vec<f64>) {
         let (demand, speed, reference) = (&self.data.demand, &self.data.speed, &self.data.reference.samples);
@@ -111,16 +122,15 @@ impl ResidualModel for Forward<'_> {
         let (error, by_delay) = self.error(theta[DELAY]);
         let by_gain = self.filtered(&error);
         let by_integral = self.filtered(&summed(&error));
-        let start = recursion(&self.prefilter, 1.0, &vec![0.0; error.len()]);
-        let demand = self.filtered(&self.data.demand.samples[EDGE..EDGE + error.len()]);
         for (k, residual) in residuals.iter_mut().enumerate() {
-            let modelled = theta[GAIN] * by_gain[k] + theta[INTEGRAL] * by_integral[k] + theta[START] * start[k];
-            *residual = demand[k] - modelled;
+            let modelled = theta[GAIN] * by_gain[k] + theta[INTEGRAL] * by_integral[k] + theta[START] * self.start[k];
+            *residual = self.demand[k] - modelled;
         }
         let Some(mut jacobian) = jacobian else { return Ok(()) };
         let later: Vec<f64> =
             by_delay.iter().zip(summed(&by_delay)).map(|(e, sum)| theta[GAIN] * e + theta[INTEGRAL] * sum).collect();
-        let columns = [(GAIN, by_gain), (INTEGRAL, by_integral), (START, start), (DELAY, self.filtered(&later))];
+        let by_delay = self.filtered(&later);
+        let columns = [(GAIN, &by_gain), (INTEGRAL, &by_integral), (START, &self.start), (DELAY, &by_delay)];
         for (j, column) in columns {
             column.iter().enumerate().for_each(|(k, value)| jacobian[(k, j)] = -value);
         }

@@ -225,6 +225,16 @@ pub(super) fn recursion(theta: &[f64], first: f64, forcing: &[f64]) -> Vec<f64> 
     let (keep, r, w) = (1.0 - theta[Q], theta[DERIVATIVE], theta[SECOND_INTEGRATOR]);
     let mut all = Vec::with_capacity(forcing.len());
     all.push(first);
+    if r == 0.0 && w == 0.0 {
+        // PI alone, which most searches are about.
+        let mut last = first;
+        let next = |force: &f64| {
+            last = force + keep * last;
+            last
+        };
+        all.extend(forcing.iter().skip(1).map(next));
+        return all;
+    }
     let (mut last, mut before, mut sum) = (first, first, 0.0);
     for (i, force) in forcing.iter().enumerate().skip(1) {
         if i > 1 {
