@@ -93,12 +93,12 @@ impl Modulated {
             return Err(IdentError::TooFewSamples { samples: count, parameters: 2 * last_bin });
         }
         let mean = values.iter().sum::<f64>() / count as f64;
+        let position = |i: usize| (offset + i as f64 * dt) / window.duration_s;
+        let windowed: Vec<[f64; ORDERS]> =
+            (0..count).map(|i| window_derivatives(position(i), window.duration_s)).collect();
         let moment = |order: usize| -> Result<Vec<Complex64>, IdentError> {
-            let weigh = |i: usize| {
-                let position = (offset + i as f64 * dt) / window.duration_s;
-                dt * (values[i] - mean) * window_derivative(order, position, window.duration_s)
-            };
-            let weighted: Vec<f64> = (0..count).map(weigh).collect();
+            let weigh = |(value, windowed): (&f64, &[f64; ORDERS])| dt * (value - mean) * windowed[order];
+            let weighted: Vec<f64> = values.iter().zip(&windowed).map(weigh).collect();
             let mut spectrum = signal::spectrum::fft_real(&weighted)?;
             spectrum.truncate(last_bin + 1);
             for (k, value) in spectrum.iter_mut().enumerate() {
@@ -153,19 +153,16 @@ pub fn samples_in(signal: &Signal, window: Window) -> Result<Samples, IdentError
     Ok(Samples { values, offset_s: 0.0, sample_time_s })
 }
 
-/// Derivatives of h at a part of its length `duration_s`: it rises as sin²(πx/2) over the first [`TAPER`] of its length, is one,
+/// h and its derivatives at a part of its length `duration_s`: it rises as sin²(πx/2) over the first [`TAPER`] of its length, is one,
 /// and falls over the last; neither it nor its slope jumps.
-fn window_derivative(order: usize, position: f64, duration_s: f64) -> f64 {
+fn window_derivatives(position: f64, duration_s: f64) -> [f64; ORDERS] {
     let edge = position.min(1.0 - position) / TAPER;
     if edge >= 1.0 {
-        return if order == 0 { 1.0 } else { 0.0 };
+        return [1.0, 0.0, 0.0];
     }
     let ((sin, cos), rate) = ((PI * edge).sin_cos(), PI / (TAPER * duration_s));
-    match order {
-        0 => 0.5 * (1.0 - cos),
-        1 => 0.5 * rate * if position < 0.5 { sin } else { -sin },
-        _ => 0.5 * rate * rate * cos,
-    }
+    let slope = if position < 0.5 { sin } else { -sin };
+    [0.5 * (1.0 - cos), 0.5 * rate * slope, 0.5 * rate * rate * cos]
 }
 
 /// One signal of the equation: its transform, what the record holds beside it, and the noise on its samples.

@@ -38,12 +38,16 @@ struct Tabulated<'a, M> {
     residuals: Vec<f64>,
     trial: Vec<f64>,
     jacobian: Mat<f64>,
+    /// Parameters that may move: columns of the others cost time and conditioning, and no search reads them.
+    free: Vec<usize>,
 }
 
 impl<'a, M: ResidualModel> Tabulated<'a, M> {
-    fn new(model: &'a mut M) -> Self {
+    fn new(model: &'a mut M, bounds: &[Bounds]) -> Self {
         let (rows, columns) = (model.residual_count(), model.parameter_count());
-        Tabulated { model, residuals: vec![0.0; rows], trial: vec![0.0; rows], jacobian: Mat::zeros(rows, columns) }
+        let (residuals, jacobian) = (vec![0.0; rows], Mat::zeros(rows, columns));
+        let free = (0..columns.min(bounds.len())).filter(|j| bounds[*j].lower < bounds[*j].upper).collect();
+        Tabulated { model, trial: residuals.clone(), residuals, jacobian, free }
     }
 }
 
@@ -68,17 +72,23 @@ impl<M: ResidualModel> SumOfSquares for Tabulated<'_, M> {
             return Err(IdentError::NotFinite { what: "residuals at the starting point", index });
         }
         let n = self.jacobian.ncols();
-        let mut triangle = Triangle::new(n + 1);
-        let column = |j: usize| match j == n {
-            true => Some(self.residuals.as_slice()),
-            false => self.jacobian.col(j).try_as_col_major().map(|column| column.as_slice()),
+        let mut triangle = Triangle::new(self.free.len() + 1);
+        let column = |j: usize| match self.free.get(j) {
+            None => Some(self.residuals.as_slice()),
+            Some(j) => self.jacobian.col(*j).try_as_col_major().map(|column| column.as_slice()),
         };
         triangle.push_columns(self.residuals.len(), |j, start, target| {
             if let Some(column) = column(j) {
                 target.copy_from_slice(&column[start..start + target.len()]);
             }
         });
-        Ok(triangle.finish())
+        let of_free = triangle.finish();
+        let mut factor = Mat::zeros(n + 1, n + 1);
+        let places = || self.free.iter().copied().chain([n]).enumerate();
+        for (b, j) in places() {
+            places().take(b + 1).for_each(|(a, i)| factor[(i, j)] = of_free[(a, b)]);
+        }
+        Ok(factor)
     }
 }
 
@@ -138,7 +148,7 @@ pub fn minimise<M: ResidualModel>(
     bounds: &[Bounds],
     options: NonlinearOptions,
 ) -> Result<Minimum, IdentError> {
-    let mut tabulated = Tabulated::new(model);
+    let mut tabulated = Tabulated::new(model, bounds);
     let lowest = descend(&mut tabulated, start, bounds, options)?;
     Ok(Minimum {
         parameters: lowest.parameters,
