@@ -97,6 +97,7 @@ impl<'a> Origin<'a> {
     }
 }
 
+/// The values of the FMU's parameters, which take the demand as the controller has it.
 fn values(model: &BenchModel) -> Vec<Parameter> {
     let parameter = |number: Number| {
         Some(Parameter {
@@ -106,7 +107,7 @@ fn values(model: &BenchModel) -> Vec<Parameter> {
             unit: Some(number.unit),
         })
     };
-    numbers::all(model).into_iter().filter_map(parameter).collect()
+    numbers::all(&model.with_demand_of_controller()).into_iter().filter_map(parameter).collect()
 }
 
 /// Of each part its covariance, in the order that the description states, and its degrees of freedom where they are finite.

@@ -24,6 +24,24 @@ fn exact_parameters_have_their_values_and_units() {
     assert_ne!(files[2].content, files[3].content);
 }
 
+/// Recordings that have ω_d* two samples later than the controller has it: a FMU refuses a negative delay.
+#[test]
+fn regress_a_set_has_the_delays_of_the_fmu() {
+    let mut early = document();
+    early.model.speed_controller.as_mut().unwrap().demand_delay_s = -1e-3;
+    early.model.feed_forward.as_mut().unwrap().delay_s = -2e-3;
+    for file in ssv::bench(&early, &Names::of("early"), 1).unwrap().iter().filter(|file| !file.name.contains("uncert"))
+    {
+        let text = String::from_utf8(file.content.clone()).unwrap();
+        let delay = |name: &str| {
+            let line = text.lines().find(|line| line.contains(&format!("name=\"{name}\""))).unwrap();
+            let value = line.split("value=\"").nth(1).unwrap().split('"').next().unwrap();
+            value.parse::<f64>().unwrap()
+        };
+        assert!((delay("tau_n") - 1e-3).abs() < 1e-12 && delay("tau_f").abs() < 1e-12, "{text}");
+    }
+}
+
 #[test]
 fn ref_the_sets_are_valid_by_the_schema() {
     let mut odd = document();
