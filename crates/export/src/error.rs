@@ -3,6 +3,9 @@
 use bench_model::simulate::SimulationError;
 use ident::IdentError;
 
+/// States that a target holds. A file of MATLAB has 8 MB of them.
+pub(crate) const MOST_STATES: usize = 1000;
+
 /// Why a model cannot be exported to a target.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExportError {
@@ -21,12 +24,14 @@ pub enum ExportError {
         target: &'static str,
     },
     /// A linear model that the target cannot hold.
-    #[error("{target} holds up to 1000 states, and the model has {states}; export it with --to c, mat or python")]
+    #[error("{target} holds up to {MOST_STATES} states, and the model has {states}; export it with --to {others}")]
     TooLarge {
         /// The target.
         target: &'static str,
         /// States of the model.
         states: usize,
+        /// Targets that can hold it.
+        others: &'static str,
     },
     /// A model without what the target holds.
     #[error("{target} holds estimated parameters, and this model has none; export it with --to fmu2, c, mat or python")]
@@ -53,7 +58,7 @@ pub enum ExportError {
     #[error("hardly any draw of the covariance is a bench that can be; export without draws")]
     NoDraws,
     /// A delay that the runtime of the FMUs cannot hold.
-    #[error("{name} is {delay_s} s, and the FMU holds delays from 0 to {longest_s} s; correct it in the model file")]
+    #[error("{name} is {delay_s} s, and FMU and C hold delays from 0 to {longest_s} s; correct it in the model file")]
     Delay {
         /// Name of the delay.
         name: &'static str,

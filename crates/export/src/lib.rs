@@ -10,6 +10,7 @@ mod draws;
 mod error;
 mod file;
 pub mod fmu;
+mod levels;
 mod linear;
 pub mod matlab;
 pub mod modelica;

@@ -1,7 +1,7 @@
 //! A virtual bench that is like a stated one: what its bench file says, what a model says, and what had to be assumed.
 
 use bench_model::model::BenchModel;
-use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
+use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters, MechanicsParameters};
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
 use rig::role::Role;
@@ -69,9 +69,8 @@ pub struct StatedBench {
 
 impl StatedBench {
     /// The virtual bench of a bench file: the default one, with inertias, cylinders, strokes, variant, torque limit, encoder
-    /// gate and shaft as the file states them, with every field of its table `[virtual_bench]`, and with shaft, speed
-    /// controller, feed-forward and torque control of `model`, if there is one, in place of all that. The inertias stay those
-    /// of the file.
+    /// gate and shaft as the file states them, with every field of its table `[virtual_bench]`, and with inertias, shaft, speed
+    /// controller, feed-forward and torque control of `model`, if there is one, in place of all that.
     ///
     /// # Errors
     /// [`VirtualBenchError`] where the parameters are impossible.
@@ -113,13 +112,7 @@ fn stated_in(file: &BenchFile) -> BenchParameters {
     };
     let (dyno, engine) = (file.dynamometer_inertia_kg_m2, file.engine_inertia_kg_m2);
     let mechanics = &mut parameters.mechanics;
-    // The flywheel's secondary side keeps its share of the engine's inertia.
-    let share = engine / mechanics.engine_inertia_kg_m2;
-    mechanics.flywheel = mechanics.flywheel.map(|flywheel| DualMassFlywheel {
-        secondary_inertia_kg_m2: flywheel.secondary_inertia_kg_m2 * share,
-        ..flywheel
-    });
-    (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2) = (dyno, engine);
+    take_inertias(mechanics, (dyno, engine));
     if let Some(stiffness) = file.shaft.stiffness_nm_per_rad((dyno, engine)) {
         mechanics.shaft_stiffness_nm_per_rad = stiffness;
         let natural_rad_s = (stiffness * (1.0 / dyno + 1.0 / engine)).sqrt();
@@ -137,6 +130,16 @@ fn stated_in(file: &BenchFile) -> BenchParameters {
         parameters.sensors.gate_s = gate_s;
     }
     parameters
+}
+
+/// Takes the inertias of dynamometer and engine. The flywheel's secondary side keeps its share of the engine's.
+fn take_inertias(mechanics: &mut MechanicsParameters, (dyno, engine): (f64, f64)) {
+    let share = engine / mechanics.engine_inertia_kg_m2;
+    mechanics.flywheel = mechanics.flywheel.map(|flywheel| DualMassFlywheel {
+        secondary_inertia_kg_m2: flywheel.secondary_inertia_kg_m2 * share,
+        ..flywheel
+    });
+    (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2) = (dyno, engine);
 }
 
 /// An engine with the stated cylinders, unequal as the default one's are.
@@ -164,6 +167,9 @@ fn overlay(whole: &mut toml::Table, table: &toml::Table) {
 }
 
 fn take_over(parameters: &mut BenchParameters, model: &BenchModel) {
+    // Stiffness and damping scale with the inertias that they were estimated with.
+    let inertias = (model.mechanics.dyno_inertia_kg_m2, model.mechanics.engine_inertia_kg_m2);
+    take_inertias(&mut parameters.mechanics, inertias);
     parameters.mechanics.shaft_stiffness_nm_per_rad = model.mechanics.stiffness_nm_per_rad;
     parameters.mechanics.shaft_damping_nm_s_per_rad = model.mechanics.damping_nm_s_per_rad;
     if let Some(pi) = model.speed_controller {

@@ -62,8 +62,8 @@ pub(crate) struct PlanArguments {
     /// Seed of demands and bench; the same seed gives the same bytes [default: 1]
     #[arg(long, value_name = "N", help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
-    /// Take shaft, speed controller, feed-forward and torque control from the model.json or study.json of a study instead of
-    /// the bench file
+    /// Take inertias, shaft, speed controller, feed-forward and torque control from a model.json, a study.json or an FMU of
+    /// dynoid instead of the bench file
     #[arg(long = "model", value_name = "MODEL.json", help_heading = "Experiment")]
     pub(crate) study: Option<PathBuf>,
 }

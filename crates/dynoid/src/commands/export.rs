@@ -23,6 +23,9 @@ use crate::terminal::Terminal;
 const REPORT: &str = "report.html";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// Endings of files, which are no names of folders.
+const OTHER_ENDINGS: [&str; 12] = ["c", "csv", "fmu", "h", "html", "json", "m", "mat", "mo", "py", "ssv", "txt"];
+
 /// A model of either kind.
 enum Source {
     Bench(Box<BenchModelDocument>),
@@ -127,6 +130,12 @@ impl Place {
         let Some(out) = &arguments.out else { return Ok(Place { folder: here(), names: Names::of(&own), file: None }) };
         let ending = paths::ending(out).filter(|_| !out.is_dir());
         if !ending.is_some_and(|ending| ending.eq_ignore_ascii_case(arguments.to.ending())) {
+            if let Some(other) =
+                ending.filter(|ending| OTHER_ENDINGS.iter().any(|one| ending.eq_ignore_ascii_case(one)))
+            {
+                let what = format!("{}: this target writes .{}, not .{other}", out.display(), arguments.to.ending());
+                return Err(CliError::Usage { what });
+            }
             return Ok(Place { folder: out.clone(), names: Names::of(&own), file: None });
         }
         if arguments.to == ExportTarget::Linear {

@@ -62,7 +62,7 @@ fn typed(description: &Description<'_>, variable: &Variable) -> String {
             let derivative = state.map(|state| attribute("derivative", &description.position(state).to_string()));
             let number =
                 |name, value: Option<f64>| value.map_or_else(String::new, |v| attribute(name, &csv::number(v)));
-            let displayed = if unit.name == "rad/s" { " displayUnit=\"rpm\"" } else { "" };
+            let displayed = if variable.is_speed() { " displayUnit=\"rpm\"" } else { "" };
             let unit = attribute("unit", unit.name);
             let (min, start) = (number("min", min), number("start", start));
             format!("<Real{unit}{displayed}{min}{start}{}/>", derivative.unwrap_or_default())

@@ -47,7 +47,7 @@ fn variable(variable: &Variable) -> String {
         Kind::Real(unit, start, min) => {
             let number =
                 |name, value: Option<f64>| value.map_or_else(String::new, |v| attribute(name, &csv::number(v)));
-            let displayed = if unit.name == "rad/s" { " displayUnit=\"rpm\"" } else { "" };
+            let displayed = if variable.is_speed() { " displayUnit=\"rpm\"" } else { "" };
             let derivative = match variable.role {
                 Role::Derivative(state) => attribute("derivative", &state.to_string()),
                 _ => String::new(),

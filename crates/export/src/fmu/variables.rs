@@ -70,6 +70,11 @@ impl From<Unit> for FmiUnit {
 }
 
 impl Variable {
+    /// Whether people read it in rpm. A parameter in rad/s is a bandwidth.
+    pub(super) fn is_speed(&self) -> bool {
+        matches!(self.kind, Kind::Real(unit, ..) if unit.name == "rad/s") && self.role != Role::Tunable
+    }
+
     fn new(reference: u32, name: &str, role: Role, kind: Kind, description: &str) -> Self {
         Variable { name: name.to_owned(), reference, description: description.to_owned(), role, kind }
     }

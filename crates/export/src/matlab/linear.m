@@ -7,6 +7,9 @@ function [discrete, continuous, model] = @NAME@ ()
 %     model       matrices with the noise gain K, names, units, parameters and covariance
 %   @NAME@ () without outputs draws the frequency response.
 %
+%   @LEVELS@
+%   They are model.InputOffset and model.OutputOffset, where there are single ones.
+%
 %   It needs the Control System Toolbox, or Octave with its package control. With the System Identification Toolbox, idss (discrete)
 %   gives a model for compare and resid.
 

@@ -5,6 +5,7 @@ use ident::{Label, ModelDocument};
 use lti::StateSpace;
 
 use super::level5::{Value, file};
+use crate::levels::{self, Levels};
 use crate::linear::Matrices;
 use crate::names::Names;
 use crate::{ExportError, ExportedFile};
@@ -44,7 +45,12 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
             ]),
         ));
     }
+    if let Some(levels) = Levels::of(document) {
+        fields.push(("InputOffset", Value::row(&levels.inputs)));
+        fields.push(("OutputOffset", Value::row(&levels.outputs)));
+    }
     let function = FUNCTION
+        .replace("@LEVELS@", &levels::sentence(document))
         .replace("@NAME@", &names.file)
         .replace("@UPPER@", &names.file.to_uppercase())
         .replace("@VERSION@", version);

@@ -7,6 +7,7 @@ use bench_model::document::{BenchModelDocument, Range};
 use bench_model::simulate::{LoopMode, linear_form};
 
 use crate::continuous::{self, Continuous};
+use crate::error::MOST_STATES;
 use crate::names::Names;
 use crate::numbers::{self, Number, Unit, written_by};
 use crate::{ExportError, ExportedFile};
@@ -105,6 +106,9 @@ fn continuous_system(system: &Continuous) -> Value {
 fn discrete(document: &BenchModelDocument, mode: LoopMode, tick_s: f64) -> Result<Value, ExportError> {
     let form = linear_form(&document.model, mode, tick_s)?;
     let (system, states) = (&form.system, form.state_names());
+    if states.len() > MOST_STATES {
+        return Err(ExportError::TooLarge { target: "mat", states: states.len(), others: "python or modelica" });
+    }
     let matrix = |m: faer::MatRef<'_, f64>| Value::matrix(m.nrows(), m.ncols(), |i, j| m[(i, j)]);
     let inputs = match mode {
         LoopMode::Speed => [("w_d_demand", Unit::Speed), ("T_e", Unit::Torque)],

@@ -6,6 +6,7 @@ use faer::MatRef;
 use ident::{Label, ModelDocument};
 
 use super::{number, text};
+use crate::levels;
 use crate::linear::Matrices;
 use crate::names::Names;
 use crate::{ExportError, ExportedFile};
@@ -17,7 +18,8 @@ use crate::{ExportError, ExportedFile};
 pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<ExportedFile, ExportError> {
     let matrices = Matrices::of(document)?;
     let class = &names.class;
-    let mut out = format!("// Written by dynoid {version}.\nwithin ;\nmodel {class} \"Linear model\"\n");
+    let levels = levels::sentence(document);
+    let mut out = format!("// Written by dynoid {version}. {levels}\nwithin ;\nmodel {class} \"Linear model\"\n");
     channels(&mut out, "input", "u", &document.inputs);
     channels(&mut out, "output", "y", &document.outputs);
     match &matrices.continuous {

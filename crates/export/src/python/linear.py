@@ -7,7 +7,9 @@ It needs numpy alone.
 
     y = model.simulate(np.ones((1000, len(model.INPUTS))))
 
-INPUTS and OUTPUTS are names with units. A, B, C, D are discrete, every SAMPLE_TIME seconds: x(t+1) = A x + B u + K e, y = C x + D u + e.
+@LEVELS@
+
+INPUTS and OUTPUTS are names with units. INPUT_LEVELS and OUTPUT_LEVELS are the levels, None where there is no single one. A, B, C, D are discrete, every SAMPLE_TIME seconds: x(t+1) = A x + B u + K e, y = C x + D u + e.
 """
 
 import numpy as np

@@ -6,6 +6,7 @@ use faer::MatRef;
 use ident::{Label, ModelDocument};
 
 use super::{BEGIN, list, number};
+use crate::levels::{self, Levels};
 use crate::linear::Matrices;
 use crate::names::Names;
 use crate::{ExportError, ExportedFile};
@@ -21,14 +22,20 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
     let (discrete, system) = (&matrices.discrete, matrices.discrete.system());
     let mut data = format!("SAMPLE_TIME = {}\n", number(document.sample_time_s));
     let _ = write!(data, "INPUTS = {}\nOUTPUTS = {}\n", labels(&document.inputs), labels(&document.outputs));
+    let levels = Levels::of(document);
+    let written = |of: fn(&Levels) -> &Vec<f64>| levels.as_ref().map_or("None".to_owned(), |levels| list(of(levels)));
+    let _ = write!(data, "INPUT_LEVELS = {}\nOUTPUT_LEVELS = {}\n", written(|l| &l.inputs), written(|l| &l.outputs));
     for (name, value) in
         [("A", system.a()), ("B", system.b()), ("C", system.c()), ("D", system.d()), ("K", discrete.k())]
     {
         let _ = writeln!(data, "{name} = {}", matrix(value));
     }
     let _ = writeln!(data, "NOISE_COVARIANCE = {}", matrix(discrete.noise_covariance()));
-    let text =
-        MODULE.replace("@VERSION@", version).replace("@MODULE@", &names.file).replace(BEGIN, &format!("{BEGIN}{data}"));
+    let text = MODULE
+        .replace("@LEVELS@", &levels::sentence(document))
+        .replace("@VERSION@", version)
+        .replace("@MODULE@", &names.file)
+        .replace(BEGIN, &format!("{BEGIN}{data}"));
     Ok(ExportedFile::text(format!("{}.py", names.file), text))
 }
 

@@ -93,6 +93,10 @@ fn exact_an_fmu_has_all_its_parts_and_the_same_bytes_again() {
         let model = model_in(&archive.content).unwrap();
         assert_eq!(BenchModelDocument::from_json(&model).unwrap().model, document().model);
         let description = text(&files, "modelDescription.xml");
+        let of =
+            |name: &str| description.split(&format!("name=\"{name}\"")).nth(1).unwrap().split("/>").next().unwrap();
+        assert!(of("dyno_speed").contains("displayUnit=\"rpm\""), "{}", of("dyno_speed"));
+        assert!(of("a").contains("rad/s") && !of("a").contains("rpm"), "a bandwidth is no speed: {}", of("a"));
         let token = description.split(['{', '}']).nth(1).unwrap();
         assert!(text(&files, "resources/bench.txt").contains(&format!("token {{{token}}}")));
     }

@@ -2,10 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use ident::LinearModel;
+use export::names::Names;
+use export::{ExportError, ExportedFile};
 use ident::uncertainty::Dynamics;
+use ident::{Line, LinearModel, Trend};
 
-use crate::model::document;
+use crate::model::{arx, document};
 
 #[test]
 fn exact_the_linear_models_have_the_responses_of_the_bench() {
@@ -63,4 +65,41 @@ fn exact_a_bench_without_controllers_has_the_mechanics() {
     assert!((found - expected).norm() < 1e-12 * expected.norm());
     let poles = models[1].1.model.system().unwrap().poles().unwrap();
     assert!(poles.iter().any(|pole| pole.norm() == 0.0), "the speeds integrate exactly: {poles:?}");
+}
+
+#[test]
+fn exact_linear_models_name_the_levels_that_they_are_about() {
+    let texts = |trend: Option<Trend>| -> Vec<String> {
+        let (mut model, _) = arx();
+        model.trend = trend;
+        let names = Names::of("arx");
+        let mut files = export::matlab::linear(&model, &names, "0").unwrap();
+        files.retain(|file| file.name.ends_with(".m"));
+        files.push(export::python::linear(&model, &names, "0").unwrap());
+        files.push(export::modelica::linear(&model, &names, "0").unwrap());
+        files.push(export::fmu::linear_c_files(&model, &names, "0").unwrap().remove(0));
+        files.into_iter().map(|file: ExportedFile| String::from_utf8(file.content).unwrap()).collect()
+    };
+    let all_have = |trend, sentence: &str| {
+        for text in texts(trend) {
+            assert!(text.contains(sentence), "{text}");
+        }
+    };
+    all_have(None, "Inputs and outputs are absolute values.");
+    let levels = Trend::offsets(&[60.5], &[1200.25]).unwrap();
+    assert!(texts(Some(levels.clone()))[1].contains("OUTPUT_LEVELS = [1200.25]"));
+    all_have(Some(levels), "Levels of the inputs: 60.5; of the outputs: 1200.25.");
+    let drifting = Line { slope_per_s: 0.1, ..Line::level(3.0) };
+    let each = Trend::per_experiment(vec![vec![drifting]], vec![vec![Line::level(1.0)]]).unwrap();
+    assert!(texts(Some(each.clone()))[1].contains("INPUT_LEVELS = None"));
+    all_have(Some(each), "the mean or trend of each recording");
+}
+
+#[test]
+fn regress_a_delay_of_seconds_makes_no_file_of_hundreds_of_megabytes() {
+    let mut long = document();
+    let pi = long.model.speed_controller.as_mut().unwrap();
+    (pi.delay_s, pi.demand_delay_s) = (5.0, 5.0);
+    let error = export::matlab::bench(&long, &Names::of("long")).unwrap_err();
+    assert!(matches!(error, ExportError::TooLarge { target: "mat", .. }), "{error}");
 }

@@ -14,4 +14,7 @@ fn exact_names_are_words_that_programs_take() {
     assert_eq!(of("4 north"), pair("bench_4_north", "Bench4North"));
     assert_eq!(of("TestCell4"), pair("testcell4", "TestCell4"));
     assert_eq!(of("試験"), pair("bench", "Bench"));
+    for taken in ["class", "lambda", "end", "function", "numpy"] {
+        assert_eq!(of(taken).0, format!("{taken}_model"));
+    }
 }

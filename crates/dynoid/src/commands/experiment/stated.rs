@@ -46,8 +46,8 @@ impl Bench {
                 || differs(model.engine_inertia_kg_m2, file.engine_inertia_kg_m2, doubt(file.engine_inertia()))
             {
                 terminal.warning(&format!(
-                    "{}: the study was made with other inertias than {} states; stiffness and damping scale with them: run \
-                     the study again",
+                    "{}: the study was made with other inertias than {} states, and its own are used: run the study again \
+                     where those of the bench file are right",
                     study.display(),
                     path.display()
                 ));

@@ -27,6 +27,9 @@ pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<ModelDocum
     if format_of(text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
         return Err(CliError::IsBenchModel { path: path.to_owned() });
     }
+    if format_of(text).is_some_and(|format| report::is_study(&format)) {
+        return Err(CliError::IsStudy { path: path.to_owned() });
+    }
     // First of all what it is: a later version may have another layout.
     match serde_json::from_str::<DocumentHeader>(text).map(|header| header.check()) {
         Err(error) => return Err(wrong(error.to_string())),

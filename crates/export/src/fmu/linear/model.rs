@@ -10,6 +10,7 @@ use signal::excitation::Random;
 
 use super::super::resource::hexadecimal;
 use crate::ExportError;
+use crate::error::MOST_STATES;
 use crate::linear::Matrices;
 
 /// Draws of the covariance that an FMU holds.
@@ -21,7 +22,6 @@ const FEWEST_DRAWS: usize = 20;
 /// Seed of the draws.
 const SEED: u64 = 1;
 /// What the runtime can hold.
-const MOST_STATES: usize = 1000;
 const MOST_NUMBERS: usize = 160_000;
 
 /// The matrices of a linear model, and of models that its covariance allows.
@@ -39,7 +39,7 @@ impl LinearNumbers {
         let estimate = flat(&system);
         let states = system.states();
         if states > MOST_STATES || estimate.len() > MOST_NUMBERS {
-            return Err(ExportError::TooLarge { target: "an FMU", states });
+            return Err(ExportError::TooLarge { target: "an FMU", states, others: "c, mat or python" });
         }
         let draws = drawn(document, &system)?;
         Ok(LinearNumbers { system, sample_time_s: document.sample_time_s, draws })

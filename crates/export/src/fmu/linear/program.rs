@@ -5,6 +5,7 @@ use ident::{Label, ModelDocument};
 use super::super::csv;
 use super::super::sources;
 use super::model::rows;
+use crate::levels;
 use crate::linear::Matrices;
 use crate::names::Names;
 use crate::{ExportError, ExportedFile};
@@ -36,10 +37,11 @@ fn header(document: &ModelDocument, version: &str) -> Result<String, ExportError
         + &array("MODEL_D", rows(system.d()));
     let step = csv::number(document.sample_time_s);
     Ok(format!(
-        "/* Written by dynoid {version}. A linear model: x(k + 1) = A x(k) + B u(k), y(k) = C x(k) + D u(k), every {step} s.\n\
+        "/* Written by dynoid {version}. A linear model: x(k + 1) = A x(k) + B u(k), y(k) = C x(k) + D u(k), every {step} s.\n * {}\n\
          {}{} */\n#ifndef LINEAR_MODEL_H\n#define LINEAR_MODEL_H\n\n#include \"linear.h\"\n\n\
          enum {{ MODEL_STATES = {n}, MODEL_INPUTS = {m}, MODEL_OUTPUTS = {p} }};\n\n{arrays}\n\
          static const linear_model MODEL = {{{n}, {m}, {p}, {step}, MODEL_A, MODEL_B, MODEL_C, MODEL_D}};\n\n#endif\n",
+        levels::sentence(document),
         channels("u", &document.inputs),
         channels("y", &document.outputs),
     ))
