@@ -12,6 +12,7 @@ use serde_json::json;
 use super::bench_model;
 use super::identify::model_file;
 use crate::cli::export::{ExportArguments, ExportTarget};
+use crate::commands::study::REPORT;
 use crate::error::{CliError, Outcome};
 use crate::formats::check_replaceable;
 use crate::output::OutputFolder;
@@ -19,8 +20,6 @@ use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
-/// The report of a study.
-const REPORT: &str = "report.html";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Endings of files, which are no names of folders.
@@ -59,7 +58,6 @@ fn read(path: &Path) -> Result<Source, CliError> {
         Some(format) if BenchModelDocument::is_format(&format) => {
             Ok(Source::Bench(Box::new(bench_model::of_text(path, &text)?)))
         }
-        Some(format) if report::is_study(&format) => Err(CliError::IsStudy { path: path.to_owned() }),
         _ => Ok(Source::Linear(Box::new(model_file::of_text(path, &text)?))),
     }
 }

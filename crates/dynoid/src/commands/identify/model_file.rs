@@ -24,11 +24,12 @@ pub(in crate::commands) fn read(path: &Path) -> Result<ModelDocument, CliError> 
 /// The model that the text of a file holds.
 pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<ModelDocument, CliError> {
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    if format_of(text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
-        return Err(CliError::IsBenchModel { path: path.to_owned() });
-    }
-    if format_of(text).is_some_and(|format| report::is_study(&format)) {
-        return Err(CliError::IsStudy { path: path.to_owned() });
+    match format_of(text) {
+        Some(format) if BenchModelDocument::is_format(&format) => {
+            return Err(CliError::IsBenchModel { path: path.to_owned() });
+        }
+        Some(format) if report::is_study(&format) => return Err(CliError::IsStudy { path: path.to_owned() }),
+        _ => {}
     }
     // First of all what it is: a later version may have another layout.
     match serde_json::from_str::<DocumentHeader>(text).map(|header| header.check()) {
