@@ -1,11 +1,13 @@
 //! Tests of residuals: what they found, in words, in numbers and as figures.
 
+use ident::distributions::normal_quantile;
 use ident::validate::{Independence, JointTest, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
 use page::decimal::probability;
 use page::{Abscissa, Axis, Block, Figure, Finding, Layer, Page, Panel, Prose, Style, Tone, rounded};
 use serde_json::{Value, json};
 
+use crate::blocks::line;
 use crate::figures::figure;
 
 /// Confidence of the regions of the tests.
@@ -31,6 +33,13 @@ pub fn json(report: &ResidualReport, data: &Dataset) -> Value {
 /// What the tests found, output by output.
 pub(crate) fn findings(report: &ResidualReport, (inputs, outputs): (&[Label], &[Label])) -> Vec<Block> {
     let mut all = Vec::new();
+    if report.samples < report.samples_given {
+        let (tested, given) = (report.samples, report.samples_given);
+        all.push(line(format!(
+            "residual tests: {tested} of {given} samples, spread over the data; they show correlations of {:.1} %",
+            100.0 * normal_quantile(0.5 + REGION / 2.0) / (tested as f64).sqrt()
+        )));
+    }
     for (output, whiteness) in report.whiteness.iter().enumerate() {
         let name = &outputs[output].name;
         let (good, bad) = (format!("residuals of {name} are white"), format!("residuals of {name} are not white"));
@@ -81,7 +90,8 @@ pub(crate) fn numbers(report: &ResidualReport) -> Value {
         .iter()
         .map(|w| json!({"joint": joint(&w.joint), "auto": w.auto, "bounds": w.bounds}))
         .collect();
-    json!({"level": REGION, "whiteness": whiteness, "independence": independence})
+    json!({"level": REGION, "whiteness": whiteness, "independence": independence,
+        "samples": report.samples, "samples_given": report.samples_given})
 }
 
 /// Correlations of the residuals, a figure for each output.

@@ -165,7 +165,8 @@ impl Instants {
         self.patterns.iter().map(of).collect()
     }
 
-    /// White values of record `r`, instant by instant, from those of some outputs at their samples; zero for the others.
+    /// White values of record `r`, instant by instant, from those of some outputs at their samples; zero for the others, and
+    /// where values end early.
     fn white(&self, r: usize, weights: &[Mat<f64>], values: &[(usize, &[f64])]) -> Vec<f64> {
         let mut next = vec![0; values.len()];
         let mut all = Vec::new();
@@ -175,7 +176,7 @@ impl Instants {
             all.resize(begin + pattern.len(), 0.0);
             for ((output, own), next) in values.iter().zip(&mut next) {
                 let Some(column) = pattern.iter().position(|i| i == output) else { continue };
-                let value = own[*next];
+                let value = own.get(*next).copied().unwrap_or(0.0);
                 *next += 1;
                 for (i, slot) in all[begin..].iter_mut().enumerate().skip(column) {
                     *slot += weight[(i, column)] * value;

@@ -80,13 +80,14 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         Ok(Basis::new(self.nuisance_columns(ready, record)?))
     }
 
-    /// Responses to the initial state of each channel, and an offset.
+    /// Responses to the initial state of each channel, as far as anything is left of them, and an offset.
     pub(super) fn nuisance_columns(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<Vec<f64>>, IdentError> {
         let length = record.output.len() - record.first;
         let mut columns = Vec::new();
         if self.nuisance.initial_state {
             for part in ready {
-                columns.append(&mut free_responses(&part.companion, length, self.intersample)?);
+                let (c, _) = part.companion.output();
+                columns.append(&mut part.companion.sampled(self.intersample)?.free_responses(&c, length));
             }
         }
         if self.nuisance.offset {
@@ -182,19 +183,6 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         }
         Ok(())
     }
-}
-
-/// `c Φ^k`, one column a state.
-fn free_responses(companion: &Companion, length: usize, intersample: Intersample) -> Result<Vec<Vec<f64>>, IdentError> {
-    let sampled = companion.sampled(intersample)?;
-    let (mut row, _) = companion.output();
-    let mut scratch = vec![0.0; row.len()];
-    let mut columns = vec![Vec::with_capacity(length); row.len()];
-    for _ in 0..length {
-        columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
-        sampled.advance_row(&mut row, &mut scratch);
-    }
-    Ok(columns)
 }
 
 /// Derivatives of `b_m … b₀`, `a_n … a₀` and the delay by the parameters of a channel. Coefficients are of degree two at

@@ -16,6 +16,10 @@ const WHOLE: f64 = 1e-9;
 /// Longest delay, in samples.
 const MAX_SAMPLES: f64 = 1e9;
 
+/// What is left of a free response counts as nothing from this part of its largest value on: far below rounding, whatever the
+/// states that it is written in.
+const DECAYED: f64 = 1e-30;
+
 /// `ẋ = F x + g v`, `v(t) = u(t − τ)`, at the samples `t = k` (time in samples, `τ = w + f`, `w` whole, `0 ≤ f < 1`):
 ///
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
@@ -176,8 +180,25 @@ impl Sampled {
         }
     }
 
+    /// `c Φ^k`, one column a state, for `length` samples or until nothing is left of them: a stable system's initial state is
+    /// soon forgotten, and a long record then costs no more than a short one.
+    pub(crate) fn free_responses(&self, c: &[f64], length: usize) -> Vec<Vec<f64>> {
+        let (mut row, mut scratch) = (c.to_vec(), vec![0.0; c.len()]);
+        let mut columns = vec![Vec::new(); c.len()];
+        let mut largest = vec![0.0_f64; c.len()];
+        for _ in 0..length {
+            columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+            self.advance_row(&mut row, &mut scratch);
+            largest.iter_mut().zip(&row).for_each(|(most, value)| *most = most.max(value.abs()));
+            if row.iter().zip(&largest).all(|(value, most)| value.abs() <= DECAYED * most) {
+                break;
+            }
+        }
+        columns
+    }
+
     /// `r Φ`, the row that maps an earlier state to a later output one sample further on.
-    pub(crate) fn advance_row(&self, row: &mut [f64], scratch: &mut [f64]) {
+    fn advance_row(&self, row: &mut [f64], scratch: &mut [f64]) {
         scratch.fill(0.0);
         for (i, value) in row.iter().enumerate() {
             let phi = &self.phi[i * self.states..(i + 1) * self.states];

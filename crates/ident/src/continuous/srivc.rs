@@ -120,14 +120,12 @@ impl Structure<'_> {
         columns.extend(from_y.drain(self.integrators..));
         let length = record.output.len() - record.first;
         let sampled = Companion::monic(filter, &[1.0], 0.0).sampled(self.intersample)?;
-        let (mut free, mut scratch) = (vec![0.0; n], vec![0.0; n]);
-        free.iter_mut().take(1).for_each(|v| *v = 1.0);
-        let mut responses = vec![Vec::with_capacity(length); n];
-        for _ in 0..length {
-            responses.iter_mut().zip(&free).for_each(|(column, v)| column.push(*v));
-            sampled.advance_row(&mut free, &mut scratch);
-        }
-        columns.append(&mut responses);
+        let mut first_state = vec![0.0; n];
+        first_state.iter_mut().take(1).for_each(|v| *v = 1.0);
+        columns.extend(sampled.free_responses(&first_state, length).into_iter().map(|mut free| {
+            free.resize(length, 0.0);
+            free
+        }));
         if self.offset {
             columns.push(vec![1.0; length]);
         }

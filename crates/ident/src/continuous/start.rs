@@ -138,13 +138,9 @@ fn left_over(structure: &Structure<'_>, record: &Record<'_>, estimate: &Estimate
     let length = record.output.len() - record.first;
     let n = estimate.a.len();
     let sampled = Companion::monic(&estimate.a, &[1.0], 0.0).sampled(structure.intersample)?;
-    let (mut row, mut scratch) = (vec![0.0; n], vec![0.0; n]);
-    row.iter_mut().take(1).for_each(|v| *v = 1.0);
-    let mut columns = vec![Vec::with_capacity(length); n];
-    for _ in 0..length {
-        columns.iter_mut().zip(&row).for_each(|(column, v)| column.push(*v));
-        sampled.advance_row(&mut row, &mut scratch);
-    }
+    let mut first_state = vec![0.0; n];
+    first_state.iter_mut().take(1).for_each(|v| *v = 1.0);
+    let mut columns = sampled.free_responses(&first_state, length);
     if structure.offset {
         columns.push(vec![1.0; length]);
     }

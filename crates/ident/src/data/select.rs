@@ -1,5 +1,6 @@
 //! Parts of a data set, and data sets put together.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use faer::{Mat, MatRef};
@@ -9,6 +10,11 @@ use signal::SignalError;
 use super::{Dataset, Experiment, Label};
 use crate::IdentError;
 use crate::structure_error::StructureError;
+
+/// Stretches of one experiment at most.
+const STRETCHES: usize = 4;
+/// Samples from which a stretch is cut in two.
+const LONG_STRETCH: usize = 10_000;
 
 /// Data to estimate on and data to judge on.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +55,39 @@ impl Dataset {
     /// [`IdentError::TooFewSamples`] where nothing is left.
     pub fn rows(&self, range: Range<usize>) -> Result<Self, IdentError> {
         self.parts(|e| range.start.min(e.len())..range.end.min(e.len()))
+    }
+
+    /// About `most` samples of longer data: of every experiment its share, in up to four stretches spread evenly over it, each as an
+    /// experiment of its own. Data with no more samples are given back as they are.
+    ///
+    /// # Example
+    /// ```
+    /// let data = ident::Dataset::siso(0.1, &[1.0; 100_000], &[2.0; 100_000])?;
+    /// let some = data.excerpts(40_000);
+    /// assert_eq!((some.samples(), some.experiments().len()), (40_000, 4));
+    /// assert!((some.experiments()[1].start_s - 3250.0).abs() < 1e-6);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    #[must_use]
+    pub fn excerpts(&self, most: usize) -> Cow<'_, Self> {
+        let all = self.samples();
+        if all <= most.max(1) {
+            return Cow::Borrowed(self);
+        }
+        let of = |e: &Experiment| -> Vec<Experiment> {
+            let share = (most as f64 * (e.len() as f64 / all as f64)) as usize;
+            let count = (share / LONG_STRETCH).clamp(1, STRETCHES);
+            let (length, apart) = ((share / count).max(1).min(e.len()), e.len() / count);
+            let first = |k: usize| (k * apart + (apart - length.min(apart)) / 2).min(e.len() - length);
+            (0..count).map(|k| e.rows(first(k)..first(k) + length, self.sample_time_s)).collect()
+        };
+        let experiments = self.experiments.iter().filter(|e| !e.is_empty()).flat_map(of).collect();
+        Cow::Owned(Dataset { experiments, ..self.without_experiments() })
+    }
+
+    /// So many samples from the start of every experiment.
+    pub(crate) fn starts(&self, count: impl Fn(&Experiment) -> usize) -> Result<Self, IdentError> {
+        self.parts(|e| 0..count(e).min(e.len()))
     }
 
     /// A stretch of every experiment; experiments whose stretch is empty are left out.
@@ -123,13 +162,18 @@ impl Dataset {
         if experiments.is_empty() {
             return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
         }
-        Ok(Dataset {
+        Ok(Dataset { experiments, ..self.without_experiments() })
+    }
+
+    /// The channels alone.
+    fn without_experiments(&self) -> Self {
+        Dataset {
             sample_time_s: self.sample_time_s,
             intersample: self.intersample,
             input_labels: self.input_labels.clone(),
             output_labels: self.output_labels.clone(),
-            experiments,
-        })
+            experiments: Vec::new(),
+        }
     }
 }
 

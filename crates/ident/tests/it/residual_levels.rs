@@ -110,7 +110,7 @@ fn subspace(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     Subspace::new(2).fit(data).map(|fit| fit.map(Into::into))
 }
 
-/// Counts within binomial bounds of one in a thousand; from below half of them at 5 %, and only where `exact`, since the colour
+/// Counts within binomial bounds of one in a thousand; from below also half of 5 %, and only where `exact`, since the colour
 /// of noise that remembers longer than a short record is seen with a wide margin. Tests of feedback on unseen data are a
 /// little cautious.
 fn check(name: &str, alarms: [Alarms; 2], runs: u64, exact: bool) {
@@ -122,7 +122,7 @@ fn check(name: &str, alarms: [Alarms; 2], runs: u64, exact: bool) {
         let ((one, one_off), (five, five_off)) = (limits(0.01), limits(0.05));
         for counts in [found.dynamics, found.feedback] {
             good &= counts[0] as f64 <= one + one_off + 1.0 && counts[1] as f64 <= five + five_off;
-            good &= !exact || counts[1] as f64 >= 0.5 * five;
+            good &= !exact || counts[1] as f64 >= (0.5 * five).min(five - five_off);
         }
         // Lags move together where the input is not white.
         good &= (found.outside as f64) < 0.03 * found.lags as f64;
@@ -175,7 +175,7 @@ fn stat_equation_errors_hold_their_level() {
 #[test]
 #[ignore = "slow"]
 fn stat_equation_errors_hold_their_level_on_long_records() {
-    check("armax", alarms(armax, Disturbance::Equation(0.7), 5000, 100), 100, true);
+    check("armax", alarms(armax, Disturbance::Equation(0.7), 5000, 400), 400, true);
 }
 
 #[test]

@@ -65,6 +65,52 @@ fn regress_constant_signals_are_refused() {
     }
 }
 
+/// Output `0.7 y(t−1) + u(t−1) + 0.4 u(t−2) + e(t)` of white input and noise.
+fn white_campaign(noise: &mut Noise, samples: usize) -> Dataset {
+    let (u, e) = (noise.normals(samples), noise.normals(samples));
+    let mut y = vec![0.0; samples];
+    for t in 2..samples {
+        y[t] = 0.7 * y[t - 1] + u[t - 1] + 0.4 * u[t - 2] + e[t];
+    }
+    Dataset::siso(1.0, &u, &y).unwrap()
+}
+
+#[test]
+fn exact_long_data_are_tested_in_parts_that_show_what_is_missing() {
+    let data = white_campaign(&mut Noise::new(21), 300_000);
+    for (initial, parts) in [(InitialState::Estimated, 4), (InitialState::Zero, 1)] {
+        let test = ResidualTest { most_samples: 40_000, initial, ..Default::default() };
+        let whole = ResidualTest { most_samples: usize::MAX, ..test.clone() };
+        let right = Arx::new(1, 2, 1).fit(&data).unwrap();
+        let report = test.run(&right, &data, TestData::Own).unwrap();
+        assert_eq!((report.samples, report.samples_given), (40_000, 300_000));
+        let white = &report.whiteness[0];
+        assert!(white.joint.passes(0.999) && report.independence[0][0].dynamics.passes(0.999), "{parts} parts");
+        // Bounds are those of the samples that were tested.
+        let bounds = whole.run(&right, &data, TestData::Own).unwrap().whiteness[0].bounds[20];
+        assert!((white.bounds[20] / bounds / 7.5_f64.sqrt() - 1.0).abs() < 0.02, "{} {bounds}", white.bounds[20]);
+        let wrong = Arx::new(1, 1, 1).fit(&data).unwrap();
+        assert!(!test.run(&wrong, &data, TestData::Own).unwrap().independence[0][0].dynamics.passes(0.999));
+    }
+}
+
+/// An estimate from all of the data, tested on a part of them.
+#[test]
+fn stat_tests_on_parts_of_the_own_data_hold_their_level() {
+    let test = ResidualTest { most_samples: 1000, ..Default::default() };
+    let (mut noise, runs, mut alarms) = (Noise::new(22), 600, [0; 3]);
+    for _ in 0..runs {
+        let data = white_campaign(&mut noise, 3000);
+        let fit = Arx::new(1, 2, 1).fit(&data).unwrap();
+        let report = test.run(&fit, &data, TestData::Own).unwrap();
+        let independence = &report.independence[0][0];
+        let tests = [report.whiteness[0].joint, independence.dynamics, independence.feedback];
+        alarms.iter_mut().zip(tests).for_each(|(count, test)| *count += usize::from(!test.passes(0.95)));
+    }
+    // 30 are expected; four standard deviations of a binomial count.
+    assert!(alarms.iter().all(|count| (9..=51).contains(count)), "{alarms:?}");
+}
+
 /// False alarms of every test with the truth as the model; the input and the residual may be coloured.
 #[test]
 #[ignore = "slow"]
