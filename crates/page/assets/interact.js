@@ -79,7 +79,7 @@ function showCursor(plot, at, event) {
 }
 
 /** Points of a line that are further apart, in pixels, are corners of a course that is straight in between. */
-const SPARSE = 12;
+const SPARSE = 3;
 
 /** Where a series is read: at the nearest point, or on the straight line between the corners of a sparse course. */
 function pointAt(layer, at, scale) {
