@@ -1,9 +1,8 @@
 //! What would make a test possible: the least change of each kind.
 
-use bench_model::prediction::PredictionError;
 use serde::Serialize;
 
-use crate::answer::{can, nominal_keeps};
+use crate::answer::{self, can};
 use crate::change::{Change, kinds};
 use crate::error::CapabilityError;
 use crate::outcome::CanInputs;
@@ -11,8 +10,9 @@ use crate::verdict::{Answer, Verdict};
 
 /// Benches drawn for each trial, and for the verdict of a change that was found, at most.
 const SAMPLES: (usize, usize) = (24, 100);
-/// Halvings of the range of a change.
-const HALVINGS: usize = 5;
+/// Steps in which the range of a change is looked at first, and parts of such a step.
+const STEPS: u32 = 4;
+const PARTS: u32 = 32;
 /// How much larger, as a share of the largest, a change is made first which a few benches called enough and more do not; then twice as
 /// much again and again.
 const ENLARGED: f64 = 0.02;
@@ -43,50 +43,68 @@ pub fn easier(inputs: &CanInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> R
 
 /// The least change of a kind, between none and the largest.
 fn least(inputs: &CanInputs<'_>, kind: &dyn Fn(f64) -> Change) -> Result<Option<Easier>, CapabilityError> {
-    let is_yes = |share: f64| is_yes(inputs, kind(share));
-    let coarse = [0.25, 0.5, 0.75, 1.0];
-    let mut high = None;
-    for share in coarse {
-        if is_yes(share)? {
-            high = Some(share);
+    let share = |part: u32| f64::from(part) / f64::from(STEPS * PARTS);
+    let is_yes = |part: u32| is_yes(inputs, kind(share(part)));
+    let mut enough = None;
+    for step in 1..=STEPS {
+        if is_yes(step * PARTS)? {
+            enough = Some(step * PARTS);
             break;
         }
     }
-    let Some(mut high) = high else { return Ok(None) };
-    let mut low = high - coarse[0];
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if is_yes(middle)? { high = middle } else { low = middle }
+    let Some(enough) = enough else { return Ok(None) };
+    // No answer is a yes where the nominal bench fails, which takes one run to see.
+    let of_nominal = first(enough - PARTS, enough, |part| nominal_keeps(inputs, kind(share(part))))?;
+    let least =
+        if of_nominal == enough || is_yes(of_nominal)? { of_nominal } else { first(of_nominal, enough, is_yes)? };
+    confirmed(inputs, kind, share(least))
+}
+
+/// The first part at which something is so, by halving: it is not so at `low`, and it is at `high`.
+fn first(
+    mut low: u32,
+    mut high: u32,
+    is_so: impl Fn(u32) -> Result<bool, CapabilityError>,
+) -> Result<u32, CapabilityError> {
+    while high - low > 1 {
+        let middle = low.midpoint(high);
+        if is_so(middle)? { high = middle } else { low = middle }
     }
+    Ok(high)
+}
+
+/// A change that a few benches call enough, made larger until more of them do.
+fn confirmed(
+    inputs: &CanInputs<'_>,
+    kind: &dyn Fn(f64) -> Change,
+    mut share: f64,
+) -> Result<Option<Easier>, CapabilityError> {
     let mut larger = ENLARGED;
     loop {
-        let change = kind(high);
+        let change = kind(share);
         let all = CanInputs { samples: SAMPLES.1.min(inputs.samples), ..*inputs };
         let verdict = change.with(&all, |changed| can(changed, &|_, _| {}))?;
         if verdict.answer == Answer::Yes {
             return Ok(Some(Easier { change, verdict }));
         }
-        if high >= 1.0 {
+        if share >= 1.0 {
             return Ok(None);
         }
-        high = (high + larger).min(1.0);
+        share = (share + larger).min(1.0);
         larger *= 2.0;
     }
 }
 
-/// Whether a few benches call it a yes; most that do not are known by the nominal one.
+/// Whether the nominal bench keeps everything.
+fn nominal_keeps(inputs: &CanInputs<'_>, change: Change) -> Result<bool, CapabilityError> {
+    Ok(change.keeps_margins(inputs) && change.with(inputs, answer::nominal_keeps)?)
+}
+
+/// Whether a few benches call it a yes.
 fn is_yes(inputs: &CanInputs<'_>, change: Change) -> Result<bool, CapabilityError> {
     if !change.keeps_margins(inputs) {
         return Ok(false);
     }
     let few = CanInputs { samples: SAMPLES.0.min(inputs.samples), ..*inputs };
-    change.with(&few, |changed| {
-        if !nominal_keeps(changed)? {
-            return Ok(false);
-        }
-        match can(changed, &|_, _| {}) {
-            Err(CapabilityError::Prediction(PredictionError::Unstable)) => Ok(false),
-            other => Ok(other?.answer == Answer::Yes),
-        }
-    })
+    change.with(&few, answer::is_yes)
 }

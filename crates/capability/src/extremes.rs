@@ -1,6 +1,7 @@
 //! What is compared with the limits of a bench.
 
 use design::safety::{AtResonance, largest_change};
+use numerics::order::largest_of_pairs;
 use rig::bench_file::Limits;
 use serde::Serialize;
 
@@ -32,6 +33,8 @@ pub enum LimitOf {
     Power,
     /// Longest stay of the firing frequency, or of the sine of a sine test, near the resonance, s.
     TimeAtResonance,
+    /// I²t of the drive, where it is stated: its heat as a part of that of the continuous torque.
+    DriveHeat,
 }
 
 /// The largest value of a run, and when.
@@ -44,8 +47,11 @@ pub struct Peak {
 }
 
 impl LimitOf {
+    /// How many there are.
+    pub(crate) const COUNT: usize = 9;
+
     /// Every quantity.
-    pub const ALL: [LimitOf; 8] = [
+    pub const ALL: [LimitOf; LimitOf::COUNT] = [
         LimitOf::ShaftTorque,
         LimitOf::ShaftTorqueSlew,
         LimitOf::TorqueDemand,
@@ -54,12 +60,18 @@ impl LimitOf {
         LimitOf::SpeedGradient,
         LimitOf::Power,
         LimitOf::TimeAtResonance,
+        LimitOf::DriveHeat,
     ];
 
-    /// Those that a test has, with a shaft or without.
-    pub fn of_test(has_shaft: bool) -> impl Iterator<Item = LimitOf> {
+    /// Those that a test has, with a shaft or without; the heat of the drive only where its limit is stated.
+    pub fn of_test(has_shaft: bool, limits: &Limits) -> impl Iterator<Item = LimitOf> {
         let of_shaft = [LimitOf::ShaftTorque, LimitOf::ShaftTorqueSlew, LimitOf::TimeAtResonance];
-        LimitOf::ALL.into_iter().filter(move |of| has_shaft || !of_shaft.contains(of))
+        let has_heat = limits.drive_heat.is_some();
+        let is_in = move |of: &LimitOf| match of {
+            LimitOf::DriveHeat => has_heat,
+            of => has_shaft || !of_shaft.contains(of),
+        };
+        LimitOf::ALL.into_iter().filter(is_in)
     }
 
     /// The limit that a bench file states, SI.
@@ -73,18 +85,30 @@ impl LimitOf {
             LimitOf::SpeedGradient => limits.speed_gradient_rad_s2,
             LimitOf::Power => limits.power_w,
             LimitOf::TimeAtResonance => limits.time_at_resonance_s,
+            LimitOf::DriveHeat => limits.drive_heat.map(|_| 1.0),
         }
     }
 }
 
 /// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. Pulses are added where the run has none of its own;
 /// with them comes the torque of the engine.
-pub(crate) fn peaks(trace: &Trace, pulses: Option<(&Pulses, &[f64])>, near: &AtResonance<'_>) -> [Peak; 8] {
+pub(crate) fn peaks(
+    trace: &Trace,
+    pulses: Option<(&Pulses, &[f64])>,
+    near: &AtResonance<'_>,
+    limits: &Limits,
+) -> [Peak; LimitOf::COUNT] {
     let shaft = shaft(trace, pulses);
-    let magnitude = |values: &[f64]| peak(trace, values.iter().map(|value| value.abs()));
+    let product = |a: &[f64], b: &[f64]| {
+        let (value, place) = largest_of_pairs(a, b, |a, b| (a * b).abs());
+        Peak { value, time_s: trace.time_s(place) }
+    };
+    let magnitude = |values: &[f64]| {
+        let (value, place) = largest_of_pairs(values, values, |value, _| value.abs());
+        Peak { value, time_s: trace.time_s(place) }
+    };
     let speeds = [magnitude(&trace.dyno_speed_rad_s), magnitude(&trace.engine_speed_rad_s)];
     let speed = if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] };
-    let power = trace.dyno_demand_nm.iter().zip(&trace.dyno_speed_rad_s).map(|(torque, speed)| (torque * speed).abs());
     [
         shaft.0,
         shaft.1,
@@ -92,14 +116,15 @@ pub(crate) fn peaks(trace: &Trace, pulses: Option<(&Pulses, &[f64])>, near: &AtR
         change(trace, &trace.dyno_demand_nm, TORQUE_CHANGE_S),
         speed,
         change(trace, &trace.dyno_speed_rad_s, SPEED_CHANGE_S),
-        peak(trace, power),
+        product(&trace.dyno_demand_nm, &trace.dyno_speed_rad_s),
         longest_at_resonance(trace, near),
+        heat(trace, limits),
     ]
 }
 
 /// A run that grows without bound reaches every limit at once.
-pub(crate) fn unbounded() -> [Peak; 8] {
-    [Peak { value: f64::INFINITY, time_s: 0.0 }; 8]
+pub(crate) fn unbounded() -> [Peak; LimitOf::COUNT] {
+    [Peak { value: f64::INFINITY, time_s: 0.0 }; LimitOf::COUNT]
 }
 
 fn shaft(trace: &Trace, pulses: Option<(&Pulses, &[f64])>) -> (Peak, Peak) {
@@ -136,4 +161,18 @@ fn change(trace: &Trace, values: &[f64], within_s: f64) -> Peak {
 fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
     let (stay, place) = near.longest_stay(&trace.engine_speed_rad_s);
     Peak { value: stay as f64 * trace.step_s, time_s: trace.time_s(place) }
+}
+
+/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at the first one.
+fn heat(trace: &Trace, limits: &Limits) -> Peak {
+    let Some(drive) = limits.drive_heat else { return Peak { value: 0.0, time_s: trace.start_s } };
+    let stays = (-trace.step_s / drive.time_constant_s).exp();
+    let towards = |torque_nm: &f64| (torque_nm / drive.continuous_torque_nm).powi(2);
+    let mut now = trace.dyno_demand_nm.first().map_or(0.0, towards);
+    let heats = trace.dyno_demand_nm.iter().map(|torque_nm| {
+        let before = now;
+        now = towards(torque_nm) + (now - towards(torque_nm)) * stays;
+        before
+    });
+    peak(trace, heats)
 }

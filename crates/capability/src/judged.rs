@@ -1,6 +1,6 @@
 //! Requirements on one run.
 
-use cycle::{Course, Feedback, Judged, Own, Reference, RequirementSet, Signal, Validation, validate};
+use cycle::{Course, Feedback, Judged, Own, Reference, RequirementSet, Sensor, Signal, Validation, validate};
 
 use crate::demand::Demand;
 use crate::error::CapabilityError;
@@ -26,29 +26,45 @@ pub(crate) fn validations(
     let reference = match demand {
         Demand::Cycle(cycle) => cycle.reference,
         Demand::Plan(..) => {
-            own = seconds(trace);
+            own = demanded(trace);
             &own
         }
     };
     sets.iter().map(|set| Ok(validate(reference, &feedback, set)?)).collect()
 }
 
-/// What a run demands at each whole second.
-fn seconds(trace: &Trace) -> Reference {
-    let apart = ((1.0 / trace.step_s).round() as usize).max(1);
-    let at_seconds = |values: &[f64]| values.iter().step_by(apart).copied().collect::<Vec<_>>();
-    Reference::of_itself(trace.start_s, at_seconds(&trace.speed_demand_rad_s), at_seconds(&trace.torque_demand_nm))
+/// What a run demands.
+fn demanded(trace: &Trace) -> Reference {
+    let (speed, torque) = (trace.speed_demand_rad_s.clone(), trace.torque_demand_nm.clone());
+    Reference { step_s: trace.step_s, ..Reference::of_itself(trace.start_s, speed, torque) }
 }
 
 /// One's own requirements on a run.
 pub(crate) fn own(trace: &Trace, own: &[Own]) -> Vec<Judged> {
     let judge = |own: &Own| {
-        let (demand, value) = match own.signal() {
-            Signal::Speed => (&trace.speed_demand_rad_s, &trace.speed_rad_s),
-            Signal::Torque | Signal::Power => (&trace.torque_demand_nm, &trace.torque_nm),
-        };
-        let judged = own.judge(&Course { sample_time_s: trace.step_s, demand, value });
+        let judged = own.judge(&course(trace, own));
         Judged { time_s: trace.start_s + judged.time_s, ..judged }
     };
     own.iter().map(judge).collect()
+}
+
+/// Whether a run can be judged by one's own requirements.
+pub(crate) fn check_own(trace: &Trace, own: &[Own]) -> Result<(), CapabilityError> {
+    Ok(own.iter().try_for_each(|own| own.check(&course(trace, own)))?)
+}
+
+fn course<'a>(trace: &'a Trace, own: &Own) -> Course<'a> {
+    let value = match own.sensor() {
+        Sensor::Speed => &trace.speed_rad_s,
+        Sensor::Torque => &trace.torque_nm,
+        Sensor::DynoSpeed => &trace.dyno_speed_rad_s,
+        Sensor::EngineSpeed => &trace.engine_speed_rad_s,
+        Sensor::ShaftTorque => &trace.shaft_torque_nm,
+        Sensor::TorqueDemand => &trace.dyno_demand_nm,
+    };
+    let demand = match own.signal() {
+        Signal::Speed => &trace.speed_demand_rad_s,
+        Signal::Torque | Signal::Power => &trace.torque_demand_nm,
+    };
+    Course { sample_time_s: trace.step_s, demand, value }
 }

@@ -33,4 +33,4 @@ pub use error::CapabilityError;
 pub use extremes::{LimitOf, Peak};
 pub use outcome::CanInputs;
 pub use trace::Trace;
-pub use verdict::{Answer, Bands, LimitVerdict, OwnVerdict, SetVerdict, StatisticVerdict, Verdict};
+pub use verdict::{Answer, Bands, LimitVerdict, OwnVerdict, SetVerdict, Spread, StatisticVerdict, Verdict};

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use bench_model::model::BenchModel;
 use design::safety::BenchSpread;
 use numerics::{order, parallel};
-use rig::bench_file::Limits;
+use rig::bench_file::{DriveHeat, Limits};
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
 use rig::results::Part;
@@ -216,9 +216,19 @@ impl Rest {
             // The bench does not turn backwards.
             Some((self.speed / gains.dyno_speed, Some(LimitOf::Speed))),
             room(LimitOf::SpeedGradient, 0.0, slope(gains.dyno_speed, CHANGES_S.1)),
+            limits.drive_heat.map(|heat| (self.of_heat(gains, omega, heat), Some(LimitOf::DriveHeat))),
             limits.power_w.map(|limit| (self.of_power(gains, limit), Some(LimitOf::Power))),
         ];
         rooms.into_iter().flatten().fold((f64::INFINITY, None), |least, one| if one.0 < least.0 { one } else { least })
+    }
+
+    /// A at which the drive stays at the heat of its continuous torque T_c: T² + 2 T a h_1 + a²/2 (1 + h_2) = T_c², a = A g_T, where h_n is
+    /// what is left of the n-th harmonic of the loss after the time constant.
+    fn of_heat(&self, gains: &Gains, omega: f64, heat: DriveHeat) -> f64 {
+        let left = |n: f64| 1.0 / (n * omega * heat.time_constant_s).hypot(1.0);
+        let (a, b) = (0.5 * (1.0 + left(2.0)), self.torque * left(1.0));
+        let room = (heat.continuous_torque_nm.powi(2) - self.torque.powi(2)).max(0.0);
+        room / (b + (b * b + a * room).sqrt()) / gains.demand
     }
 
     /// A with (T + A g_T)(ω + A g_ω) at the limit.
@@ -274,10 +284,11 @@ fn spring(model: &BenchModel, omega: f64) -> Complex64 {
 fn governed(engine: &EngineParameters, model: &BenchModel, omega: f64) -> (Complex64, Complex64) {
     let mechanics = &model.mechanics;
     let spring = spring(model, omega);
+    let intake = Complex64::new(1.0, omega * engine.intake_lag_s);
     let control = Complex64::new(
         engine.speed_control_proportional_nm_s_per_rad,
         -engine.speed_control_integral_nm_per_rad / omega,
-    );
+    ) / intake;
     let of_dyno = Complex64::new(0.0, omega * mechanics.dyno_inertia_kg_m2) + spring;
     let of_engine = Complex64::new(0.0, omega * mechanics.engine_inertia_kg_m2) + spring + control;
     let determinant = of_dyno * of_engine - spring * spring;

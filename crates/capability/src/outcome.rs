@@ -39,7 +39,7 @@ pub struct CanInputs<'a> {
 
 /// What one bench did.
 pub(crate) struct Outcome {
-    pub(crate) peaks: [Peak; 8],
+    pub(crate) peaks: [Peak; LimitOf::COUNT],
     pub(crate) validations: Vec<Validation>,
     pub(crate) own: Vec<Judged>,
     pub(crate) is_unstable: bool,
@@ -58,11 +58,21 @@ pub(crate) struct Drawn {
 
 /// Whether a bench keeps every limit and meets every requirement.
 pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
+    let meets_own = outcome.own.len() == inputs.own.len() && outcome.own.iter().all(Judged::passes);
+    !outcome.is_unstable
+        && meets_own
+        && meets_sets(inputs, &outcome.validations)
+        && keeps_limits(inputs, &outcome.peaks)
+}
+
+/// Whether every limit is kept.
+pub(crate) fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
     let is_reached =
-        |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(outcome.peaks[of as usize].value, limit));
-    let meets = outcome.validations.len() == inputs.sets.len()
-        && outcome.validations.iter().all(|validation| validation.passes)
-        && outcome.own.len() == inputs.own.len()
-        && outcome.own.iter().all(Judged::passes);
-    !outcome.is_unstable && meets && !LimitOf::of_test(inputs.demand.has_shaft()).any(is_reached)
+        |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(peaks[of as usize].value, limit));
+    !LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits).any(is_reached)
+}
+
+/// Whether every requirement set is met.
+pub(crate) fn meets_sets(inputs: &CanInputs<'_>, validations: &[Validation]) -> bool {
+    validations.len() == inputs.sets.len() && validations.iter().all(|validation| validation.passes)
 }

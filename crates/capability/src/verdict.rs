@@ -36,8 +36,8 @@ pub struct LimitVerdict {
     pub of: LimitOf,
     /// The limit stated, SI.
     pub limit: Option<f64>,
-    /// The largest value on every bench, SI, growing.
-    pub values: Vec<f64>,
+    /// The largest value on every bench, SI.
+    pub values: Spread,
     /// How often the limit is reached; `None` without one.
     pub reached: Option<Proportion>,
     /// When the largest value comes on the nominal bench, s.
@@ -55,8 +55,8 @@ pub struct StatisticVerdict {
     pub low: Option<f64>,
     /// Upper limit, SI.
     pub high: Option<f64>,
-    /// Its value on every bench, SI, growing.
-    pub values: Vec<f64>,
+    /// Its value on every bench, SI.
+    pub values: Spread,
     /// How many benches keep the limit.
     pub kept: Proportion,
 }
@@ -81,8 +81,8 @@ pub struct OwnVerdict {
     pub own: Own,
     /// How many benches meet it.
     pub kept: Proportion,
-    /// Its number on every bench, growing.
-    pub values: Vec<f64>,
+    /// Its number on every bench.
+    pub values: Spread,
     /// Its limit.
     pub limit: f64,
     /// When the worst comes on the nominal bench, s.
@@ -127,29 +127,26 @@ pub struct Verdict {
     pub bands: Bands,
 }
 
-impl LimitVerdict {
-    /// The value that a bench stays below with a probability, SI.
-    pub fn quantile(&self, probability: f64) -> f64 {
-        quantile(&self.values, probability)
-    }
-}
+/// A number on every bench drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Spread(Vec<f64>);
 
-impl StatisticVerdict {
-    /// The value that a bench stays below with a probability, SI.
-    pub fn quantile(&self, probability: f64) -> f64 {
-        quantile(&self.values, probability)
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Spread(values)
     }
-}
 
-impl OwnVerdict {
     /// The value that a bench stays below with a probability.
     pub fn quantile(&self, probability: f64) -> f64 {
-        quantile(&self.values, probability)
+        order::quantile_of_sorted(&self.0, probability).unwrap_or(f64::NAN)
     }
-}
 
-fn quantile(growing: &[f64], probability: f64) -> f64 {
-    order::quantile_of_sorted(growing, probability).unwrap_or(f64::NAN)
+    /// The values, growing.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.0
+    }
 }
 
 /// Puts the outcomes of all benches together.
@@ -160,11 +157,11 @@ pub(crate) fn verdict(
     trace: Trace,
 ) -> Verdict {
     let kept = proportion(outcomes, |outcome| keeps(inputs, outcome));
-    let limits: Vec<LimitVerdict> = LimitOf::of_test(inputs.demand.has_shaft())
+    let limits: Vec<LimitVerdict> = LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits)
         .map(|of| limit_verdict(of, of.limit(&inputs.limits), outcomes, nominal))
         .collect();
     let answer = match kept.estimate {
-        share if share >= YES => Answer::Yes,
+        _ if is_share_of_yes(kept.count, kept.of) => Answer::Yes,
         share if share > NO => Answer::Perhaps,
         _ => Answer::No,
     };
@@ -185,13 +182,13 @@ pub(crate) fn verdict(
     }
 }
 
-fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {
-    Proportion::new(outcomes.iter().filter(|outcome| is(outcome)).count(), outcomes.len())
+/// Whether so many benches of so many make a yes.
+pub(crate) fn is_share_of_yes(kept: usize, of: usize) -> bool {
+    kept as f64 / of as f64 >= YES
 }
 
-fn sorted(mut values: Vec<f64>) -> Vec<f64> {
-    values.sort_by(f64::total_cmp);
-    values
+fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {
+    Proportion::new(outcomes.iter().filter(|outcome| is(outcome)).count(), outcomes.len())
 }
 
 fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal: &Outcome) -> LimitVerdict {
@@ -199,7 +196,7 @@ fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal:
     LimitVerdict {
         of,
         limit,
-        values: sorted(outcomes.iter().map(value).collect()),
+        values: Spread::of(outcomes.iter().map(value).collect()),
         reached: limit.map(|limit| proportion(outcomes, |one| reaches(value(one), limit))),
         time_s: nominal.peaks[of as usize].time_s,
     }
@@ -215,7 +212,7 @@ fn set_verdict((place, set): (usize, &RequirementSet), outcomes: &[Outcome], nom
             statistic: first.statistic,
             low: first.low,
             high: first.high,
-            values: sorted(outcomes.iter().filter_map(|outcome| Some(one(outcome)?.value)).collect()),
+            values: Spread::of(outcomes.iter().filter_map(|outcome| Some(one(outcome)?.value)).collect()),
             kept: proportion(outcomes, |outcome| one(outcome).is_some_and(|one| one.passes)),
         })
     };
@@ -232,7 +229,7 @@ fn own_verdict((place, own): (usize, &Own), outcomes: &[Outcome], nominal: &Outc
     OwnVerdict {
         own: *own,
         kept: proportion(outcomes, |outcome| outcome.own.get(place).is_some_and(Judged::passes)),
-        values: sorted(outcomes.iter().filter_map(|outcome| Some(outcome.own.get(place)?.value)).collect()),
+        values: Spread::of(outcomes.iter().filter_map(|outcome| Some(outcome.own.get(place)?.value)).collect()),
         limit: of_nominal.map_or(f64::NAN, |one| one.limit),
         time_s: of_nominal.map_or(f64::NAN, |one| one.time_s),
     }
@@ -246,8 +243,7 @@ pub(crate) fn band_places(trace: &Trace) -> impl Iterator<Item = usize> {
 fn bands(trace: &Trace, outcomes: &[Outcome]) -> Bands {
     let places: Vec<usize> = band_places(trace).collect();
     let at = |k: usize, of: fn(&(f64, f64)) -> f64, probability: f64| {
-        let values = sorted(outcomes.iter().filter_map(|outcome| outcome.course.get(k)).map(of).collect());
-        quantile(&values, probability)
+        Spread::of(outcomes.iter().filter_map(|outcome| outcome.course.get(k)).map(of).collect()).quantile(probability)
     };
     let band = |of: fn(&(f64, f64)) -> f64| {
         [0.05, 0.95].map(|probability| (0..places.len()).map(|k| at(k, of, probability)).collect())

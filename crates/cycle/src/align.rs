@@ -23,10 +23,11 @@ pub fn find_start(reference: &Reference, speed: (f64, f64, &[f64])) -> Result<f6
         let (start_s, end_s) = (reference.start_s, reference.end_s());
         return Err(CycleError::NotCovered { first_s, last_s, start_s, end_s });
     }
+    let wanted: Vec<(f64, f64)> = reference.seconds().map(|time_s| (time_s, reference.speed_at(time_s))).collect();
     let misfit = |start_s: f64| {
-        let squares = reference.speed_rad_s.iter().enumerate().map(|(k, wanted)| {
-            let place = (start_s + reference.start_s + k as f64 - first_s) / sample_time_s;
-            (at(samples, place) - wanted).powi(2)
+        let squares = wanted.iter().map(|(time_s, speed)| {
+            let place = (start_s + time_s - first_s) / sample_time_s;
+            (at(samples, place) - speed).powi(2)
         });
         squares.sum::<f64>()
     };

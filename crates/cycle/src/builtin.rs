@@ -169,7 +169,7 @@ impl Builtin {
             Kind::Transient => denormalised(&self.normalised()?, self.rule, map),
         };
         let (speed_rad_s, torque_nm) = course.into_iter().unzip();
-        Ok(Reference { start_s: self.first_s, speed_rad_s, torque_nm, scales: Scales::of(map) })
+        Ok(Reference { start_s: self.first_s, step_s: 1.0, speed_rad_s, torque_nm, scales: Scales::of(map) })
     }
 }
 

@@ -59,7 +59,9 @@ pub enum CycleError {
         possible: &'static str,
     },
     /// A feedback that ends, or begins, within the cycle.
-    #[error("the feedback covers {first_s} … {last_s} s of the cycle, which lasts from {start_s} to {end_s} s")]
+    #[error(
+        "the feedback covers {first_s:.1} … {last_s:.1} s of the test, which lasts from {start_s:.1} to {end_s:.1} s"
+    )]
     NotCovered {
         /// First second that the feedback covers.
         first_s: f64,
@@ -87,6 +89,14 @@ pub enum CycleError {
         what: &'static str,
         /// The sample, from 0 on.
         sample: usize,
+    },
+    /// A requirement of one's own that says nothing about this test.
+    #[error("`{text}` cannot be judged by this test: {problem}")]
+    NotInTest {
+        /// The requirement.
+        text: String,
+        /// What the test lacks.
+        problem: String,
     },
     /// A requirement of one's own that is not understood.
     #[error(

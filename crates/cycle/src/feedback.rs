@@ -64,6 +64,38 @@ impl Sums {
     }
 }
 
+/// A series that is straight between its values, with its integral up to each.
+struct Line<'a> {
+    values: &'a [f64],
+    sums: Vec<f64>,
+}
+
+impl<'a> Line<'a> {
+    fn of(values: &'a [f64]) -> Self {
+        let mut sum = 0.0;
+        let sums = values.windows(2).map(|pair| {
+            sum += 0.5 * (pair[0] + pair[1]);
+            sum
+        });
+        Line { values, sums: std::iter::once(0.0).chain(sums).collect() }
+    }
+
+    /// Mean from one place to another, in values; at one place the value there.
+    fn mean(&self, from: f64, to: f64) -> f64 {
+        if to > from { (self.up_to(to) - self.up_to(from)) / (to - from) } else { self.at(from) }
+    }
+
+    fn up_to(&self, place: f64) -> f64 {
+        let (below, share) = (place.floor() as usize, place.fract());
+        self.sums[below] + 0.5 * share * (self.values[below] + self.at(place))
+    }
+
+    fn at(&self, place: f64) -> f64 {
+        let (below, share) = (place.floor() as usize, place.fract());
+        self.values[below] + share * (self.values[(below + 1).min(self.values.len() - 1)] - self.values[below])
+    }
+}
+
 /// The means of a feedback, ready for any shift.
 pub(crate) struct Seconds<'a> {
     feedback: &'a Feedback,
@@ -83,23 +115,32 @@ impl<'a> Seconds<'a> {
         })
     }
 
-    /// The points where the feedback is moved forward by `shift_s`: the second t of the reference meets the mean of the
-    /// feedback over the second around t + shift.
-    pub(crate) fn points(&self, reference: &Reference, shift_s: f64) -> Result<Points, CycleError> {
+    /// The points where the feedback is moved forward by `shift_s`: the second around t of the reference meets the mean of the
+    /// feedback over the second around t + shift. The first and the last second of the cycle have one half each.
+    pub(crate) fn points(
+        &self,
+        (reference, has_means): (&Reference, bool),
+        shift_s: f64,
+    ) -> Result<Points, CycleError> {
         let Feedback { start_s, sample_time_s, .. } = *self.feedback;
         let end_s = start_s + (self.feedback.speed_rad_s.len() as f64 - 1.0) * sample_time_s;
+        let (speed, torque) = (Line::of(&reference.speed_rad_s), Line::of(&reference.torque_nm));
         let mut points = Points::empty();
-        for k in 0..reference.speed_rad_s.len() {
-            let time_s = reference.start_s + k as f64;
+        for time_s in reference.seconds() {
             let middle_s = time_s + shift_s;
             if middle_s < start_s - 0.5 * sample_time_s || middle_s > end_s + 0.5 * sample_time_s {
                 continue;
             }
-            let from = (middle_s - 0.5 - start_s).max(-0.5 * sample_time_s) / sample_time_s;
-            let to = (middle_s + 0.5 - start_s).min(end_s - start_s + 0.5 * sample_time_s) / sample_time_s;
+            let (first_s, last_s) = ((time_s - 0.5).max(reference.start_s), (time_s + 0.5).min(reference.end_s()));
+            let asked = |line: &Line<'_>, at: f64| match has_means {
+                true => line.mean(reference.place(first_s), reference.place(last_s)),
+                false => at,
+            };
+            let from = (first_s + shift_s - start_s).max(-0.5 * sample_time_s) / sample_time_s;
+            let to = (last_s + shift_s - start_s).min(end_s - start_s + 0.5 * sample_time_s) / sample_time_s;
             points.time_s.push(time_s);
-            points.speed_reference_rad_s.push(reference.speed_rad_s[k]);
-            points.torque_reference_nm.push(reference.torque_nm[k]);
+            points.speed_reference_rad_s.push(asked(&speed, reference.speed_at(time_s)));
+            points.torque_reference_nm.push(asked(&torque, reference.torque_at(time_s)));
             points.speed_rad_s.push(self.speed.mean(from, to));
             points.torque_nm.push(self.torque.mean(from, to));
             points.demand.extend(self.demand.as_ref().map(|demand| demand.mean(from, to)));

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Everything is SI: rad/s, Nm, W. A [`Reference`] has a value each second; a [`Feedback`] is faster, and its means over each
-//! second are compared with the reference.
+//! Everything is SI: rad/s, Nm, W. A [`Reference`] is straight between its values. The means of a [`Feedback`] over each second are compared
+//! with the means of the reference, or with its values at the seconds, as the requirement set says.
 //!
 //! ```
 //! use cycle::{EngineMap, builtin};
@@ -26,6 +26,7 @@ mod reference;
 mod regression;
 mod requirement;
 mod text;
+mod tone;
 mod validation;
 mod vehicle;
 
@@ -38,7 +39,7 @@ pub use error::CycleError;
 pub use feedback::{Feedback, Points};
 pub use modes::{Mode, NamedSpeed, SetPoint};
 pub use omission::{Omission, Omitted, Rows};
-pub use own::{Course, Judged, Own};
+pub use own::{Course, Judged, Own, Sensor};
 pub use reference::{Reference, Scales};
 pub use regression::Regression;
 pub use requirement::{

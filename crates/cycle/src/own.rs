@@ -1,18 +1,22 @@
 //! Requirements of one's own.
 
+use std::fmt;
 use std::str::FromStr;
 
 use serde::Serialize;
-use units::{Quantity, parse_value};
+use units::{Quantity, RPM_RAD_S, parse_value};
 
 use crate::error::CycleError;
 use crate::requirement::Signal;
+use crate::tone::{lag_rad, largest_amplitude};
 
 /// Ten and ninety per cent of a step.
 const RISE: (f64, f64) = (0.1, 0.9);
+/// A demand has a sine if its amplitude is at least this part of the span of the demand.
+const LEAST_SINE: f64 = 0.01;
 
 /// A requirement, from a text such as `speed within 10 rpm for 95 %`, `torque rise below 50 ms`, `speed overshoot below 5 %`,
-/// `torque settling within 2 % below 0.5 s`.
+/// `torque settling within 2 % below 0.5 s`, `speed phase at 2 Hz below 30 deg`, `shaft_torque amplitude at 12 Hz below 80 Nm`.
 ///
 /// # Example
 /// ```
@@ -55,6 +59,42 @@ pub enum Own {
         /// Longest time, s.
         most_s: f64,
     },
+    /// Behind the demand by at most this angle at a frequency, or ahead of it.
+    Phase {
+        /// Of which signal.
+        signal: Signal,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+        /// Largest angle, rad.
+        most_rad: f64,
+    },
+    /// A sine of at most this amplitude at a frequency.
+    Amplitude {
+        /// At which sensor.
+        sensor: Sensor,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+        /// Largest amplitude, rad/s or Nm.
+        most: f64,
+    },
+}
+
+/// Where a requirement looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sensor {
+    /// The speed that follows the demand.
+    Speed,
+    /// The torque that follows the demand.
+    Torque,
+    /// ω_d.
+    DynoSpeed,
+    /// ω_e.
+    EngineSpeed,
+    /// T_shaft.
+    ShaftTorque,
+    /// T_d*.
+    TorqueDemand,
 }
 
 /// A demand and what came of it, on one clock.
@@ -91,8 +131,47 @@ impl Own {
     pub fn signal(&self) -> Signal {
         match *self {
             Own::Within { signal, .. } | Own::Rise { signal, .. } => signal,
-            Own::Overshoot { signal, .. } | Own::Settling { signal, .. } => signal,
+            Own::Overshoot { signal, .. } | Own::Settling { signal, .. } | Own::Phase { signal, .. } => signal,
+            Own::Amplitude { sensor, .. } => sensor.signal(),
         }
+    }
+
+    /// Where it looks.
+    pub fn sensor(&self) -> Sensor {
+        match *self {
+            Own::Amplitude { sensor, .. } => sensor,
+            _ if self.signal() == Signal::Speed => Sensor::Speed,
+            _ => Sensor::Torque,
+        }
+    }
+
+    /// Whether a course can be judged by it.
+    ///
+    /// # Errors
+    /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a sine at the frequency.
+    pub fn check(&self, course: &Course<'_>) -> Result<(), CycleError> {
+        let fault = |problem: String| Err(CycleError::NotInTest { text: self.to_string(), problem });
+        if course.value.is_empty() {
+            return fault(format!("it has no {}", self.sensor().name()));
+        }
+        let (Own::Phase { frequency_hz, .. } | Own::Amplitude { frequency_hz, .. }) = *self else { return Ok(()) };
+        let sine = |values: &[f64]| largest_amplitude(values, course.sample_time_s, frequency_hz);
+        let Some(_) = sine(course.value) else {
+            let step_ms = 1e3 * course.sample_time_s;
+            return fault(format!(
+                "it needs a period of {frequency_hz} Hz with 5 samples, which are {step_ms:.3} ms apart"
+            ));
+        };
+        let (low, high) = course
+            .demand
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
+        let span = if high - low > 1e-9 * high.abs().max(low.abs()) { high - low } else { f64::INFINITY };
+        let has_sine = || sine(course.demand).is_some_and(|(amplitude, _)| amplitude > LEAST_SINE * span);
+        if matches!(self, Own::Phase { .. }) && !has_sine() {
+            return fault(format!("its demand has no part at {frequency_hz} Hz; take a sine or a sweep that has one"));
+        }
+        Ok(())
     }
 
     /// Judges a course; a step goes from the first value of the demand to its last.
@@ -116,6 +195,77 @@ impl Own {
                 let value = (course.time_s(settled) - course.time_s(course.begins())).max(0.0);
                 let value = if is_settled { value } else { f64::INFINITY };
                 Judged { value, limit: most_s, time_s: course.time_s(settled) }
+            }
+            Own::Phase { frequency_hz, most_rad, .. } => {
+                let value = lag_rad(course.demand, course.value, course.sample_time_s, frequency_hz).abs();
+                let asked = largest_amplitude(course.demand, course.sample_time_s, frequency_hz);
+                Judged { value, limit: most_rad, time_s: asked.map_or(f64::NAN, |(_, time_s)| time_s) }
+            }
+            Own::Amplitude { frequency_hz, most, .. } => {
+                let found = largest_amplitude(course.value, course.sample_time_s, frequency_hz);
+                let (value, time_s) = found.unwrap_or((f64::NAN, f64::NAN));
+                Judged { value, limit: most, time_s }
+            }
+        }
+    }
+}
+
+impl Sensor {
+    /// All of them.
+    pub const ALL: [Sensor; 6] = [
+        Sensor::Speed,
+        Sensor::Torque,
+        Sensor::DynoSpeed,
+        Sensor::EngineSpeed,
+        Sensor::ShaftTorque,
+        Sensor::TorqueDemand,
+    ];
+
+    /// What it is called in a requirement.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sensor::Speed => "speed",
+            Sensor::Torque => "torque",
+            Sensor::DynoSpeed => "dyno_speed",
+            Sensor::EngineSpeed => "engine_speed",
+            Sensor::ShaftTorque => "shaft_torque",
+            Sensor::TorqueDemand => "torque_demand",
+        }
+    }
+
+    /// What it measures.
+    pub fn signal(self) -> Signal {
+        match self {
+            Sensor::Speed | Sensor::DynoSpeed | Sensor::EngineSpeed => Signal::Speed,
+            Sensor::Torque | Sensor::ShaftTorque | Sensor::TorqueDemand => Signal::Torque,
+        }
+    }
+}
+
+/// Without the rounding errors of units.
+fn short(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
+}
+
+/// As it is read.
+impl fmt::Display for Own {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.sensor().name();
+        let (unit, si) = if self.signal() == Signal::Speed { ("rpm", RPM_RAD_S) } else { ("Nm", 1.0) };
+        match *self {
+            Own::Within { error, share, .. } => {
+                write!(f, "{name} within {} {unit} for {} %", short(error / si), short(100.0 * share))
+            }
+            Own::Rise { most_s, .. } => write!(f, "{name} rise below {most_s} s"),
+            Own::Overshoot { most, .. } => write!(f, "{name} overshoot below {} %", 100.0 * most),
+            Own::Settling { band, most_s, .. } => {
+                write!(f, "{name} settling within {} % below {most_s} s", 100.0 * band)
+            }
+            Own::Phase { frequency_hz, most_rad, .. } => {
+                write!(f, "{name} phase at {frequency_hz} Hz below {} deg", short(most_rad.to_degrees()))
+            }
+            Own::Amplitude { frequency_hz, most, .. } => {
+                write!(f, "{name} amplitude at {frequency_hz} Hz below {} {unit}", short(most / si))
             }
         }
     }
@@ -158,25 +308,41 @@ fn largest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     values.enumerate().fold((0, f64::NEG_INFINITY), |most, one| if one.1 > most.1 { one } else { most })
 }
 
+/// Names that a requirement can begin with.
+fn names() -> String {
+    Sensor::ALL.map(|sensor| format!("`{}`", sensor.name())).join(", ")
+}
+
 impl FromStr for Own {
     type Err = CycleError;
 
     fn from_str(text: &str) -> Result<Self, CycleError> {
         let fault = |problem: &str| CycleError::Own { text: text.to_owned(), problem: problem.to_owned() };
         let words = text.trim();
-        let (signal, rest) = words.split_once(' ').ok_or_else(|| fault("it has one word only"))?;
-        let (signal, quantity) = match signal.to_ascii_lowercase().as_str() {
-            "speed" => (Signal::Speed, Quantity::AngularSpeed),
-            "torque" => (Signal::Torque, Quantity::Torque),
-            _ => return Err(fault("it must begin with `speed` or `torque`")),
-        };
+        let (name, rest) = words.split_once(' ').ok_or_else(|| fault("it has one word only"))?;
+        let sensor = Sensor::ALL.into_iter().find(|sensor| sensor.name().eq_ignore_ascii_case(name));
+        let sensor = sensor.ok_or_else(|| fault(&format!("it must begin with one of {}", names())))?;
+        let signal = sensor.signal();
+        let quantity = if signal == Signal::Speed { Quantity::AngularSpeed } else { Quantity::Torque };
         let value =
             |text: &str, quantity| parse_value(text.trim(), quantity).map_err(|error| fault(&error.to_string()));
         let share = |text: &str| value(text, Quantity::Ratio);
         let time = |text: &str| value(text, Quantity::Time);
         let (what, rest) = rest.trim().split_once(' ').ok_or_else(|| fault("the limit is missing"))?;
+        if what != "amplitude" && !matches!(sensor, Sensor::Speed | Sensor::Torque) {
+            return Err(fault(
+                "only `amplitude` is judged there; the others follow a demand: begin with `speed` or `torque`",
+            ));
+        }
         let below = |rest: &str| {
             rest.trim().strip_prefix("below ").map(str::to_owned).ok_or_else(|| fault("`below` is missing"))
+        };
+        // `at 12 Hz below …`: the frequency, and the limit.
+        let at = |rest: &str| {
+            let at = rest.trim().strip_prefix("at ").ok_or_else(|| fault("`at` and a frequency are missing"))?;
+            let (number, limit) = at.split_once("Hz").ok_or_else(|| fault("the frequency needs the unit Hz"))?;
+            let frequency_hz = number.trim().parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
+            Ok((frequency_hz.ok_or_else(|| fault("the frequency is not above 0 Hz"))?, below(limit)?))
         };
         let own = match what {
             "within" => {
@@ -192,7 +358,18 @@ impl FromStr for Own {
                 let (band, rest) = band.split_once(" below ").ok_or_else(|| fault("`below` and a time are missing"))?;
                 Own::Settling { signal, band: share(band)?, most_s: time(rest)? }
             }
-            _ => return Err(fault("after the signal comes `within`, `rise`, `overshoot` or `settling`")),
+            "phase" => {
+                let (frequency_hz, limit) = at(rest)?;
+                Own::Phase { signal, frequency_hz, most_rad: value(&limit, Quantity::Angle)? }
+            }
+            "amplitude" => {
+                let (frequency_hz, limit) = at(rest)?;
+                Own::Amplitude { sensor, frequency_hz, most: value(&limit, quantity)? }
+            }
+            _ => {
+                let kinds = "after the signal comes `within`, `rise`, `overshoot`, `settling`, `phase` or `amplitude`";
+                return Err(fault(kinds));
+            }
         };
         match own {
             Own::Within { share, .. } if !(0.0..=1.0).contains(&share) => {

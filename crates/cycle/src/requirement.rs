@@ -138,6 +138,10 @@ pub struct RequirementSet {
     /// Whether points may be left out.
     #[serde(default)]
     pub omission: bool,
+    /// Whether the reference, too, is the mean over each second. It is then that of a demand straight between its points; otherwise
+    /// the value at the second.
+    #[serde(default)]
+    pub reference_means: bool,
     /// Lowest and highest work of the feedback over that of the reference.
     #[serde(default)]
     pub work: Option<[f64; 2]>,

@@ -86,7 +86,7 @@ pub fn validate(reference: &Reference, feedback: &Feedback, set: &RequirementSet
     let mut best: Option<Validation> = None;
     for step in 0..=steps {
         let shift_s = step as f64 * SHIFT_STEP_S;
-        let points = seconds.points(reference, shift_s)?;
+        let points = seconds.points((reference, set.reference_means), shift_s)?;
         let mut judge = Judge { set, scales: &reference.scales, largest_rad_s, points: &points, known: Vec::new() };
         let rows = points.rows(&reference.scales);
         for choice in &choices {

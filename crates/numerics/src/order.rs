@@ -129,6 +129,31 @@ fn digit(key: u64, digits: u32) -> usize {
     (key << (digits * DIGIT) >> (u64::BITS - DIGIT)) as usize
 }
 
+/// Values that are compared at once.
+const LANES: usize = 8;
+
+/// The largest value of a function of pairs, or 0 if that is more, and the first pair that has it.
+///
+/// # Example
+/// ```
+/// let (before, after) = ([1.0, 4.0, 2.0], [4.0, 2.0, 5.0]);
+/// let change = numerics::order::largest_of_pairs(&before, &after, |before, after| f64::abs(after - before));
+/// assert_eq!(change, (3.0, 0));
+/// ```
+pub fn largest_of_pairs(a: &[f64], b: &[f64], of: impl Fn(f64, f64) -> f64) -> (f64, usize) {
+    let larger = |most: f64, one: f64| if one > most { one } else { most };
+    let mut most = [0.0; LANES];
+    let (a_lanes, b_lanes) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    for (a, b) in a_lanes.zip(b_lanes) {
+        most.iter_mut().zip(a.iter().zip(b)).for_each(|(most, (a, b))| *most = larger(*most, of(*a, *b)));
+    }
+    let whole = a.len().min(b.len()) / LANES * LANES;
+    let rest = a[whole..].iter().zip(&b[whole..]).map(|(a, b)| of(*a, *b));
+    let most = most.into_iter().chain(rest).fold(0.0, larger);
+    let place = a.iter().zip(b).position(|(a, b)| of(*a, *b) == most);
+    (most, place.filter(|_| most > 0.0).unwrap_or(0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::{lower_median, median, quantile_of_sorted, select_streamed, upper_median};

@@ -78,17 +78,31 @@ function showCursor(plot, at, event) {
   placeReadout(plot, x, event);
 }
 
-/** The value of every visible series of a panel at the point nearest to the cursor, each marked by a ring. */
+/** Points of a line that are further apart, in pixels, are corners of a course that is straight in between. */
+const SPARSE = 3;
+
+/** Where a series is read: at the nearest point, or on the straight line between the corners of a sparse course. */
+function pointAt(layer, at, scale) {
+  const { x, y, begins } = pointsOf(layer);
+  const after = lowerBound(x, at);
+  const isBetween = layer.type === "line" && after > 0 && after < x.length && !begins.has(after);
+  if (isBetween && scale * (x[after] - x[after - 1]) > SPARSE) {
+    const share = (at - x[after - 1]) / (x[after] - x[after - 1]);
+    return [at, y[after - 1] + share * (y[after] - y[after - 1])];
+  }
+  const nearest = after > 0 && (after === x.length || at - x[after - 1] <= x[after] - at) ? after - 1 : after;
+  return [x[nearest], y[nearest]];
+}
+
+/** The value of every visible series of a panel at the cursor, each marked by a ring. */
 function readValues(plot, panel, at) {
   const { ax, bx, ay, by } = panel.view;
   return panel.layers.filter((layer) => isSeries(layer) && !plot.hidden.has(layer.name)).map((layer) => {
-    const { x, y } = pointsOf(layer);
-    const after = lowerBound(x, at);
-    const nearest = after > 0 && (after === x.length || at - x[after - 1] <= x[after] - at) ? after - 1 : after;
-    const [cx, cy] = [ax * x[nearest] + bx, ay * y[nearest] + by];
-    const seen = x.length > 0 && cx >= panel.left - 0.5 && cx <= ends(plot)[1] + 0.5;
+    const [x, y] = pointAt(layer, at, ax);
+    const [cx, cy] = [ax * x + bx, ay * y + by];
+    const seen = cx >= panel.left - 0.5 && cx <= ends(plot)[1] + 0.5;
     if (seen) svg(plot.cursorLayer, "circle", { class: `ring s-${layer.style}`, cx, cy, r: 3.5 });
-    return { layer, panel, value: seen ? panel.sy.toValue(y[nearest]) : NaN };
+    return { layer, panel, value: seen ? panel.sy.toValue(y) : NaN };
   });
 }
 

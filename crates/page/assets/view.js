@@ -41,13 +41,14 @@ function readLayer(group) {
   return { group, type, moves, name, style, children, points: null };
 }
 
-/** The points of a series in pixels of the drawing, read from its path when they are first needed. */
+/** The points of a series in pixels of the drawing, read from its path when they are first needed, and which of them begin a stretch. */
 function pointsOf(layer) {
   if (layer.points) return layer.points;
-  const [x, y] = [[], []];
+  const [x, y, begins] = [[], [], new Set()];
   const path = layer.children.length > 0 ? layer.children[0].element.getAttribute("d") || "" : "";
   for (const [, at, way] of path.matchAll(/M([^Mlhv]*)(?:l([^Mlhv]*))?/g)) {
     let [px, py] = numbers(at);
+    begins.add(x.length);
     x.push(px);
     y.push(py);
     const steps = way ? numbers(way) : [];
@@ -58,7 +59,7 @@ function pointsOf(layer) {
       y.push(py);
     }
   }
-  layer.points = { x, y };
+  layer.points = { x, y, begins };
   return layer.points;
 }
 

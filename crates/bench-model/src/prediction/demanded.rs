@@ -12,6 +12,8 @@ pub(super) struct Demanded {
     pub(super) dyno_torque_nm: Vec<f64>,
     /// The engine's torque; in torque control of a fired engine beside that of its speed control.
     pub(super) engine_torque_nm: Vec<f64>,
+    /// η at every sample.
+    pub(super) ignition_efficiency: Vec<f64>,
     /// What the engine gives at rest at the start.
     pub(super) mean_engine_torque_nm: f64,
 }
@@ -31,6 +33,7 @@ impl Demanded {
         Demanded {
             mean_engine_torque_nm: engine_torque_nm[0] + governed_nm,
             dyno_torque_nm: on_clock(&demands.dyno_torque_nm),
+            ignition_efficiency: on_clock(&demands.ignition_efficiency),
             speed_rad_s,
             engine_torque_nm,
         }
@@ -42,6 +45,7 @@ impl Demanded {
             speed_rad_s: held_before(samples, &self.speed_rad_s),
             dyno_torque_nm: held_before(samples, &self.dyno_torque_nm),
             engine_torque_nm: held_before(samples, &self.engine_torque_nm),
+            ignition_efficiency: held_before(samples, &self.ignition_efficiency),
             mean_engine_torque_nm: self.mean_engine_torque_nm,
         }
     }

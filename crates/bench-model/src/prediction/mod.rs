@@ -1,8 +1,9 @@
 //! What a bench will do in an experiment, before it is run: the bench model under the plan's demands, and its peaks against
 //! the limits that the bench file states.
 //!
-//! The engine gives its mean torque and, where they are asked for, its firing pulses, at the angle of its crank. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that
-//! of the virtual bench.
+//! The engine gives its mean torque and, where they are asked for, its pulses at the angle of its crank; those of a motored engine have
+//! the share of the virtual bench. In TN mode the engine's speed control, its intake and its ignition are those of the virtual bench. What
+//! a virtual bench adds beyond the model is no part of it.
 
 mod demanded;
 mod inputs;
@@ -11,12 +12,13 @@ mod peaks;
 use std::cell::RefCell;
 
 use rig::ControlMode;
+use rig::bench_parameters::EngineParameters;
 use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
-    DynoInput, EngineSpeedControl, FiringEngine, InitialState, Inputs, Response, SimulationError, simulate,
-    simulate_fired, simulate_governed,
+    DynoInput, EngineSpeedControl, FiringEngine, GovernedAir, InitialState, Inputs, Response, SimulationError,
+    simulate, simulate_fired, simulate_governed,
 };
 use demanded::Demanded;
 pub use inputs::PredictionInputs;
@@ -98,12 +100,12 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let sample_time_s = sample_time_s(inputs);
     let demanded = Demanded::of(inputs, sample_time_s);
     let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
-    let Some(seed) = inputs.firing_seed.filter(|_| is_fired(plan)) else {
+    let Some(seed) = inputs.firing_seed.filter(|_| plan.has_shaft) else {
         return run(inputs, model, &demanded, None, &start);
     };
     // The bench is recorded once its answer to the first pulses has died away.
     let settling = (plan.settling_s / sample_time_s).round() as usize;
-    let fires = FiringEngine { engine: inputs.engine, seed };
+    let fires = FiringEngine { engine: inputs.engine, seed, is_motored: plan.is_motored };
     let response = run(inputs, model, &demanded.after(settling), Some(&fires), &start)?;
     Ok(response.without_first(settling, model.torque_limit_nm))
 }
@@ -136,7 +138,8 @@ fn run(
         demand_rad_s: &demanded.speed_rad_s,
         proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
         integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
-        start_nm: demanded.mean_engine_torque_nm,
+        start_nm: at_best_ignition_nm(engine, demanded),
+        air: Some(GovernedAir { engine, ignition_efficiency: &demanded.ignition_efficiency }),
     });
     let response = match (fires, &control) {
         (Some(fires), control) => simulate_fired(model, &of, (fires, control.as_ref()), start)?,
@@ -144,6 +147,15 @@ fn run(
         (None, None) => simulate(model, &of, start)?,
     };
     is_bounded(&response).then_some(response).ok_or(PredictionError::Unstable)
+}
+
+/// The torque at the best ignition angle that gives the engine's torque at the start, with the ignition of the start.
+fn at_best_ignition_nm(engine: &EngineParameters, demanded: &Demanded) -> f64 {
+    let (given_nm, motored_nm) = (demanded.mean_engine_torque_nm, engine.motored_torque_nm);
+    match demanded.ignition_efficiency.first() {
+        Some(efficiency) if *efficiency > 0.0 => (given_nm - motored_nm) / efficiency + motored_nm,
+        _ => given_nm,
+    }
 }
 
 /// The dynamometer alone.

@@ -19,7 +19,7 @@ const INPUTS: usize = 8;
 /// I, behind ω_d, ω_e, Δθ and T_d.
 const INTEGRAL: usize = 4;
 /// Rows of the matrix of a step that are summed together.
-const ROWS: usize = 8;
+const ROWS: usize = 4;
 /// First of the controller's last outputs, the latest first; the angles turned in the last samples follow them.
 const OUTPUTS: usize = 5;
 
@@ -71,24 +71,28 @@ pub fn simulate_course(
     let bench = Bench::new(model)?;
     let step_samples = inputs.step_samples.max(1);
     let linear = Lifted::of(&bench, step_samples);
-    let mut z = bench.start(start);
-    let mut next = z.clone();
+    // Inputs, and behind them the states, as the columns of the matrix.
+    let mut now = vec![0.0; INPUTS + bench.states().next_multiple_of(ROWS)];
+    let states = INPUTS..INPUTS + bench.states();
+    now[states.clone()].copy_from_slice(&bench.start(start));
+    let mut next = now.clone();
     let mut course = Course::with_capacity(points, step_samples as f64 * bench.pi.sample_time_s);
     let near_nm = NEAR_LIMIT * bench.limit_nm;
-    let mut input = bench.inputs(inputs, 0);
-    course.push(&bench, &z, &input);
+    let mut input = bench.first_inputs(inputs);
+    let mut wanted_nm = course.push(&bench, &now[states.clone()], &input);
     for k in 0..points - 1 {
-        linear.apply(&z, &input, &mut next);
-        let at_start_nm = bench.wanted_nm(&z, input[0], input[2] + input[6]);
-        let at_end_nm = bench.wanted_nm(&next, input[1], input[3] + input[7]);
-        if at_start_nm.abs().max(at_end_nm.abs()) > near_nm {
+        now[..INPUTS].copy_from_slice(&input);
+        linear.apply(&now, &mut next);
+        let at_end_nm = bench.wanted_nm(&next[states.clone()], input[1], input[3] + input[7]);
+        if wanted_nm.abs().max(at_end_nm.abs()) > near_nm {
             course.stepped += 1;
-            next.copy_from_slice(&z);
-            (0..step_samples).for_each(|sample| bench.step(&mut next, &input, (sample, step_samples), bench.limit_nm));
+            next.copy_from_slice(&now);
+            let z = &mut next[states.clone()];
+            (0..step_samples).for_each(|sample| bench.step(z, &input, (sample, step_samples), bench.limit_nm));
         }
-        std::mem::swap(&mut z, &mut next);
-        input = bench.inputs(inputs, k + 1);
-        course.push(&bench, &z, &input);
+        std::mem::swap(&mut now, &mut next);
+        input = bench.next_inputs(inputs, k + 1, &input);
+        wanted_nm = course.push(&bench, &now[states.clone()], &input);
     }
     Ok(course)
 }
@@ -150,35 +154,36 @@ impl Bench {
         z
     }
 
-    /// The inputs of the step from point `k` on; at the last point both ends are that point.
-    fn inputs(&self, inputs: &CourseInputs<'_>, k: usize) -> [f64; INPUTS] {
+    /// The inputs of the first step.
+    fn first_inputs(&self, inputs: &CourseInputs<'_>) -> [f64; INPUTS] {
+        let (demand, fed) = self.at_point(inputs, 0);
+        self.next_inputs(inputs, 0, &[0.0, demand, 0.0, fed, 0.0, inputs.engine_torque_nm[0], 0.0, 0.0])
+    }
+
+    /// The inputs of the step from point `k` on, which begins as the last one ended; at the last point both ends are that point.
+    fn next_inputs(&self, inputs: &CourseInputs<'_>, k: usize, last: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let end = (k + 1).min(inputs.speed_demand_rad_s.len() - 1);
+        let (demand, fed) = self.at_point(inputs, end);
+        let accelerated = self.feed_forward.map_or(0.0, |gains| {
+            let change = inputs.speed_demand_rad_s[end] - inputs.speed_demand_rad_s[k];
+            let step = inputs.step_samples.max(1) as f64;
+            gains.acceleration_nm_s2_per_rad * (change / (step * self.pi.sample_time_s))
+        });
+        [last[1], demand, last[3], fed, last[5], inputs.engine_torque_nm[end], last[7], accelerated]
+    }
+
+    /// The speed demand of the error, and the feed-forward of the speed, at a point.
+    fn at_point(&self, inputs: &CourseInputs<'_>, point: usize) -> (f64, f64) {
         let step = inputs.step_samples.max(1) as f64;
         let last = inputs.speed_demand_rad_s.len() - 1;
-        let demand = |point: f64| {
-            let place = point.clamp(0.0, last as f64);
-            let (low, share) = (place.floor() as usize, place.fract());
+        let late = |samples: f64| {
+            let place = (point as f64 - samples / step).clamp(0.0, last as f64);
+            let low = place as usize;
             let (value, next) = (inputs.speed_demand_rad_s[low], inputs.speed_demand_rad_s[(low + 1).min(last)]);
-            value + share * (next - value)
+            value + (place - low as f64) * (next - value)
         };
-        let end = (k + 1).min(last);
-        let late = |point: usize, samples: f64| demand(point as f64 - samples / step);
-        let fed =
-            |point: usize| self.feed_forward.map_or(0.0, |gains| gains.speed_nm_s_per_rad * late(point, self.lags.1));
-        let accelerated = |from: usize, to: usize| {
-            let change = inputs.speed_demand_rad_s[to] - inputs.speed_demand_rad_s[from];
-            let acceleration = change / (step * self.pi.sample_time_s);
-            self.feed_forward.map_or(0.0, |gains| gains.acceleration_nm_s2_per_rad * acceleration)
-        };
-        [
-            late(k, self.lags.0),
-            late(end, self.lags.0),
-            fed(k),
-            fed(end),
-            inputs.engine_torque_nm[k],
-            inputs.engine_torque_nm[end],
-            accelerated(k.saturating_sub(1), k),
-            accelerated(k, end),
-        ]
+        let fed = self.feed_forward.map_or(0.0, |gains| gains.speed_nm_s_per_rad * late(self.lags.1));
+        (late(self.lags.0), fed)
     }
 
     /// The speed that the controller reads.
@@ -238,7 +243,7 @@ impl Bench {
     }
 }
 
-/// The samples of a step as one matrix, in blocks of rows, each column by column: states, then inputs.
+/// The samples of a step as one matrix, in blocks of rows, each column by column: inputs, then states.
 struct Lifted {
     columns: usize,
     blocks: Vec<[f64; ROWS]>,
@@ -247,14 +252,14 @@ struct Lifted {
 impl Lifted {
     fn of(bench: &Bench, samples: usize) -> Self {
         let states = bench.states();
-        let columns = states + INPUTS;
+        let columns = INPUTS + states;
         let mut blocks = vec![[0.0; ROWS]; states.div_ceil(ROWS) * columns];
         for column in 0..columns {
             let mut z = vec![0.0; states];
             let mut input = [0.0; INPUTS];
-            match column.checked_sub(states) {
-                None => z[column] = 1.0,
-                Some(of) => input[of] = 1.0,
+            match column.checked_sub(INPUTS) {
+                None => input[column] = 1.0,
+                Some(of) => z[of] = 1.0,
             }
             (0..samples).for_each(|sample| bench.step(&mut z, &input, (sample, samples), f64::INFINITY));
             z.iter().enumerate().for_each(|(row, value)| blocks[row / ROWS * columns + column][row % ROWS] = *value);
@@ -262,14 +267,15 @@ impl Lifted {
         Lifted { columns, blocks }
     }
 
-    /// The sums of a block's rows stay in registers.
-    fn apply(&self, z: &[f64], input: &[f64; INPUTS], next: &mut [f64]) {
-        for (next, block) in next.chunks_mut(ROWS).zip(self.blocks.chunks_exact(self.columns)) {
+    /// The states behind the inputs of `next`. The sums of a block's rows stay in registers.
+    fn apply(&self, now: &[f64], next: &mut [f64]) {
+        let now = &now[..self.columns];
+        for (next, block) in next[INPUTS..].chunks_exact_mut(ROWS).zip(self.blocks.chunks_exact(self.columns)) {
             let mut sums = [0.0; ROWS];
-            for (value, column) in z.iter().chain(input).zip(block) {
+            for (value, column) in now.iter().zip(block) {
                 sums.iter_mut().zip(column).for_each(|(sum, part)| *sum += part * value);
             }
-            next.copy_from_slice(&sums[..next.len()]);
+            next.copy_from_slice(&sums);
         }
     }
 }
@@ -287,11 +293,13 @@ impl Course {
         }
     }
 
-    fn push(&mut self, bench: &Bench, z: &[f64], input: &[f64; INPUTS]) {
+    /// Takes a point; returns T_d* there without its limit, Nm.
+    fn push(&mut self, bench: &Bench, z: &[f64], input: &[f64; INPUTS]) -> f64 {
         self.dyno_speed_rad_s.push(z[0]);
         self.engine_speed_rad_s.push(z[1]);
         self.shaft_torque_nm.push(bench.shaft_torque_nm(z));
         let wanted = bench.wanted_nm(z, input[0], input[2] + input[6]);
         self.torque_demand_nm.push(wanted.clamp(-bench.limit_nm, bench.limit_nm));
+        wanted
     }
 }

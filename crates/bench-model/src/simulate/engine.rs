@@ -1,7 +1,10 @@
 //! The engine of a run: torque given, or asked for by its speed control, straight or in pulses.
 
+use rig::bench_parameters::EngineParameters;
+
 use super::firing::{FiringEngine, Firings};
 use super::plant::Plant;
+use crate::intake::Air;
 use crate::simulate::error::SimulationError;
 use crate::simulate::inputs::Inputs;
 
@@ -17,6 +20,17 @@ pub struct EngineSpeedControl<'a> {
     pub integral_nm_per_rad: f64,
     /// I at the start, Nm.
     pub start_nm: f64,
+    /// What the torque passes before the engine gives it; `None`: nothing.
+    pub air: Option<GovernedAir<'a>>,
+}
+
+/// Intake and ignition of an engine under speed control, see [`Air`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GovernedAir<'a> {
+    /// The engine.
+    pub engine: &'a EngineParameters,
+    /// η at every sample, 1 at the best ignition angle.
+    pub ignition_efficiency: &'a [f64],
 }
 
 /// The engine at work.
@@ -34,8 +48,8 @@ impl<'a> Engine<'a> {
         control: Option<&EngineSpeedControl<'a>>,
         fires: Option<&FiringEngine<'a>>,
     ) -> Result<Self, SimulationError> {
-        let governor = control.map(|control| Governor::new(control, inputs)).transpose()?;
-        let governed_nm = governor.as_ref().map_or(0.0, |governor| governor.integral_nm);
+        let mut governor = control.map(|control| Governor::new(control, inputs)).transpose()?;
+        let governed_nm = governor.as_mut().map_or(0.0, Governor::at_rest_nm);
         let level_nm = inputs.engine_torque_nm.first().copied().unwrap_or(0.0) + governed_nm;
         let firings = fires.map(|fires| Firings::new(fires, level_nm, inputs.sample_time_s));
         Ok(Engine { given_nm: inputs.engine_torque_nm, governor, governed_nm, firings })
@@ -60,6 +74,7 @@ struct Governor<'a> {
     control: EngineSpeedControl<'a>,
     sample_time_s: f64,
     integral_nm: f64,
+    air: Option<(Air, &'a [f64])>,
 }
 
 impl<'a> Governor<'a> {
@@ -68,14 +83,32 @@ impl<'a> Governor<'a> {
         if expected != found {
             return Err(SimulationError::Length { what: "engine speed demand", expected, found });
         }
-        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm: control.start_nm })
+        if let Some(air) = &control.air
+            && air.ignition_efficiency.len() != expected
+        {
+            let found = air.ignition_efficiency.len();
+            return Err(SimulationError::Length { what: "ignition efficiency", expected, found });
+        }
+        let air =
+            control.air.map(|of| (Air::new(of.engine, control.start_nm, inputs.sample_time_s), of.ignition_efficiency));
+        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm: control.start_nm, air })
     }
 
-    /// The torque that sample `k` asks for, Nm.
+    /// What the engine gives before the first sample, Nm.
+    fn at_rest_nm(&mut self) -> f64 {
+        self.given_nm(0, self.integral_nm)
+    }
+
+    /// What the engine gives when sample `k` asks for a torque, Nm.
+    fn given_nm(&mut self, k: usize, asked_nm: f64) -> f64 {
+        self.air.as_mut().map_or(asked_nm, |(air, efficiency)| air.update(asked_nm, efficiency[k]))
+    }
+
+    /// The torque that the engine gives for sample `k`, Nm.
     fn update(&mut self, k: usize, reading_rad_s: f64) -> f64 {
         let error_rad_s = self.control.demand_rad_s[k] - reading_rad_s;
         let torque_nm = self.control.proportional_nm_s_per_rad * error_rad_s + self.integral_nm;
         self.integral_nm += self.control.integral_nm_per_rad * self.sample_time_s * error_rad_s;
-        torque_nm
+        self.given_nm(k, torque_nm)
     }
 }

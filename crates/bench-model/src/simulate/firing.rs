@@ -8,22 +8,25 @@ use rig::random::Source;
 
 use super::plant::Plant;
 
-/// An engine that fires.
+/// An engine whose torque comes in pulses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiringEngine<'a> {
     /// Its cylinders and pulses, see [`EngineParameters`].
     pub engine: &'a EngineParameters,
     /// Seed of the angle at the start, which nobody knows, and of what varies from cycle to cycle.
     pub seed: u64,
+    /// Whether the dynamometer drags it: every pulse is then the same, with the share of a motored engine.
+    pub is_motored: bool,
 }
 
-/// The engine, firing by firing: T_j (1 + Σ a_n cos(nφ + φ_n)), T_j the level at the firing times the factor of the cylinder and what
+/// The engine, firing by firing: T_j (1 + p Σ a_n cos(nφ + φ_n)), p = 1 but for a motored engine, T_j the level at the firing times the factor of the cylinder and what
 /// varies from cycle to cycle, φ growing by a turn from one firing to the next.
 ///
 /// φ must be that of the crank which the pulses themselves move. At the angle of a crank without pulses, a shaft near its resonance would
 /// get pulses of another phase: on the default virtual bench up to 10 Nm too much at 600 rpm, and mean torques up to 3 Nm too high.
 pub(super) struct Firings<'a> {
     engine: &'a EngineParameters,
+    is_motored: bool,
     random: Stream,
     step_s: f64,
     /// (a_n cos φ_n, a_n sin φ_n).
@@ -37,15 +40,21 @@ pub(super) struct Firings<'a> {
 
 impl<'a> Firings<'a> {
     /// The engine running at a torque level.
-    pub(super) fn new(FiringEngine { engine, seed }: &FiringEngine<'a>, level_nm: f64, step_s: f64) -> Self {
+    pub(super) fn new(
+        FiringEngine { engine, seed, is_motored }: &FiringEngine<'a>,
+        level_nm: f64,
+        step_s: f64,
+    ) -> Self {
         let interval_rad = engine.cycle_rad() / engine.cylinder_factors.len().max(1) as f64;
         let start_rad = engine.cycle_rad() * Source::StartAngle.stream(*seed).between(0.0, 1.0);
+        let share = if *is_motored { engine.motored_pulsation } else { 1.0 };
         let parts = |h: &Harmonic| {
             let (sine, cosine) = h.phase_rad.sin_cos();
-            (h.relative_amplitude * cosine, h.relative_amplitude * sine)
+            (share * h.relative_amplitude * cosine, share * h.relative_amplitude * sine)
         };
         Firings {
             engine,
+            is_motored: *is_motored,
             random: Source::Firing.stream(*seed),
             step_s,
             harmonics: engine.firing_harmonics.iter().map(parts).collect(),
@@ -82,12 +91,17 @@ impl<'a> Firings<'a> {
         let before_nm = self.fired_nm;
         self.cylinder = (self.cylinder + 1) % self.engine.cylinder_factors.len().max(1);
         self.next_rad += self.interval_rad;
-        let factor = self.engine.cylinder_factors.get(self.cylinder).copied().unwrap_or(1.0);
-        self.fired_nm = level_nm * factor * (1.0 + self.engine.cycle_variation * self.random.normal());
+        self.fired_nm = level_nm * if self.is_motored { 1.0 } else { self.strength() };
         self.fired_nm - before_nm
     }
 
-    /// 1 + Σ a_n cos(nφ + φ_n) at a crank angle.
+    /// How strong a firing is: the cylinder, and what varies from cycle to cycle.
+    fn strength(&mut self) -> f64 {
+        let factor = self.engine.cylinder_factors.get(self.cylinder).copied().unwrap_or(1.0);
+        factor * (1.0 + self.engine.cycle_variation * self.random.normal())
+    }
+
+    /// 1 + p Σ a_n cos(nφ + φ_n) at a crank angle.
     fn pulse(&self, angle_rad: f64) -> f64 {
         let (sine, cosine) = (TAU * angle_rad / self.interval_rad).sin_cos();
         let (mut s, mut c) = (sine, cosine);

@@ -21,7 +21,7 @@ use controller::Pi;
 pub use course::{Course, CourseInputs, simulate_course};
 use encoder::Encoder;
 use engine::Engine;
-pub use engine::EngineSpeedControl;
+pub use engine::{EngineSpeedControl, GovernedAir};
 pub use error::SimulationError;
 pub use firing::FiringEngine;
 pub use inputs::{DynoInput, InitialState, Inputs};

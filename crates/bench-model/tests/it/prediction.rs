@@ -59,10 +59,9 @@ fn exact_predictions_are_what_the_virtual_bench_does() {
 }
 
 /// Root mean square of the error of T_shaft where both fire alike, and how much too high the predicted peak is, Nm.
-fn errors_fired(plan: &ExperimentPlan) -> (f64, f64) {
-    let parameters = clean();
-    let truth = run(&parameters, plan, Numerics::default()).hidden.shaft_torque_nm;
-    let found = with_inputs(&parameters, plan, Limits::default(), |inputs| {
+fn errors_fired(parameters: &BenchParameters, plan: &ExperimentPlan) -> (f64, f64) {
+    let truth = run(parameters, plan, Numerics::default()).hidden.shaft_torque_nm;
+    let found = with_inputs(parameters, plan, Limits::default(), |inputs| {
         predict(&PredictionInputs { firing_seed: Some(7), ..*inputs }).unwrap().response.shaft_torque_nm
     });
     let sum: f64 = found.iter().zip(&truth).map(|(found, truth)| (found - truth).powi(2)).sum();
@@ -81,9 +80,43 @@ fn exact_firing_pulses_are_those_of_the_virtual_bench() {
         ExperimentPlan::white_noise_t_tn(1200.0, 4.0),
     ];
     for plan in plans {
-        let (rms, peak) = errors_fired(&plan);
+        let (rms, peak) = errors_fired(&clean(), &plan);
         assert!(rms < 0.5 && peak.abs() < 0.5, "{:?}: {rms:.3} Nm, peak {peak:+.3} Nm", plan.label);
     }
+}
+
+#[test]
+fn exact_pulses_of_a_motored_engine_are_those_of_the_virtual_bench() {
+    let mut parameters = clean();
+    parameters.engine.motored_torque_nm = -40.0;
+    parameters.engine.motored_pulsation = 1.5;
+    let plan = ExperimentPlan { is_motored: true, ..ExperimentPlan::levels_n_nt(1100.0, 4.0) };
+    let (rms, peak) = errors_fired(&parameters, &plan);
+    assert!(rms < 0.5 && peak.abs() < 0.5, "{rms:.3} Nm, peak {peak:+.3} Nm");
+    // Without them the prediction is far off.
+    parameters.engine.motored_pulsation = 0.0;
+    let smooth = with_inputs(&parameters, &plan, Limits::default(), |inputs| predict(inputs).unwrap());
+    parameters.engine.motored_pulsation = 1.5;
+    let truth = run(&parameters, &plan, Numerics::default()).hidden.shaft_torque_nm;
+    assert!(largest_difference(&smooth.response.shaft_torque_nm, &truth) > 10.0);
+}
+
+#[test]
+fn exact_in_torque_control_the_engine_breathes_and_ignites_as_on_the_virtual_bench() {
+    let mut parameters = clean();
+    parameters.engine.intake_lag_s = 0.15;
+    let retarded = Waveform::Square { first: 0.9, second: 0.7, dwell_s: 0.8 };
+    for ignition_efficiency in [Waveform::Constant { value: 1.0 }, retarded] {
+        let plan = ExperimentPlan { ignition_efficiency, ..ExperimentPlan::step_t_tn(1500.0, 4.0) };
+        let (rms, peak) = errors_fired(&parameters, &plan);
+        assert!(rms < 0.5 && peak.abs() < 0.5, "{rms:.3} Nm, peak {peak:+.3} Nm");
+    }
+    // The lag matters: without it the shaft torque is another one.
+    let plan = ExperimentPlan::step_t_tn(1500.0, 4.0);
+    let shaft = |parameters: &BenchParameters| {
+        with_inputs(parameters, &plan, Limits::default(), |inputs| predict(inputs).unwrap().response.shaft_torque_nm)
+    };
+    assert!(largest_difference(&shaft(&parameters), &shaft(&clean())) > 2.0);
 }
 
 #[test]

@@ -134,8 +134,8 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
     One {
         stated: shaft.reached.unwrap().estimate,
         is_reached: peak >= limit_nm,
-        is_in_band: peak >= shaft.quantile(0.05) && peak <= shaft.quantile(0.95),
-        above_nm: shaft.quantile(0.5) - peak,
+        is_in_band: peak >= shaft.values.quantile(0.05) && peak <= shaft.values.quantile(0.95),
+        above_nm: shaft.values.quantile(0.5) - peak,
     }
 }
 

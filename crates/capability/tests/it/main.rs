@@ -5,5 +5,6 @@
 mod answers;
 mod calibration;
 mod maps;
+mod pulses;
 mod statistics;
 mod support;

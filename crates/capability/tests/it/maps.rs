@@ -64,6 +64,7 @@ fn run(bench: &Bench, of: SineOf, frequency_hz: f64, amplitude: f64) -> Response
                 proportional_nm_s_per_rad: bench.engine.speed_control_proportional_nm_s_per_rad,
                 integral_nm_per_rad: bench.engine.speed_control_integral_nm_per_rad,
                 start_nm: TORQUE_NM,
+                air: None,
             };
             let dyno = DynoInput::TorqueDemand(&torque);
             let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno };

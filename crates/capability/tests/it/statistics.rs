@@ -85,17 +85,17 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         seed,
     };
     let verdict = capability::can(&inputs, &|_, _| {}).unwrap();
-    let seconds = |values: &[f64]| values.iter().copied().step_by(1000).collect::<Vec<_>>();
     let asked = &verdict.nominal;
-    let reference = Reference::of_itself(0.0, seconds(&asked.speed_demand_rad_s), seconds(&asked.torque_demand_nm));
+    let of_itself = Reference::of_itself(0.0, asked.speed_demand_rad_s.clone(), asked.torque_demand_nm.clone());
+    let reference = Reference { step_s: asked.step_s, ..of_itself };
     let found = validate(&reference, &feedback(&truth, seed + 2_000_000, plan), &set).unwrap();
     let compared = verdict.sets[0].statistics.iter().zip(&found.checked).map(|(band, one)| {
         let room = one.low.map_or_else(|| one.high.unwrap(), |low| 1.0 - low);
         let name = format!("{:?} {:?}", one.signal, one.statistic);
         (
             name,
-            (band.quantile(0.05)..=band.quantile(0.95)).contains(&one.value),
-            (one.value - band.quantile(0.5)) / room,
+            (band.values.quantile(0.05)..=band.values.quantile(0.95)).contains(&one.value),
+            (one.value - band.values.quantile(0.5)) / room,
         )
     });
     (compared.collect(), found.passes == (verdict.sets[0].kept.estimate > 0.5))

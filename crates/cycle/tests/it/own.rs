@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use cycle::{BandTolerance, Course, ModeTolerance, Own, Signal, speed_band, steady_modes};
 use units::RPM_RAD_S;
 
@@ -83,4 +85,68 @@ fn exact_tolerances_of_modes_are_the_greater_of_two() {
     let fast = steady_modes((202.0, 111.0), (200.0, 100.0), (250.0, 500.0), &tolerance);
     assert_eq!((fast.speed_limit_rad_s, fast.torque_limit_nm), (2.5, 10.0));
     assert!(!fast.passes());
+}
+
+/// A sweep of 1 … 20 Hz within 20 s about 5, and what a first-order lag of 50 ms makes of it, exactly.
+fn sweep() -> (Vec<f64>, Vec<f64>) {
+    let growth = 20.0_f64.ln() / 20.0;
+    let turns = |t: f64| ((growth * t).exp() - 1.0) / growth;
+    let demand: Vec<f64> = (0..20_000).map(|k| 5.0 + 3.0 * (TAU * turns(f64::from(k) * 1e-3)).sin()).collect();
+    let (stays, mut held) = ((-1e-3_f64 / 0.05).exp(), 5.0);
+    let value = demand.iter().map(|wanted| {
+        let before = held;
+        held = wanted + (held - wanted) * stays;
+        before
+    });
+    let value = value.collect();
+    (demand, value)
+}
+
+#[test]
+fn exact_phase_and_amplitude_of_a_lag() {
+    let course = sweep();
+    for (hz, time_s) in [(2.0_f64, 4.6), (8.0, 13.9)] {
+        let lag = (TAU * hz * 0.05).atan();
+        let phase = judge(&format!("torque phase at {hz} Hz below 60 deg"), &course);
+        // A value held for a millisecond is half of it late.
+        assert!((phase.value - lag - TAU * hz * 0.5e-3).abs() < 0.02, "{hz} Hz: {phase:?}, {lag}");
+        assert_eq!(phase.passes(), hz < 5.0);
+        assert!((phase.time_s - time_s).abs() < 0.5, "{phase:?}");
+        let amplitude = judge(&format!("torque amplitude at {hz} Hz below 2 Nm"), &course);
+        assert!((amplitude.value / (3.0 * lag.cos()) - 1.0).abs() < 0.05, "{hz} Hz: {amplitude:?}");
+    }
+    // A step has every frequency.
+    let phase = judge("torque phase at 4 Hz below 60 deg", &step());
+    assert!((phase.value - (TAU * 4.0 * 0.05_f64).atan()).abs() < 0.02, "{phase:?}");
+    let sine: Vec<f64> = (0..2000).map(|k| 7.0 + 2.5 * (TAU * 3.0 * f64::from(k) * 1e-3 + 0.4).sin()).collect();
+    assert_close(judge("shaft_torque amplitude at 3 Hz below 2 Nm", &(sine.clone(), sine)).value, 2.5, 1e-3);
+}
+
+#[test]
+fn regress_a_frequency_that_the_test_lacks_is_named() {
+    let (demand, value) = sweep();
+    let problem = |text: &str, demand: &[f64], value: &[f64]| {
+        let course = Course { sample_time_s: 1e-3, demand, value };
+        text.parse::<Own>().unwrap().check(&course).map_err(|error| error.to_string())
+    };
+    let phase = "torque phase at 60 Hz below 60 deg";
+    assert!(problem("torque phase at 8 Hz below 60 deg", &demand, &value).is_ok());
+    assert!(problem(phase, &demand, &value).unwrap_err().contains("no part at 60 Hz"));
+    assert!(
+        problem("torque phase at 8 Hz below 60 deg", &[1.0; 2000], &value).unwrap_err().contains("no part at 8 Hz")
+    );
+    assert!(problem("torque amplitude at 400 Hz below 1 Nm", &demand, &value).unwrap_err().contains("5 samples"));
+    assert!(
+        problem("engine_speed amplitude at 8 Hz below 1 rpm", &demand, &[]).unwrap_err().contains("no engine_speed")
+    );
+    for (text, problem) in [
+        ("torque phase at 8 below 60 deg", "Hz"),
+        ("torque phase at 8 Hz below 60 Nm", "Nm"),
+        ("shaft_torque phase at 8 Hz below 60 deg", "amplitude"),
+        ("flange amplitude at 8 Hz below 60 Nm", "shaft_torque"),
+        ("torque amplitude at 0 Hz below 60 Nm", "above 0 Hz"),
+    ] {
+        let error = text.parse::<Own>().unwrap_err().to_string();
+        assert!(error.contains(problem) && error.contains(text), "{error}");
+    }
 }

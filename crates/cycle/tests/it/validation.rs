@@ -57,15 +57,7 @@ fn exact_numbers_are_rounded_before_they_are_compared() {
     // A shift or an omission may make a slope smaller.
     let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement("1065.514").unwrap() };
     let slope = |gain: f64| {
-        let (reference, _) = run(0.0, 1.0);
-        // Means that were recorded each second.
-        let feedback = Feedback {
-            start_s: reference.start_s,
-            sample_time_s: 1.0,
-            speed_rad_s: reference.speed_rad_s.clone(),
-            torque_nm: reference.torque_nm.iter().map(|torque| gain * torque).collect(),
-            demand: None,
-        };
+        let (reference, feedback) = run(0.0, gain);
         validate(&reference, &feedback, &set).unwrap().passes
     };
     assert!(slope(1.0304), "1.0304 is 1.030");
@@ -79,7 +71,7 @@ fn exact_points_left_out_can_make_a_run_valid() {
     feedback.torque_nm.iter_mut().for_each(|torque| *torque = torque.max(0.0));
     let mut set = requirement("1065.514").unwrap();
     let valid = validate(&reference, &feedback, &set).unwrap();
-    assert!(valid.passes && valid.omission.motoring, "{valid:?}");
+    assert!(valid.passes && valid.omission != Omission::NONE, "{valid:?}");
     assert!(valid.omitted[1] > 300 && valid.omitted[2] >= valid.omitted[1] && valid.omitted[0] == 0, "{valid:?}");
     set.omission = false;
     assert!(!validate(&reference, &feedback, &set).unwrap().passes);
@@ -113,4 +105,72 @@ fn regress_a_feedback_that_ends_early_is_refused() {
     feedback.torque_nm[77] = f64::NAN;
     let error = validate(&reference, &feedback, &requirement("whtc").unwrap()).unwrap_err().to_string();
     assert!(error.contains("torque, sample 77"), "{error}");
+}
+
+/// The reference 1000, 1100, 1000 with a value each second, and a feedback of 1 kHz that is straight between them.
+fn roof() -> (Reference, Feedback) {
+    let reference = Reference::of_itself(0.0, vec![1000.0, 1100.0, 1000.0], vec![0.0, 80.0, 0.0]);
+    let time = |k: usize| k as f64 * 1e-3;
+    let feedback = Feedback {
+        start_s: 0.0,
+        sample_time_s: 1e-3,
+        speed_rad_s: (0..=2000).map(|k| reference.speed_at(time(k))).collect(),
+        torque_nm: (0..=2000).map(|k| reference.torque_at(time(k))).collect(),
+        demand: None,
+    };
+    (reference, feedback)
+}
+
+#[test]
+fn exact_means_over_a_second_by_hand() {
+    let (reference, feedback) = roof();
+    let set = |reference_means| cycle::RequirementSet {
+        shift_s: 0.0,
+        omission: false,
+        reference_means,
+        ..requirement("1065.514").unwrap()
+    };
+    // Means over 0 … 0.5, 0.5 … 1.5 and 1.5 … 2 s: 1025, 1075, 1025, of both. The feedback has a sample half before its start.
+    let found = validate(&reference, &feedback, &set(true)).unwrap();
+    let [speed, torque, _] = found.regressions.map(Option::unwrap);
+    assert!((speed.slope - 1.0).abs() < 2e-3 && speed.standard_error < 0.05, "{speed:?}");
+    assert!((torque.slope - 1.0).abs() < 2e-3 && torque.intercept.abs() < 0.05, "{torque:?}");
+    // Against the values at the seconds, 1000, 1100, 1000, the slope is 50/100.
+    let [speed, torque, _] = validate(&reference, &feedback, &set(false)).unwrap().regressions.map(Option::unwrap);
+    assert!((speed.slope - 0.5).abs() < 1e-3 && (speed.intercept - 525.0).abs() < 1.0, "{speed:?}");
+    assert!((torque.slope - 0.5).abs() < 1e-3 && (torque.intercept - 20.0).abs() < 0.05, "{torque:?}");
+}
+
+#[test]
+fn exact_a_bench_without_error_has_a_slope_of_one() {
+    let reference = builtin("nrtc").unwrap().reference(&map()).unwrap();
+    let time = |k: usize| 1.0 + k as f64 * 0.01;
+    let feedback = Feedback {
+        start_s: 1.0,
+        sample_time_s: 0.01,
+        speed_rad_s: (0..123_701).map(|k| reference.speed_at(time(k))).collect(),
+        torque_nm: (0..123_701).map(|k| reference.torque_at(time(k))).collect(),
+        demand: None,
+    };
+    let speed = |name: &str| {
+        let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement(name).unwrap() };
+        validate(&reference, &feedback, &set).unwrap().regressions[0].unwrap()
+    };
+    assert!((speed("1065.514").slope - 1.0).abs() < 1e-4, "{:?}", speed("1065.514"));
+    assert!((speed("nrtc").slope - 1.0).abs() < 1e-4);
+    // The WHTC's reference is the value at the second.
+    assert!(speed("whtc").slope < 0.99, "{:?}", speed("whtc"));
+}
+
+#[test]
+fn exact_a_reference_may_be_faster_than_a_second() {
+    let (slow, feedback) = roof();
+    let fine = |of: fn(&Reference, f64) -> f64| (0..=20).map(|k| of(&slow, f64::from(k) * 0.1)).collect::<Vec<_>>();
+    let of_itself = Reference::of_itself(0.0, fine(Reference::speed_at), fine(Reference::torque_at));
+    let fast = Reference { step_s: 0.1, ..of_itself };
+    assert_eq!((fast.end_s(), fast.seconds().collect::<Vec<_>>()), (2.0, vec![0.0, 1.0, 2.0]));
+    assert!((fast.work_j() / slow.work_j() - 0.8).abs() < 0.2);
+    let set = requirement("1065.514").unwrap();
+    let [a, b] = [&slow, &fast].map(|reference| validate(reference, &feedback, &set).unwrap().regressions[0].unwrap());
+    assert!((a.slope - b.slope).abs() < 1e-9 && (a.intercept - b.intercept).abs() < 1e-6, "{a:?} {b:?}");
 }

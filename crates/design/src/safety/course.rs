@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use bench_model::model::Mechanics;
+use numerics::order::largest_of_pairs;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::ExperimentPlan;
 use rig::facts::Engine;
@@ -47,12 +48,9 @@ impl<'a> AtResonance<'a> {
 
 /// The largest change between values at most `apart` samples from each other, and the sample at which it begins.
 pub fn largest_change(values: &[f64], apart: usize) -> (f64, usize) {
-    let mut largest = (0.0, 0);
-    for apart in 1..=apart {
-        for (k, (before, after)) in values.iter().zip(values.iter().skip(apart)).enumerate() {
-            let change = (after - before).abs();
-            largest = if change > largest.0 { (change, k) } else { largest };
-        }
-    }
-    largest
+    let of = |apart: usize| {
+        let later = values.get(apart..).unwrap_or_default();
+        largest_of_pairs(values, later, |before, after| (after - before).abs())
+    };
+    (1..=apart).map(of).fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }

@@ -26,7 +26,8 @@ TEST is one of these:
     sine-sweep;
   an experiment of the method, such as Step_T_TN;
   a file of demands, as `dynoid experiment design` reads it;
-  a file of a cycle with columns speed (rpm) and torque (Nm), or both in %;
+  a file of a cycle with columns time, speed and torque, in units or in %;
+    m in place of a torque means that the engine is motored;
   map: the largest sine over frequency and speed, and the largest gradient.
 
 An engine map is a table with columns speed and torque, and motoring_torque if it was measured.
@@ -36,6 +37,10 @@ Requirement sets: 1065.514, 1036.545, whtc, nrtc, whsc. A cycle is judged by its
   torque rise below 50 ms
   speed overshoot below 5 %
   torque settling within 2 % below 0.5 s
+
+Requirements at a frequency:
+  torque phase at 5 Hz below 60 deg
+  shaft_torque amplitude at 12 Hz below 80 Nm
 
 Without --recorded the test is simulated on many random benches, with the limits of the bench file. With --model they follow the covariance of the study's estimates. The exit code is 0 if 95 % of them keep everything and all limits are stated, and 1 otherwise.
 

@@ -163,6 +163,72 @@ fn exact_a_wanted_sine_and_gradient_are_answered() {
 }
 
 #[test]
+fn exact_a_cycle_of_ones_own_may_have_awkward_input() {
+    let campaign = campaign();
+    let can = |file: &str, more: &[&str]| {
+        let arguments = ["can", "bench.toml", file, "--samples", "4", "--allow-unchecked"];
+        campaign.run(&[&arguments[..], more].concat())
+    };
+    let median = |json: &serde_json::Value, of: &str| {
+        let limits = json["limits"].as_array().unwrap();
+        limits.iter().find(|one| one["of"] == of).unwrap()["median"].as_f64().unwrap()
+    };
+    // A peak between the seconds, at 10 Hz, counts.
+    let mut fast = String::from("time [s],speed [rpm],torque [Nm]\n");
+    for tick in 0..=200 {
+        let peak = 300.0 - 100.0 * f64::from(tick - 105_i32).abs().min(3.0);
+        writeln!(fast, "{},{},60", f64::from(tick) * 0.1, 2000.0 + peak).unwrap();
+    }
+    campaign.write("fast.csv", fast.as_bytes());
+    let ran = can("fast.csv", &["--json", "--by", "1036.545"]);
+    let json = ran.json();
+    assert_eq!((json["duration_s"].as_f64(), ran.stderr.contains("gap")), (Some(20.0), false), "{}", ran.stderr);
+    assert!(median(&json, "speed") > 2200.0, "{}", median(&json, "speed"));
+    // German numbers and names, torque in % of the full load, motoring marked, and a gap.
+    let mut german = String::from("Zeit [s];Drehzahl [1/min];Drehmoment [%]\n");
+    for second in (0..=40).filter(|second| !(20..25).contains(second)) {
+        let torque = if second > 30 { "m".to_owned() } else { "50,5".to_owned() };
+        writeln!(german, "{second},0;2000,0;{torque}").unwrap();
+    }
+    campaign.write("german.csv", german.as_bytes());
+    let ran = can("german.csv", &["--engine-map", "engine.csv", "--json", "--require", "torque within 30 Nm for 95 %"]);
+    assert!(ran.stderr.contains("a gap of 6 s after row 20"), "{}", ran.stderr);
+    // 50.5 % of 190 Nm, and then −40 % of it.
+    let own = &ran.json()["own"][0];
+    assert!(own["median"].as_f64().is_some_and(|error| error < 30.0), "{own}");
+    assert!(ran.json()["duration_s"].as_f64() == Some(40.0));
+    can("german.csv", &[]).assert_refused(3, &["german.csv", "--engine-map"]);
+    campaign.write("hole.csv", b"time [s],speed [rpm],torque [Nm]\n0,1000,5\n1,1100,\n2,1200,5\n3,1200,5\n");
+    can("hole.csv", &[]).assert_refused(3, &["hole.csv", "row 2", "missing"]);
+}
+
+#[test]
+fn exact_phase_amplitude_and_heat_of_the_drive_are_judged() {
+    let campaign = campaign();
+    let heat =
+        "power = \"150 kW\"\ncontinuous_torque = \"70 Nm\"\noverload_torque = \"140 Nm\"\noverload_time = \"4 s\"\n";
+    campaign.write("bench.toml", campaign.read("bench.toml").replace("power = \"150 kW\"\n", heat).as_bytes());
+    let arguments = ["can", "bench.toml", "sine-sweep", "--samples", "10", "--allow-unchecked", "--set", "torque=80"];
+    let wanted =
+        ["--require", "torque phase at 5 Hz below 60 deg", "--require", "shaft_torque amplitude at 5 Hz below 1 Nm"];
+    let ran = campaign.run(&[&arguments[..], &wanted].concat());
+    for words in
+        ["heat of the drive, I²t", "phase at 5 Hz below 60°", "amplitude of the shaft torque at 5 Hz below 1 Nm"]
+    {
+        assert!(ran.stdout.contains(words), "`{words}` is not in {}", ran.stdout);
+    }
+    let json = campaign.run(&[&arguments[..], &wanted, &["--json"]].concat()).json();
+    let heat = json["limits"].as_array().unwrap().iter().find(|one| one["of"] == "drive_heat").unwrap().clone();
+    // (80/70)² = 131 %, from the start on.
+    assert!(heat["median"].as_f64().is_some_and(|value| (value - 131.0).abs() < 3.0), "{heat}");
+    assert_eq!((heat["limit"].as_f64(), heat["reached"]["count"].as_u64()), (Some(100.0), Some(10)));
+    assert_eq!(json["own"][0]["kept"]["count"].as_u64(), Some(10));
+    assert!(json["own"][1]["margin"].as_f64().is_some_and(|margin| margin < 0.0), "{}", json["own"][1]);
+    let absent = ["--require", "speed phase at 5 Hz below 60 deg"];
+    campaign.run(&[&arguments[..], &absent].concat()).assert_refused(3, &["speed phase", "no part at 5 Hz"]);
+}
+
+#[test]
 fn exact_a_vehicle_runs_its_schedule() {
     let campaign = campaign();
     campaign.write(

@@ -97,5 +97,11 @@ impl Case {
 
 /// The engine's speed control of a case.
 fn governor(demand_rad_s: &[f64]) -> EngineSpeedControl<'_> {
-    EngineSpeedControl { demand_rad_s, proportional_nm_s_per_rad: 2.0, integral_nm_per_rad: 3.0, start_nm: 1.5 }
+    EngineSpeedControl {
+        demand_rad_s,
+        proportional_nm_s_per_rad: 2.0,
+        integral_nm_per_rad: 3.0,
+        start_nm: 1.5,
+        air: None,
+    }
 }

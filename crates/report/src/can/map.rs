@@ -21,6 +21,8 @@ pub struct MapPage<'a> {
     pub title: &'a str,
     /// Of speed and torque.
     pub maps: &'a [CapabilityMap],
+    /// Frequencies of the table, Hz; the figure has all.
+    pub in_table_hz: &'a [f64],
     /// The largest gradients.
     pub gradients: &'a [GradientPlace],
     /// Sines and gradients that were asked for.
@@ -33,7 +35,7 @@ pub fn page(shown: &MapPage<'_>) -> Page {
     for map in shown.maps {
         all.push(Block::heading(name(map.of)));
         all.push(bandwidths(map));
-        all.push(table(map));
+        all.push(table(map, shown.in_table_hz));
         all.push(Block::Figure(figure(map, shown.wanted)));
     }
     all.push(Block::heading("Largest gradient of the speed, rpm/s"));
@@ -79,13 +81,14 @@ fn bandwidths(map: &CapabilityMap) -> Table {
 }
 
 /// Amplitudes that 95 % of the benches can do, with the limit that binds, at every other speed.
-fn table(map: &CapabilityMap) -> Table {
+fn table(map: &CapabilityMap, in_table_hz: &[f64]) -> Table {
     let (unit, si) = unit(map.of);
     let speeds: Vec<String> = map.speed_rad_s.iter().step_by(2).map(|speed| number::rpm(*speed)).collect();
     let mut columns = vec![("frequency", Align::Right)];
     columns.extend(speeds.iter().map(|speed| (speed.as_str(), Align::Left)));
     let mut table = Table::new(&columns);
-    for (k, frequency_hz) in map.frequency_hz.iter().enumerate() {
+    let is_in_table = |hz: f64| in_table_hz.iter().any(|one| (one - hz).abs() < 1e-9 * hz);
+    for (k, frequency_hz) in map.frequency_hz.iter().enumerate().filter(|(_, hz)| is_in_table(**hz)) {
         let cell = |row: &Vec<Place>| {
             let place = row[k];
             match (place.amplitude[0].is_finite(), place.binds) {

@@ -84,8 +84,8 @@ fn limits(verdict: &Verdict) -> Table {
         let tone = one.reached.as_ref().map_or(Tone::Faint, of_reached);
         table.row([
             name.into(),
-            value(one.quantile(0.5)).into(),
-            value(one.quantile(0.95)).into(),
+            value(one.values.quantile(0.5)).into(),
+            value(one.values.quantile(0.95)).into(),
             limit,
             Cell::toned(one.reached.as_ref().map_or_else(String::new, number::proportion), tone),
             number::time(one.time_s).into(),
@@ -119,7 +119,7 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
         ("kept (95 % interval)", Align::Left),
     ]);
     for one in &judged.statistics {
-        let at = |share: f64| words::value_of(one.signal, one.statistic, one.quantile(share));
+        let at = |share: f64| words::value_of(one.signal, one.statistic, one.values.quantile(share));
         table.row([
             words::signal(one.signal).0.into(),
             words::statistic(one.statistic).into(),
@@ -145,7 +145,7 @@ fn own(verdict: &Verdict) -> Table {
         ("worst at", Align::Right),
     ]);
     for one in &verdict.own {
-        let at = |share: f64| words::own_value(&one.own, one.quantile(share));
+        let at = |share: f64| words::own_value(&one.own, one.values.quantile(share));
         table.row([
             words::own(&one.own).into(),
             at(0.5).into(),

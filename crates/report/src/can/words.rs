@@ -1,7 +1,7 @@
 //! Words of requirements, statistics and limits.
 
 use capability::{Answer, LimitOf, Verdict};
-use cycle::{Judged, Omission, Omitted, Own, RequirementSet, Signal, Statistic};
+use cycle::{Judged, Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
 use page::{Finding, Tone};
 use units::RPM_RAD_S;
 
@@ -76,6 +76,27 @@ pub fn own(own: &Own) -> String {
         Own::Settling { band, most_s, .. } => {
             format!("{name}: settled within {} below {}", number::share(band), number::measure(most_s, "s"))
         }
+        Own::Phase { frequency_hz, most_rad, .. } => {
+            let (hz, most) = (number::measure(frequency_hz, "Hz"), number::significant(most_rad.to_degrees(), 4));
+            format!("{name}: phase at {hz} below {most}°")
+        }
+        Own::Amplitude { sensor, frequency_hz, most } => format!(
+            "amplitude of {} at {} below {} {unit}",
+            self::sensor(sensor),
+            number::measure(frequency_hz, "Hz"),
+            number::significant(most / si, 4)
+        ),
+    }
+}
+
+fn sensor(sensor: Sensor) -> &'static str {
+    match sensor {
+        Sensor::Speed => "the speed",
+        Sensor::Torque => "the torque",
+        Sensor::DynoSpeed => "the dynamometer's speed",
+        Sensor::EngineSpeed => "the engine's speed",
+        Sensor::ShaftTorque => "the shaft torque",
+        Sensor::TorqueDemand => "T_d*",
     }
 }
 
@@ -84,7 +105,8 @@ pub(super) fn own_value(own: &Own, value: f64) -> String {
     let (_, unit, si) = signal(own.signal());
     match own {
         _ if value.is_infinite() => "never".to_owned(),
-        Own::Within { .. } => format!("{} {unit}", number::significant(value / si, 4)),
+        Own::Within { .. } | Own::Amplitude { .. } => format!("{} {unit}", number::significant(value / si, 4)),
+        Own::Phase { .. } => format!("{}°", number::significant(value.to_degrees(), 4)),
         Own::Overshoot { .. } => number::share(value),
         Own::Rise { .. } | Own::Settling { .. } => number::measure(value, "s"),
     }
@@ -106,6 +128,7 @@ pub fn limit_of(of: LimitOf) -> (&'static str, &'static str, f64) {
         LimitOf::SpeedGradient => ("speed gradient", "rpm/s", RPM_RAD_S),
         LimitOf::Power => ("power of the dynamometer", "kW", 1e3),
         LimitOf::TimeAtResonance => ("time at resonance", "s", 1.0),
+        LimitOf::DriveHeat => ("heat of the drive, I²t", "%", 0.01),
     }
 }
 
@@ -120,6 +143,7 @@ pub(super) fn short(of: LimitOf) -> &'static str {
         LimitOf::SpeedGradient => "gradient",
         LimitOf::Power => "power",
         LimitOf::TimeAtResonance => "resonance",
+        LimitOf::DriveHeat => "I²t",
     }
 }
 

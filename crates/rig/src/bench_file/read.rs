@@ -8,7 +8,9 @@ use units::{self, Quantity, Unit};
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
 use super::virtual_bench;
-use crate::bench_file::stated::{BenchFile, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior};
+use crate::bench_file::stated::{
+    BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior,
+};
 use crate::channels::ChannelMapping;
 use crate::facts::BenchVariant;
 use crate::role::{Role, parse_unit_of_role};
@@ -189,6 +191,10 @@ fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
         "time_at_resonance",
         "power",
         "speed_gradient",
+        "continuous_torque",
+        "thermal_time_constant",
+        "overload_torque",
+        "overload_time",
     ];
     section.only(&keys, faults);
     let slew = "\"5000 Nm/s\"";
@@ -207,7 +213,41 @@ fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
             "\"5000 rpm/s\"",
             faults,
         ),
+        drive_heat: read_drive_heat(section, faults),
     }
+}
+
+/// The continuous torque of the drive, with its time constant or with an overload.
+fn read_drive_heat(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<DriveHeat> {
+    let keys = ["continuous_torque", "thermal_time_constant", "overload_torque", "overload_time"];
+    if keys.iter().all(|key| section.get(key).is_none()) {
+        return None;
+    }
+    let torque = "\"250 Nm\"";
+    section.require("continuous_torque", torque, faults);
+    let continuous_torque_nm = read_limit(section, "continuous_torque", Quantity::Torque, torque, faults);
+    let time_constant_s = read_limit(section, "thermal_time_constant", Quantity::Time, "\"90 s\"", faults);
+    if section.get("thermal_time_constant").is_some() {
+        if let Some((key, place)) = keys[2..].iter().find_map(|key| Some((key, section.get(key)?))) {
+            faults.add(place.offset, section.path_of(key), FaultKind::Excludes { other: "thermal_time_constant" });
+        }
+        return Some(DriveHeat { continuous_torque_nm: continuous_torque_nm?, time_constant_s: time_constant_s? });
+    }
+    read_overload(section, continuous_torque_nm, faults)
+}
+
+fn read_overload(section: &Section<'_, '_>, continuous_nm: Option<f64>, faults: &mut Faults<'_>) -> Option<DriveHeat> {
+    let place = section.require("overload_torque", "\"400 Nm\"", faults);
+    section.require("overload_time", "\"60 s\"", faults);
+    let torque_nm = read_limit(section, "overload_torque", Quantity::Torque, "\"400 Nm\"", faults);
+    let time_s = read_limit(section, "overload_time", Quantity::Time, "\"60 s\"", faults);
+    let (continuous_nm, value) = (continuous_nm?, torque_nm?);
+    if value <= continuous_nm {
+        let remedy = "write a torque above continuous_torque".to_owned();
+        let kind = FaultKind::OutOfRange { value, low: continuous_nm, high: f64::INFINITY, remedy };
+        faults.add(place?.offset, section.path_of("overload_torque"), kind);
+    }
+    DriveHeat::of_overload(continuous_nm, (value, time_s?))
 }
 
 fn read_shaft(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ShaftPrior {

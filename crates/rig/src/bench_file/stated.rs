@@ -64,6 +64,34 @@ pub struct Limits {
     pub power_w: Option<f64>,
     /// Largest change of the speed, rad/s².
     pub speed_gradient_rad_s2: Option<f64>,
+    /// What the drive's heat allows.
+    pub drive_heat: Option<DriveHeat>,
+}
+
+/// The I²t of a drive: its heat θ, as a part of that of the continuous torque T_c, follows τ dθ/dt = (T/T_c)² − θ, and may reach 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveHeat {
+    /// T_c, which the drive gives for any time, Nm.
+    pub continuous_torque_nm: f64,
+    /// τ, s.
+    pub time_constant_s: f64,
+}
+
+impl DriveHeat {
+    /// That of a drive that gives an overload for so long, cold, before its heat is that of the continuous torque; `None` of an overload
+    /// that is none.
+    ///
+    /// # Example
+    /// ```
+    /// use rig::bench_file::DriveHeat;
+    /// // 200 Nm for ever, √2 times as much for 60 s: (T/T_c)² (1 − e^{−60/τ}) = 1.
+    /// let heat = DriveHeat::of_overload(200.0, (200.0 * 2.0_f64.sqrt(), 60.0)).unwrap();
+    /// assert!((heat.time_constant_s - 60.0 / 2.0_f64.ln()).abs() < 1e-9);
+    /// ```
+    pub fn of_overload(continuous_torque_nm: f64, (torque_nm, time_s): (f64, f64)) -> Option<Self> {
+        let time_constant_s = -time_s / (-(continuous_torque_nm / torque_nm).powi(2)).ln_1p();
+        (torque_nm > continuous_torque_nm).then_some(DriveHeat { continuous_torque_nm, time_constant_s })
+    }
 }
 
 /// What is known of the shaft before anything was estimated: for predictions and simulations alone, no study looks at it.

@@ -60,6 +60,10 @@ engine_inertia = "{PLACEHOLDER}"
 # time_at_resonance = "5 s"        # longest stay of the firing near the shaft's resonance
 # power = "200 kW"                 # of the dynamometer
 # speed_gradient = "5000 rpm/s"
+# continuous_torque = "250 Nm"     # of the drive, I²t; with its time constant, or with an overload from cold
+# thermal_time_constant = "90 s"
+# overload_torque = "400 Nm"
+# overload_time = "60 s"
 
 # What is known of the shaft, for experiments that are predicted or simulated before a model is estimated: its resonance,
 # or its stiffness.
@@ -126,6 +130,8 @@ fn write_limits(text: &mut String, limits: Limits) {
         ("time_at_resonance", limits.time_at_resonance_s, "s"),
         ("power", limits.power_w, "W"),
         ("speed_gradient", limits.speed_gradient_rad_s2, "rad/s²"),
+        ("continuous_torque", limits.drive_heat.map(|heat| heat.continuous_torque_nm), "Nm"),
+        ("thermal_time_constant", limits.drive_heat.map(|heat| heat.time_constant_s), "s"),
     ];
     write_values(text, &values);
 }

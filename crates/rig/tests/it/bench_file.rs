@@ -1,5 +1,5 @@
 use proptest::prelude::*;
-use rig::bench_file::{BenchFileError, Draft, FaultKind, PLACEHOLDER};
+use rig::bench_file::{BenchFileError, Draft, DriveHeat, FaultKind, PLACEHOLDER};
 use rig::bench_parameters::BenchParameters;
 use rig::channels::guess_roles;
 use rig::facts::BenchVariant;
@@ -365,6 +365,28 @@ fn regress_faults_of_the_new_tables_have_line_and_remedy() {
     let file = with("[virtual_bench.mechanics]\nshaft_stiffness_nm_per_rad = -1").unwrap();
     let error = StatedBench::of(&file, None).unwrap_err().to_string();
     assert!(error.contains("mechanics.shaft_stiffness_nm_per_rad = -1 is impossible"), "{error}");
+}
+
+#[test]
+fn exact_the_heat_of_a_drive_is_stated_by_its_time_constant_or_by_an_overload() {
+    let of = |more: &str| parse(&GOOD.replace("[channels]", &format!("{more}\n[channels]")));
+    let file = of("continuous_torque = \"250 Nm\"\nthermal_time_constant = \"90 s\"").unwrap();
+    let heat = DriveHeat { continuous_torque_nm: 250.0, time_constant_s: 90.0 };
+    assert_eq!(file.limits.drive_heat, Some(heat));
+    assert_eq!(parse(&file.to_toml()).unwrap(), file);
+    // A cold drive gives 500 Nm, with 4 times the loss, for τ ln(4/3).
+    let file = of("continuous_torque = \"250 Nm\"\noverload_torque = \"500 Nm\"\noverload_time = \"60 s\"").unwrap();
+    let heat = file.limits.drive_heat.unwrap();
+    assert!((heat.time_constant_s - 60.0 / (4.0_f64 / 3.0).ln()).abs() < 1e-9, "{heat:?}");
+    let words = |more: &str| of(more).unwrap_err().to_string();
+    assert!(words("thermal_time_constant = \"90 s\"").contains("limits.continuous_torque"));
+    assert!(words("continuous_torque = \"250 Nm\"").contains("limits.overload_torque"));
+    assert!(
+        words("continuous_torque = \"250 Nm\"\noverload_torque = \"200 Nm\"\noverload_time = \"60 s\"")
+            .contains("above")
+    );
+    let both = "continuous_torque = \"250 Nm\"\nthermal_time_constant = \"90 s\"\noverload_torque = \"400 Nm\"";
+    assert!(words(both).contains("say the same thing"));
 }
 
 #[test]

@@ -15,9 +15,11 @@ use crate::commands::result::show;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
-/// Frequencies, Hz.
+/// Frequencies of the table, Hz.
 const FREQUENCIES_HZ: [f64; 19] =
     [0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0];
+/// Frequencies of the figure in each of the three decades from 0.1 Hz on.
+const IN_A_DECADE: u32 = 30;
 /// Speeds, rpm, up to the limit.
 const SPEEDS_RPM: [f64; 8] = [800.0, 1200.0, 1500.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0];
 
@@ -44,7 +46,7 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
     let maps = [SineOf::Speed, SineOf::Torque]
         .into_iter()
-        .map(|of| map(&inputs, of, &FREQUENCIES_HZ, &speeds))
+        .map(|of| map(&inputs, of, &frequencies_hz(), &speeds))
         .collect::<Result<Vec<_>, _>>()
         .map_err(failed)?;
     let gradients = gradients(&inputs, &speeds, &torques_nm(torque_nm, limits.torque_nm)).map_err(failed)?;
@@ -54,10 +56,20 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         .collect::<Result<Vec<_>, _>>()
         .map_err(failed)?;
     let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
-    let shown = MapPage { title: &title, maps: &maps, gradients: &gradients, wanted: &answers };
+    let shown =
+        MapPage { title: &title, maps: &maps, in_table_hz: &FREQUENCIES_HZ, gradients: &gradients, wanted: &answers };
     let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "wanted": answers, "maps": maps, "gradients": gradients});
     show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
     Ok(if answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
+}
+
+/// Frequencies of table and figure, growing, Hz.
+fn frequencies_hz() -> Vec<f64> {
+    let of_figure = (0..=3 * IN_A_DECADE).map(|k| 0.1 * 10_f64.powf(f64::from(k) / f64::from(IN_A_DECADE)));
+    let mut all: Vec<f64> = of_figure.chain(FREQUENCIES_HZ).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * *a);
+    all
 }
 
 /// What is asked for with `--want`.

@@ -80,19 +80,21 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
     let limit = |one: &LimitVerdict| {
         let (name, unit, si) = limit_of(one.of);
         json!({"of": one.of, "name": name, "unit": unit, "limit": one.limit.map(|limit| limit / si),
-            "quantile_5": one.quantile(0.05) / si, "median": one.quantile(0.5) / si, "quantile_95": one.quantile(0.95) / si,
-            "margin": one.limit.map(|limit| 1.0 - one.quantile(0.95) / limit), "reached": one.reached, "time_s": one.time_s})
+            "quantile_5": one.values.quantile(0.05) / si, "median": one.values.quantile(0.5) / si, "quantile_95": one.values.quantile(0.95) / si,
+            "margin": one.limit.map(|limit| 1.0 - one.values.quantile(0.95) / limit), "reached": one.reached, "time_s": one.time_s})
     };
     let set = |set: &capability::SetVerdict| {
         let numbers = set.statistics.iter().map(|one| {
             json!({"signal": one.signal, "statistic": statistic(one.statistic), "low": one.low, "high": one.high,
-                "quantile_5": one.quantile(0.05), "median": one.quantile(0.5), "quantile_95": one.quantile(0.95),
-                "lowest": one.values.first(), "highest": one.values.last(), "kept": one.kept})
+                "quantile_5": one.values.quantile(0.05), "median": one.values.quantile(0.5), "quantile_95": one.values.quantile(0.95),
+                "lowest": one.values.as_slice().first(), "highest": one.values.as_slice().last(), "kept": one.kept})
         });
         json!({"name": set.name, "kept": set.kept, "statistics": numbers.collect::<Vec<_>>(), "nominal": set.nominal})
     };
     let own = verdict.own.iter().map(|one| {
-        json!({"requirement": report::can::own(&one.own), "median": one.quantile(0.5), "limit": one.limit, "kept": one.kept, "time_s": one.time_s})
+        json!({"requirement": report::can::own(&one.own), "limit": one.limit,
+            "quantile_5": one.values.quantile(0.05), "median": one.values.quantile(0.5), "quantile_95": one.values.quantile(0.95),
+            "margin": 1.0 - one.values.quantile(0.95) / one.limit, "kept": one.kept, "time_s": one.time_s})
     });
     let change = |one: &Easier| json!({"change": one.change, "words": report::can::change(one.change), "kept": one.verdict.kept, "answer": one.verdict.answer});
     json!({

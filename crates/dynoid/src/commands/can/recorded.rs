@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use cycle::{Course, Feedback, Judged, Own, Reference, RequirementSet, Signal as Of, Validation, find_start, validate};
+use cycle::{
+    Course, Feedback, Judged, Own, Reference, RequirementSet, Sensor, Signal as Of, Validation, find_start, validate,
+};
 use report::can::{AlignedOn, RecordedRun};
 use report::wording;
 use rig::experiment::{ControlMode, Excitation, Test as Experimental, UPDATE_S};
@@ -23,9 +25,8 @@ use crate::terminal::Terminal;
 /// Time between samples of what is compared second by second, s: at least 5 Hz are asked for.
 const STEP_S: f64 = 0.1;
 
-/// Roles whose signal can be the speed and the torque of the engine, the best first.
-const SPEEDS: [Role; 2] = [Role::EngineSpeed, Role::DynoSpeed];
-const TORQUES: [Role; 4] = [Role::FlangeTorque, Role::SystemShaftTorque, Role::LoadCellTorque, Role::AirGapTorque];
+/// Roles whose signal can be the torque of the shaft, the best first.
+const SHAFT: [Role; 4] = [Role::FlangeTorque, Role::SystemShaftTorque, Role::LoadCellTorque, Role::AirGapTorque];
 
 pub(super) fn run(
     arguments: &CanArguments,
@@ -36,8 +37,9 @@ pub(super) fn run(
 ) -> Result<Outcome, CliError> {
     let refused = |reason: String| CliError::NotAsTest { path: file.to_owned(), reason };
     let experiment = experiment(arguments, test, file, terminal)?;
-    let (speed_role, speed) = first(&experiment, &SPEEDS).map_err(refused)?;
-    let (torque_role, torque) = first(&experiment, &TORQUES).map_err(refused)?;
+    let (speeds, torques) = followed(test);
+    let (speed_role, speed) = first(&experiment, speeds).map_err(refused)?;
+    let (torque_role, torque) = first(&experiment, torques).map_err(refused)?;
     let reference = reference(test);
     let (start_s, aligned_on) = start(arguments, test, &reference, &experiment, speed).map_err(refused)?;
     let throttle = experiment.signal(Role::Throttle);
@@ -45,8 +47,9 @@ pub(super) fn run(
     let judge = |set: &RequirementSet| validate(&reference, &feedback, set).map(|found| (set.clone(), found));
     let sets =
         wanted.sets.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(|error| refused(error.to_string()))?;
-    let own: Vec<(Own, Judged)> =
-        wanted.own.iter().map(|own| (*own, judged(own, test, &reference, (speed, torque), start_s))).collect();
+    let signal = |own: &Own| if own.signal() == Of::Speed { speed } else { torque };
+    let judge = |own: &Own| Ok((*own, judged(own, test, &reference, (&experiment, signal(own)), start_s)?));
+    let own = wanted.own.iter().map(judge).collect::<Result<Vec<_>, String>>().map_err(refused)?;
     let (time_s, wanted_speed, wanted_torque) = shown(&feedback, test, &reference);
     let within = time_s.len();
     let run = RecordedRun {
@@ -125,16 +128,17 @@ fn first<'a>(experiment: &'a Experiment, roles: &[Role]) -> Result<(Role, &'a Si
     })
 }
 
-/// What the test asks for at each second.
+/// What the test asks for.
 fn reference(test: &Test) -> Reference {
     match &test.what {
         What::Cycle { reference, .. } => reference.clone(),
-        What::Plan { demands, .. } => {
-            let apart = (1.0 / UPDATE_S).round() as usize;
-            let torque =
-                if demands.engine_torque_nm.is_empty() { &demands.dyno_torque_nm } else { &demands.engine_torque_nm };
-            let each = |values: &[f64]| values.iter().step_by(apart).copied().collect();
-            Reference::of_itself(0.0, each(&demands.speed_rad_s), each(torque))
+        What::Plan { plan, demands } => {
+            let torque = match plan.label.mode {
+                ControlMode::Nt => &demands.engine_torque_nm,
+                ControlMode::Tn => &demands.dyno_torque_nm,
+            };
+            let of_itself = Reference::of_itself(0.0, demands.speed_rad_s.clone(), torque.clone());
+            Reference { step_s: UPDATE_S, ..of_itself }
         }
     }
 }
@@ -209,18 +213,75 @@ fn wanted_at(test: &Test, reference: &Reference, time_s: f64) -> (f64, f64) {
 }
 
 /// One's own requirement on the signal's own clock, while the test lasts.
-fn judged(own: &Own, test: &Test, reference: &Reference, (speed, torque): (&Signal, &Signal), start_s: f64) -> Judged {
-    let (signal, is_speed) = if own.signal() == Of::Speed { (speed, true) } else { (torque, false) };
+fn judged(
+    own: &Own,
+    test: &Test,
+    reference: &Reference,
+    (experiment, signal): (&Experiment, &Signal),
+    start_s: f64,
+) -> Result<Judged, String> {
+    let signal = at_sensor(experiment, own.sensor()).unwrap_or(Ok(signal))?;
     let lasts_s = test.demand().duration_s();
     let begins_s = start_s + reference.start_s;
     let part = signal.slice(begins_s, begins_s + lasts_s);
+    let recorded = recorded_demand(experiment, own, mode(test));
     let wanted = |k: usize| {
         let (speed, torque) = wanted_at(test, reference, part.time_s(k) - start_s);
-        if is_speed { speed } else { torque }
+        let asked = if own.signal() == Of::Speed { speed } else { torque };
+        recorded.map_or(asked, |demand| held(demand, part.time_s(k)))
     };
     let demand: Vec<f64> = (0..part.len()).map(wanted).collect();
-    let judged = own.judge(&Course { sample_time_s: part.sample_time_s, demand: &demand, value: &part.samples });
-    Judged { time_s: judged.time_s + part.start_s - start_s, ..judged }
+    let course = Course { sample_time_s: part.sample_time_s, demand: &demand, value: &part.samples };
+    own.check(&course).map_err(|error| error.to_string())?;
+    let judged = own.judge(&course);
+    Ok(Judged { time_s: judged.time_s + part.start_s - start_s, ..judged })
+}
+
+/// Roles of the speed and of the torque that follow the demands of a test, the best first: as in a prediction.
+fn followed(test: &Test) -> (&'static [Role], &'static [Role]) {
+    let (engine, dyno) = (&[Role::EngineSpeed, Role::DynoSpeed], &[Role::DynoSpeed, Role::EngineSpeed]);
+    match mode(test) {
+        Some(ControlMode::Nt) => (dyno, &SHAFT),
+        Some(ControlMode::Tn) => (engine, &[Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque]),
+        None => (engine, &SHAFT),
+    }
+}
+
+/// The mode of a plan.
+fn mode(test: &Test) -> Option<ControlMode> {
+    match &test.what {
+        What::Plan { plan, .. } => Some(plan.label.mode),
+        What::Cycle { .. } => None,
+    }
+}
+
+/// The demand that a phase refers to, where it was recorded.
+fn recorded_demand<'a>(experiment: &'a Experiment, own: &Own, mode: Option<ControlMode>) -> Option<&'a Signal> {
+    match (own, mode) {
+        (Own::Phase { signal: Of::Speed, .. }, None | Some(ControlMode::Nt)) => {
+            experiment.signal(Role::DynoSpeedDemand)
+        }
+        (Own::Phase { signal: Of::Torque, .. }, Some(ControlMode::Tn)) => experiment.signal(Role::DynoTorqueDemand),
+        _ => None,
+    }
+}
+
+/// The sample of a signal at a time, or that of its end.
+fn held(signal: &Signal, time_s: f64) -> f64 {
+    let place = ((time_s - signal.start_s) / signal.sample_time_s + 1e-6).floor().max(0.0) as usize;
+    signal.samples[place.min(signal.len() - 1)]
+}
+
+/// The signal of a sensor with a role of its own.
+fn at_sensor(experiment: &Experiment, sensor: Sensor) -> Option<Result<&Signal, String>> {
+    let roles: &[Role] = match sensor {
+        Sensor::Speed | Sensor::Torque => return None,
+        Sensor::DynoSpeed => &[Role::DynoSpeed],
+        Sensor::EngineSpeed => &[Role::EngineSpeed],
+        Sensor::ShaftTorque => &[Role::FlangeTorque, Role::SystemShaftTorque],
+        Sensor::TorqueDemand => &[Role::DynoTorqueDemand],
+    };
+    Some(first(experiment, roles).map(|(_, signal)| signal))
 }
 
 /// Times on the clock of the test, with what it asks for.

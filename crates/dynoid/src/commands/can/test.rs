@@ -8,7 +8,7 @@ use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use serde::Deserialize;
 
-use super::engine_map;
+use super::{cycle_table, engine_map};
 use crate::cli::can::CanArguments;
 use crate::commands::experiment::planned;
 use crate::error::CliError;
@@ -49,7 +49,7 @@ impl Test {
         }
         let path = Path::new(&arguments.test);
         if path.is_file()
-            && let Some(reference) = engine_map::cycle(path, map.as_ref())?
+            && let Some(reference) = cycle_table::read(path, map.as_ref(), terminal)?
         {
             let what = What::Cycle { reference, map };
             return Ok(Test { title: arguments.test.clone(), what, usual_set: Some("1065.514") });

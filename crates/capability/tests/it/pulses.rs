@@ -1,0 +1,56 @@
+//! The bound of the firing pulses, which cycles and the map take, against pulses that are simulated.
+
+use capability::{CanInputs, CycleDemand, Demand, LimitOf, can};
+use cycle::Reference;
+use design::safety::{BenchSpread, Prior};
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform};
+use units::RPM_RAD_S;
+
+use crate::support::{Bench, bench};
+
+/// Length of the runs, s.
+const DURATION_S: f64 = 8.0;
+
+/// Largest shaft torque, Nm, and slew, Nm/s, of the nominal bench.
+fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; 2] {
+    let nominal = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
+    let inputs = CanInputs { spread: BenchSpread::Prior(nominal), samples: 1, ..bench.inputs(demand) };
+    let verdict = can(&inputs, &|_, _| {}).unwrap();
+    [LimitOf::ShaftTorque, LimitOf::ShaftTorqueSlew]
+        .map(|of| verdict.limits.iter().find(|one| one.of == of).unwrap().values.quantile(0.5))
+}
+
+/// Bound and simulation of a run from one speed, rpm, straight to another.
+fn both(from: f64, to: f64) -> ([f64; 2], [f64; 2]) {
+    let bench = bench();
+    let torque = 80.0;
+    let speed = |k: f64| (from + k * (to - from)) * RPM_RAD_S;
+    let seconds = (0..=DURATION_S as usize).map(|k| speed(k as f64 / DURATION_S)).collect();
+    let reference = Reference::of_itself(0.0, seconds, vec![torque; DURATION_S as usize + 1]);
+    let bound = peaks(&bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }));
+    let each = (0..(DURATION_S * 1e3) as usize).map(|k| speed(k as f64 * 1e-3 / DURATION_S)).collect();
+    let plan = ExperimentPlan {
+        speed_rad_s: Waveform::Sampled { sample_time_s: 1e-3, values: each },
+        engine_torque_nm: Waveform::Constant { value: torque },
+        ..ExperimentPlan::levels_n_nt(from, DURATION_S)
+    };
+    (bound, peaks(&bench, Demand::Plan(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S))))
+}
+
+#[test]
+fn ref_the_bound_of_pulses_is_what_a_speed_that_is_held_gives() {
+    for rpm in [700.0, 900.0, 1100.0, 1500.0, 2000.0, 3000.0, 4500.0] {
+        let (bound, simulated) = both(rpm, rpm);
+        let [torque, slew] = [0, 1].map(|k| bound[k] / simulated[k]);
+        println!("{rpm} rpm: {simulated:.1?}, bound over it {torque:.3} and {slew:.3}");
+        assert!((0.98..1.1).contains(&torque), "{rpm} rpm: {bound:.1?} against {simulated:.1?}");
+        assert!((0.97..1.1).contains(&slew), "{rpm} rpm: {bound:.0?} against {simulated:.0?}");
+    }
+}
+
+#[test]
+fn ref_a_resonance_that_is_passed_gives_no_more_than_the_bound() {
+    let (bound, simulated) = both(450.0, 1200.0);
+    println!("passed: {simulated:.1?}, bound {bound:.1?}");
+    assert!(bound[0] > 0.97 * simulated[0] && bound[1] > 0.97 * simulated[1], "{bound:.1?} against {simulated:.1?}");
+}
