@@ -1,5 +1,7 @@
 //! What an estimate does to residuals: what it took out of them, and what its errors add.
 
+use std::sync::OnceLock;
+
 use faer::Mat;
 use numerics::vector::dot;
 
@@ -35,6 +37,8 @@ pub(super) struct LinearisedResiduals {
     /// `M Ψ`.
     pub(super) uncertain: Mat<f64>,
     colour: Colour,
+    /// `EᵀRE`, which serves every pair of an output and an input.
+    covariance_of_weights: OnceLock<Mat<f64>>,
     /// What fitting has made the residuals' variance smaller by.
     pub(super) inflation: f64,
 }
@@ -127,6 +131,7 @@ impl LinearisedResiduals {
         }
         Ok(LinearisedResiduals {
             colour: Colour::of(&by_instants(&stack, &errors, missing), stack.outputs()),
+            covariance_of_weights: OnceLock::new(),
             uncertain: Mat::from_fn(stack.rows(), uncertain.len(), |i, k| uncertain[k][i]),
             inflation: rows as f64 / (rows - directions) as f64,
             stack,
@@ -243,8 +248,20 @@ impl LinearisedResiduals {
         let middle = reach + 2 * lags;
         let covariance = |l: usize| dot(&own, &ru[middle + l - reach..=middle + l + reach]);
         let z = self.weights_through(&kernel, u, lags, reach)?;
-        let mut sandwich = Sandwich::of_rows(&self.colour, z.ncols());
-        let (p, r) = (self.stack.outputs(), z.ncols());
+        // An input of any lag meets an output that is there as often as the input itself is.
+        let counts = pair_counts(u, there, lags)?;
+        let all = counts[lags].max(1.0);
+        let scales: Vec<f64> = counts.iter().map(|n| (n / all).sqrt()).collect();
+        let covariances: Vec<f64> = (0..=2 * lags).map(covariance).collect();
+        let covariance = Covariance::Toeplitz { covariances, scales };
+        let k = self.covariance_of_weights.get_or_init(|| self.through_weights()).clone();
+        Ok(Parts { covariance, change: None, z, k })
+    }
+
+    /// `EᵀRE`.
+    fn through_weights(&self) -> Mat<f64> {
+        let (p, r) = (self.stack.outputs(), self.weights.ncols());
+        let mut sandwich = Sandwich::of_rows(&self.colour, r);
         let mut row = vec![0.0; p * r];
         for (m, length) in self.stack.lengths().iter().enumerate() {
             for t in 0..*length {
@@ -255,13 +272,7 @@ impl LinearisedResiduals {
             }
             sandwich.finish_series();
         }
-        // An input of any lag meets an output that is there as often as the input itself is.
-        let counts = pair_counts(u, there, lags)?;
-        let all = counts[lags].max(1.0);
-        let scales: Vec<f64> = counts.iter().map(|n| (n / all).sqrt()).collect();
-        let covariances: Vec<f64> = (0..=2 * lags).map(covariance).collect();
-        let covariance = Covariance::Toeplitz { covariances, scales };
-        Ok(Parts { covariance, change: None, z, k: faer::Scale(self.inflation) * sandwich.covariance() })
+        faer::Scale(self.inflation) * sandwich.covariance()
     }
 
     /// `UᵀRE`: the correlations of u with E, through the autocovariance of the errors.
