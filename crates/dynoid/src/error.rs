@@ -110,6 +110,23 @@ pub(crate) enum CliError {
         .path.display()
     )]
     RecordingExists { path: PathBuf },
+    /// An FMU of another version of FMI, which must not be overwritten.
+    #[error(
+        "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name with --out, or replace it with \
+         --overwrite",
+        .path.display()
+    )]
+    OtherFmi { path: PathBuf, found: &'static str, wanted: &'static str },
+    /// A source in C that other models in the folder use.
+    #[error(
+        "{}: this source is another one than that of this dynoid, and other models in the folder may need it; choose another folder with \
+         --out, or replace it with --overwrite",
+        .path.display()
+    )]
+    OtherSource { path: PathBuf },
+    /// A device where a folder is needed.
+    #[error("{}: this is a device, and the results are files; choose a folder with --out", .path.display())]
+    IsDevice { path: PathBuf },
     /// A simulation among measured recordings.
     #[error(
         "{}: {} lists this place among its recordings, and a study would take the simulation for a measurement; write it to \
@@ -187,9 +204,12 @@ pub(crate) enum CliError {
     /// A plot file of an unknown kind.
     #[error("{}: a plot file ends in .html, .svg or .png", .path.display())]
     PlotEnding { path: PathBuf },
-    /// A file that is not a model.
-    #[error("{}: this is not a model file ({reason}); `dynoid fit … --out model.json` writes model files", .path.display())]
+    /// A model file with a fault.
+    #[error("{}: {reason}; copy the file again, correct it, or let `dynoid fit … --out` write it again", .path.display())]
     ModelFile { path: PathBuf, reason: String },
+    /// A file that is none of dynoid's.
+    #[error("{}: this is not a model file ({reason}); give {wanted}", .path.display())]
+    NoModel { path: PathBuf, reason: String, wanted: &'static str },
     /// A model file of another version.
     #[error("{}: {source}", .path.display())]
     ModelVersion { path: PathBuf, source: ident::IdentError },
@@ -206,7 +226,10 @@ pub(crate) enum CliError {
     #[error("{}: {source}", .path.display())]
     BenchModel { path: PathBuf, source: report::BenchModelError },
     /// A study where a bench model is wanted.
-    #[error("{}: this is a study; its bench model is the file model.json beside it", .path.display())]
+    #[error(
+        "{}: this is a study; its bench model is the file model.json beside it. If there is none, `dynoid study bench.toml` writes it",
+        .path.display()
+    )]
     IsStudy { path: PathBuf },
     /// An FMU that holds no model file of dynoid.
     #[error(
@@ -217,10 +240,16 @@ pub(crate) enum CliError {
     /// A bench whose recordings gave no bench model.
     #[error("{}: its recordings gave no bench model; `dynoid study` says what is missing", .path.display())]
     NoModelOfBench { path: PathBuf },
+    /// A linear model where a bench model is wanted.
+    #[error(
+        "{}: this is a linear model of `dynoid fit`, and a bench model is needed; give the model.json of `dynoid study`, or an FMU of it",
+        .path.display()
+    )]
+    IsLinearModel { path: PathBuf },
     /// A bench model where a linear model is wanted.
     #[error(
-        "{}: this is a bench model; `dynoid export --to linear` makes model files of it, and `dynoid model bode`, `step` and `poles` \
-         take it as it is",
+        "{}: this is a bench model, and a linear model is needed; `dynoid export --to linear` makes linear models of it. \
+         `dynoid model bode`, `step`, `poles`, `compare` and `simulate` take it as it is",
         .path.display()
     )]
     IsBenchModel { path: PathBuf },
@@ -242,6 +271,9 @@ pub(crate) enum CliError {
     /// A recording that is no run of the test.
     #[error("{}: the run cannot be judged: {reason}", .path.display())]
     NotAsTest { path: PathBuf, reason: String },
+    /// A recording that a bench model cannot be run on.
+    #[error("the recording cannot be replayed on a bench model: {reason}")]
+    NotReplayed { reason: String },
     /// A bench that cannot be simulated.
     #[error("{}: {source}", .path.display())]
     VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },
@@ -278,6 +310,9 @@ impl CliError {
             | CliError::InTheWay { .. }
             | CliError::BenchFileExists { .. }
             | CliError::RecordingExists { .. }
+            | CliError::OtherFmi { .. }
+            | CliError::OtherSource { .. }
+            | CliError::IsDevice { .. }
             | CliError::NotABenchModel { .. }
             | CliError::AmongRecordings { .. }
             | CliError::NotADemoFolder { .. }

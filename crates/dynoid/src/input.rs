@@ -41,14 +41,9 @@ fn refuse_folder(path: &Path) -> Result<(), CliError> {
     }
 }
 
-/// Whether a path names a pipe or a device. Recordings need random access, which those do not allow.
-fn is_stream(path: &Path) -> bool {
-    path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
-}
-
 /// The first bytes of a file, without a byte order mark; none where it cannot be read.
 fn beginning(path: &Path) -> Vec<u8> {
-    if is_stream(path) {
+    if paths::is_stream(path) {
         return Vec::new();
     }
     let mut head = [0; 64];
@@ -63,7 +58,7 @@ pub(crate) fn is_json(path: &Path) -> bool {
 }
 
 /// Refuses a model file where a recording is wanted.
-fn refuse_model(file: &InputFile) -> Result<(), CliError> {
+pub(crate) fn refuse_model(file: &InputFile) -> Result<(), CliError> {
     let head = beginning(&file.path);
     let text = String::from_utf8_lossy(&head);
     let is_model = ["\"dynoid model\"", "\"dynoid bench model\""].iter().any(|format| text.contains(format));
@@ -153,7 +148,7 @@ pub(crate) fn extras(file: &InputFile) -> Result<Extras, CliError> {
 
 fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
     refuse_folder(&file.path)?;
-    if is_stream(&file.path) {
+    if paths::is_stream(&file.path) {
         return Err(CliError::IsStream { path: file.path.clone() });
     }
     File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))

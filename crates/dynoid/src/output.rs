@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
 use crate::error::CliError;
+use crate::paths::is_stream;
 
 /// A folder for results.
 #[derive(Debug)]
@@ -22,6 +23,9 @@ impl OutputFolder {
     /// only when there are results.
     pub(crate) fn check(path: &Path) -> Result<Self, CliError> {
         let path = std::path::absolute(path).map_err(|source| CliError::write(path, source))?;
+        if is_stream(&path) {
+            return Err(CliError::IsDevice { path });
+        }
         if path.exists() && !path.is_dir() {
             return Err(CliError::InTheWay { path, what: "a file" });
         }
@@ -38,6 +42,10 @@ impl OutputFolder {
             let target = self.path.join(name);
             if target.is_dir() {
                 return Err(CliError::InTheWay { path: target, what: "a folder" });
+            }
+            // What has no end cannot be kept to be put back.
+            if is_stream(&target) {
+                return Err(CliError::InTheWay { path: target, what: "a device" });
             }
             let failed = |source| CliError::write(&target, source);
             let backup = if target.exists() { Some(backup(&target).map_err(failed)?) } else { None };
@@ -125,6 +133,9 @@ pub(crate) fn create_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
         io::ErrorKind::AlreadyExists => CliError::BenchFileExists { path: path.to_owned() },
         _ => CliError::write(path, source),
     };
+    if is_stream(path) {
+        return replace_file(path, content);
+    }
     let folder = crate::paths::folder_of(path);
     stage(&folder, content).map_err(failed)?.persist_noclobber(path).map_err(|error| failed(error.error))?;
     sync_folder(&folder);

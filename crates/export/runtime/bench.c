@@ -25,34 +25,59 @@ static double limit(const bench_state *s, double torque_nm) {
 
 /* ---- parameters ---------------------------------------------------------------------------------------------- */
 
-static const char *fault_of_signs(const double p[BENCH_PARAMETERS]) {
-    static const int positive[] = {BENCH_DYNO_INERTIA, BENCH_ENGINE_INERTIA, BENCH_SAMPLE_TIME};
-    static const int gains[] = {BENCH_PROPORTIONAL, BENCH_INTEGRAL, BENCH_SPEED_FEED_FORWARD,
-                                BENCH_ACCELERATION_FEED_FORWARD};
-    for (int i = 0; i < BENCH_PARAMETERS; i++) {
-        int is_gain = 0;
-        if (!isfinite(p[i])) return "a parameter is not a number";
-        for (int j = 0; j < 4; j++) is_gain |= gains[j] == i;
-        /* These count in whole samples, so that a little below zero is zero. */
-        if ((i == BENCH_DEMAND_DELAY || i == BENCH_FEED_FORWARD_DELAY) && p[i] > -0.5 * p[BENCH_SAMPLE_TIME]) continue;
-        if (p[i] < 0.0 && !is_gain) return "a parameter is below zero that no bench has below zero";
+/* What a parameter can be, and what is said of another value. */
+enum { ANY_NUMBER, FROM_ZERO, ABOVE_ZERO, FROM_HALF_A_SAMPLE_BEFORE_ZERO };
+
+#define NUMBER(name) ANY_NUMBER, name " must be a finite number"
+#define NOT_NEGATIVE(name, unit) FROM_ZERO, name " must be a finite number, 0 " unit " or above"
+#define POSITIVE(name, unit) ABOVE_ZERO, name " must be a finite number above 0 " unit
+/* These count in whole samples, so that a little below zero is zero. */
+#define SAMPLED(name) FROM_HALF_A_SAMPLE_BEFORE_ZERO, name " must be a finite number, 0 s or above"
+
+static const struct {
+    int can_be;
+    const char *fault;
+} LIMIT[BENCH_PARAMETERS] = {
+    [BENCH_DYNO_INERTIA] = {POSITIVE("J_d", "kg m2")},
+    [BENCH_ENGINE_INERTIA] = {POSITIVE("J_e", "kg m2")},
+    [BENCH_STIFFNESS] = {NOT_NEGATIVE("K", "Nm/rad")},
+    [BENCH_DAMPING] = {NOT_NEGATIVE("B", "Nm s/rad")},
+    [BENCH_PROPORTIONAL] = {NUMBER("K_p")},
+    [BENCH_INTEGRAL] = {NUMBER("K_i")},
+    [BENCH_CONTROLLER_DELAY] = {NOT_NEGATIVE("tau_c", "s")},
+    [BENCH_DEMAND_DELAY] = {SAMPLED("tau_n")},
+    [BENCH_SPEED_FEED_FORWARD] = {NUMBER("k")},
+    [BENCH_ACCELERATION_FEED_FORWARD] = {NUMBER("k_a")},
+    [BENCH_FEED_FORWARD_DELAY] = {SAMPLED("tau_f")},
+    [BENCH_TORQUE_DELAY] = {NOT_NEGATIVE("tau_t", "s")},
+    [BENCH_TORQUE_BANDWIDTH] = {NOT_NEGATIVE("a", "rad/s")},
+    [BENCH_TORQUE_LIMIT] = {NOT_NEGATIVE("T_limit", "Nm")},
+    [BENCH_ENCODER_GATE] = {NOT_NEGATIVE("T_gate", "s")},
+    [BENCH_SAMPLE_TIME] = {POSITIVE("T_s", "s")},
+};
+
+static int is_possible(int can_be, double value, double sample_time) {
+    if (!isfinite(value)) return 0;
+    switch (can_be) {
+    case FROM_ZERO: return value >= 0.0;
+    case ABOVE_ZERO: return value > 0.0;
+    case FROM_HALF_A_SAMPLE_BEFORE_ZERO: return value > -0.5 * sample_time;
+    default: return 1;
     }
-    for (int i = 0; i < 3; i++) {
-        if (p[positive[i]] <= 0.0) return "an inertia or the sample time is zero; it must be above zero";
-    }
-    return NULL;
 }
 
+const char *bench_limit(int parameter) { return LIMIT[parameter].fault; }
+
 const char *bench_fault(const double p[BENCH_PARAMETERS]) {
-    const char *fault = fault_of_signs(p);
-    double longest = p[BENCH_CONTROLLER_DELAY] + p[BENCH_TORQUE_DELAY];
-    if (fault) return fault;
-    if (p[BENCH_DEMAND_DELAY] + p[BENCH_TORQUE_DELAY] > longest) longest = p[BENCH_DEMAND_DELAY] + p[BENCH_TORQUE_DELAY];
-    if (p[BENCH_FEED_FORWARD_DELAY] > longest) longest = p[BENCH_FEED_FORWARD_DELAY];
-    if (p[BENCH_ENCODER_GATE] > longest) longest = p[BENCH_ENCODER_GATE];
-    if (longest > (BENCH_HISTORY - 4) * p[BENCH_SAMPLE_TIME]) {
-        return "a delay or the encoder's gate is longer than 508 samples of the controller; shorten it";
+    double sample_time = p[BENCH_SAMPLE_TIME], longest = (BENCH_HISTORY - 4) * sample_time;
+    if (!is_possible(ABOVE_ZERO, sample_time, sample_time)) return bench_limit(BENCH_SAMPLE_TIME);
+    for (int i = 0; i < BENCH_PARAMETERS; i++) {
+        if (!is_possible(LIMIT[i].can_be, p[i], sample_time)) return bench_limit(i);
     }
+    if (p[BENCH_CONTROLLER_DELAY] + p[BENCH_TORQUE_DELAY] > longest) return "tau_c + tau_t must be at most 508 T_s";
+    if (p[BENCH_DEMAND_DELAY] + p[BENCH_TORQUE_DELAY] > longest) return "tau_n + tau_t must be at most 508 T_s";
+    if (p[BENCH_FEED_FORWARD_DELAY] > longest) return "tau_f must be at most 508 T_s";
+    if (p[BENCH_ENCODER_GATE] > longest) return "T_gate must be at most 508 T_s";
     return NULL;
 }
 

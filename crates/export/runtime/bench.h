@@ -107,6 +107,9 @@ typedef struct {
     bench_tables tables;
 } bench;
 
+/* What a parameter must be, with its name. */
+const char *bench_limit(int parameter);
+
 /* What is wrong with the parameters, or NULL. */
 const char *bench_fault(const double parameter[BENCH_PARAMETERS]);
 

@@ -99,7 +99,10 @@ static call_status set_parameter(instance *i, int parameter, double value) {
 
 static call_status set_real(instance *i, unsigned int reference, double value) {
     double *input = input_slot(&i->now, reference);
-    if (!isfinite(value)) return fail(i, "a value that is set is not a finite number");
+    if (!isfinite(value)) {
+        int is_parameter = is_in(reference, VR_PARAMETER, BENCH_PARAMETERS);
+        return fail(i, is_parameter ? bench_limit((int)(reference - VR_PARAMETER)) : "a value that is set is not a finite number");
+    }
     if (input) {
         if (!allowed(i, INPUT_MODES, "set of an input")) return STATUS_ERROR;
         *input = value;

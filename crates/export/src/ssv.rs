@@ -47,6 +47,8 @@ struct Parameter {
     name: String,
     description: String,
     values: Vec<f64>,
+    /// Rows and columns of a square matrix; none of a single value.
+    size: Option<usize>,
     unit: Option<Unit>,
 }
 
@@ -57,23 +59,26 @@ struct Parameter {
 /// [`ExportError::NoEstimate`] where the model has no estimated parameters.
 pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<Vec<ExportedFile>, ExportError> {
     let estimate = document.estimate.as_ref().ok_or(ExportError::NoEstimate { target: "ssv" })?;
-    let parameter = |name: &str, description: String, values: Vec<f64>| Parameter {
+    let parameter = |name: &str, description: String, values: Vec<f64>, size: Option<usize>| Parameter {
         name: name.to_owned(),
         description,
         values,
+        size,
         unit: None,
     };
-    let of_one = |(name, value): (&String, &f64)| parameter(name, "estimated parameter".to_owned(), vec![*value]);
+    let of_one = |(name, value): (&String, &f64)| parameter(name, "estimated parameter".to_owned(), vec![*value], None);
     let values: Vec<Parameter> = estimate.parameter_names.iter().zip(&estimate.parameters).map(of_one).collect();
     let (order, size) = (estimate.parameter_names.join(", "), estimate.parameter_names.len());
-    let uncertainty = [
-        parameter(
-            "covariance",
-            format!("covariance of {order}, {size} x {size} in row-major order"),
-            estimate.covariance.concat(),
-        ),
-        parameter("degrees_of_freedom", "of the covariance".to_owned(), vec![estimate.degrees_of_freedom]),
-    ];
+    let mut uncertainty = vec![parameter(
+        "covariance",
+        format!("covariance of {order}, {size} x {size} in row-major order"),
+        estimate.covariance.concat(),
+        Some(size),
+    )];
+    if estimate.degrees_of_freedom.is_finite() {
+        let degrees = vec![estimate.degrees_of_freedom];
+        uncertainty.push(parameter("degrees_of_freedom", "of the covariance".to_owned(), degrees, None));
+    }
     let origin = Origin { written_by: format!("Written by dynoid {version}"), version };
     let title = &names.file;
     Ok(vec![
@@ -104,6 +109,7 @@ fn values(model: &BenchModel) -> Vec<Parameter> {
             name: number.name.to_owned(),
             description: number.description.to_owned(),
             values: vec![number.value?],
+            size: None,
             unit: Some(number.unit),
         })
     };
@@ -119,6 +125,7 @@ fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
             name: format!("covariance_{}", number + 1),
             description: format!("covariance of {order}, {0} x {0} in row-major order, SI", names.len()),
             values: rows.concat(),
+            size: Some(names.len()),
             unit: None,
         });
         if degrees_of_freedom.is_finite() {
@@ -126,6 +133,7 @@ fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
                 name: format!("degrees_of_freedom_{}", number + 1),
                 description: format!("degrees of freedom of the covariance of {order}"),
                 values: vec![degrees_of_freedom],
+                size: None,
                 unit: None,
             });
         }
@@ -146,9 +154,11 @@ fn parameter_set(origin: &Origin<'_>, title: &str, parameters: &[Parameter]) -> 
     for one in parameters {
         let unit = one.unit.map(|unit| format!(" unit=\"{}\"", unit.modelica())).unwrap_or_default();
         let values: Vec<String> = one.values.iter().map(|value| format!("{value:?}")).collect();
+        // Without dimensions the parameter would be a scalar.
+        let dimensions = one.size.map(|size| format!("<ssc:Dimension size=\"{size}\"/>").repeat(2)).unwrap_or_default();
         let _ = writeln!(
             text,
-            "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Float64 value=\"{}\"{unit}/></ssv:Parameter>",
+            "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Float64 value=\"{}\"{unit}/>{dimensions}</ssv:Parameter>",
             escaped(&one.name),
             escaped(&one.description),
             values.join(" ")

@@ -215,7 +215,7 @@ pub enum StructureError {
     #[error("the covariance of the estimate is not symmetric and non-negative")]
     NotACovariance,
     /// An estimate that belongs to another model.
-    #[error("the estimate has other values of the parameters than the model")]
+    #[error("the parameters of `estimate` are not those of `model`")]
     OtherParameters,
     /// Degrees of freedom that are not positive.
     #[error("the estimate has {found} degrees of freedom, and a positive number is needed")]

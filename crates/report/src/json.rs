@@ -1,6 +1,6 @@
 //! The study as one JSON document.
 
-use bench_model::document::{BenchModelDocument, DocumentError};
+use bench_model::document::{BenchModelDocument, DocumentError, JsonFault, format_of, from_json};
 use bench_model::model::AssembledModel;
 use serde::{Deserialize, Serialize};
 use study::Study;
@@ -42,8 +42,13 @@ pub fn json(study: &Study, series_file: Option<&str>) -> String {
 pub enum BenchModelError {
     /// The text is neither a bench model nor a study.
     NotAModel {
-        /// The reader's words.
+        /// What it is instead.
         reason: String,
+    },
+    /// A study that cannot be read.
+    Study {
+        /// Where, and what is wrong.
+        fault: JsonFault,
     },
     /// A bench model that cannot be used.
     Document {
@@ -67,6 +72,9 @@ impl std::fmt::Display for BenchModelError {
                 "this is neither a bench model nor a study ({reason}); `dynoid study bench.toml` writes both, model.json and study.json"
             ),
             BenchModelError::Document { source } => source.fmt(f),
+            BenchModelError::Study { fault } => {
+                write!(f, "{fault}; copy the study again, or let `dynoid study bench.toml` write it again")
+            }
             BenchModelError::OtherVersion { found } => write!(
                 f,
                 "this study is of version {found}, where {EARLIEST} to {FORMAT_VERSION} are read; run `dynoid study bench.toml` again"
@@ -110,18 +118,23 @@ pub fn is_study(format: &str) -> bool {
 /// # Errors
 /// [`BenchModelError`] with what to do.
 pub fn model(text: &str) -> Result<AssembledModel, BenchModelError> {
-    let not_a_model = |reason: String| BenchModelError::NotAModel { reason };
-    let header: Header = serde_json::from_str(text).map_err(|error| not_a_model(error.to_string()))?;
-    if BenchModelDocument::is_format(&header.format) {
+    let format = format_of(text);
+    let is_of = |of: fn(&str) -> bool| format.as_deref().is_some_and(of);
+    if is_of(BenchModelDocument::is_format) {
         let document = BenchModelDocument::from_json(text).map_err(|source| BenchModelError::Document { source })?;
         return Ok(document.assembled());
     }
-    if header.format != FORMAT {
-        return Err(not_a_model(format!("it calls itself “{}”", header.format)));
+    let unread = |fault: JsonFault| match is_of(is_study) {
+        true => BenchModelError::Study { fault },
+        false => BenchModelError::NotAModel { reason: fault.to_string() },
+    };
+    let header: Header = from_json(text).map_err(unread)?;
+    if !is_study(&header.format) {
+        return Err(BenchModelError::NotAModel { reason: format!("its `format` is “{}”", header.format) });
     }
     if !(u64::from(EARLIEST)..=u64::from(FORMAT_VERSION)).contains(&header.format_version) {
         return Err(BenchModelError::OtherVersion { found: header.format_version });
     }
-    let document: WithModel = serde_json::from_str(text).map_err(|error| not_a_model(error.to_string()))?;
+    let document: WithModel = from_json(text).map_err(unread)?;
     document.study.model.ok_or(BenchModelError::NoModel)
 }

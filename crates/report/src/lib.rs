@@ -25,6 +25,7 @@ pub mod next;
 pub mod pages;
 pub mod proposal;
 pub mod recording;
+pub mod replayed;
 pub mod safety;
 mod sections;
 pub mod shaft;

@@ -7,7 +7,7 @@ use crate::Study;
 
 /// Every series of a study: what was measured and what the model gives, of each part and each replay.
 ///
-/// A channel has the name of its place in the study's JSON document, e.g. `replays/0/signals/2/measured`, and the file and
+/// A channel has the name of its place below `study` in the JSON document, e.g. `replays/0/signals/2/measured`, and the file and
 /// the quantity as its comment. Times are those of each recording, s. `None` where nothing was estimated.
 pub fn series(study: &Study) -> Option<Recording> {
     let mut table = Table::default();
@@ -73,7 +73,8 @@ impl Table {
         (!self.channels.is_empty()).then(|| Recording {
             format: Format::Parquet,
             comment: Some(
-                "dynoid study: each column is a series at the place in study.json that its name says".to_owned(),
+                "dynoid study: each column is a series at the place below `study` in study.json that its name says"
+                    .to_owned(),
             ),
             start_time: None,
             rasters: self.rasters,

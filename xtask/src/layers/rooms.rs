@@ -15,7 +15,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("dataset", &["recording", "signal", "ident", "units"]),
     ("rig", &["recording", "numerics", "signal", "ident", "units"]),
     ("bench-model", &["rig", "numerics", "signal", "lti", "ident", "units"]),
-    ("export", &["bench-model", "rig", "numerics", "signal", "lti", "ident"]),
+    ("export", &["bench-model", "rig", "numerics", "signal", "lti", "ident", "units"]),
     ("virtual-bench", &["rig", "bench-model", "recording", "numerics", "signal", "lti", "units"]),
     ("part-controller", &["rig", "numerics", "signal", "ident", "units"]),
     ("part-torque", &["rig", "bench-model", "part-controller", "numerics", "signal", "lti", "ident", "units"]),

@@ -2,7 +2,7 @@
 
 use super::described::DescribedParameter;
 use super::error::DocumentError;
-use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
+use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty};
 
 /// Refuses numbers that no bench can have, and contradictions.
 pub(super) fn all(
@@ -18,8 +18,9 @@ pub(super) fn all(
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {
     let impossible = |parameter: ModelParameter| {
-        let value = model.value(parameter).filter(|value| !parameter.can_be(*value))?;
-        Some(DocumentError::Impossible { what: parameter.quantity().name(), value })
+        let (bound, field) = (parameter.bound(), parameter.field());
+        let value = model.value(parameter).filter(|value| !bound.allows(*value))?;
+        Some(DocumentError::Impossible { field, value, limit: bound.words() })
     };
     ModelParameter::ALL.into_iter().find_map(impossible).map_or(Ok(()), Err)
 }
@@ -28,36 +29,18 @@ fn parameters(model: &BenchModel) -> Result<(), DocumentError> {
 fn constants(model: &BenchModel) -> Result<(), DocumentError> {
     let pi = model.speed_controller;
     let numbers = [
-        ("the gate of the encoders", Some(model.encoder_gate_s), Bound::NotNegative),
-        ("the torque limit", model.torque_limit_nm, Bound::Positive),
-        ("the sample time of the controller", pi.map(|pi| pi.sample_time_s), Bound::Positive),
-        ("the delay of N_d* in the speed error", pi.map(|pi| pi.demand_delay_s), Bound::Finite),
-        ("the delay of the feed-forward", model.feed_forward.map(|feed| feed.delay_s), Bound::Finite),
+        ("encoder_gate_s", Some(model.encoder_gate_s), Bound::NotNegative),
+        ("torque_limit_nm", model.torque_limit_nm, Bound::Positive),
+        ("speed_controller.sample_time_s", pi.map(|pi| pi.sample_time_s), Bound::Positive),
+        ("speed_controller.demand_delay_s", pi.map(|pi| pi.demand_delay_s), Bound::Finite),
+        ("feed_forward.delay_s", model.feed_forward.map(|feed| feed.delay_s), Bound::Finite),
     ];
-    for (what, value, bound) in numbers {
+    for (field, value, bound) in numbers {
         if let Some(value) = value.filter(|value| !bound.allows(*value)) {
-            return Err(DocumentError::Impossible { what, value });
+            return Err(DocumentError::Impossible { field, value, limit: bound.words() });
         }
     }
     Ok(())
-}
-
-#[derive(Clone, Copy)]
-enum Bound {
-    Finite,
-    NotNegative,
-    Positive,
-}
-
-impl Bound {
-    fn allows(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Bound::Finite => true,
-                Bound::NotNegative => value >= 0.0,
-                Bound::Positive => value > 0.0,
-            }
-    }
 }
 
 /// What people read and what programs read must be the same.

@@ -1,19 +1,26 @@
 //! Why a text is no bench model.
 
+use super::json::JsonFault;
 use crate::model::ModelParameter;
 
 /// Why a text is no bench model that can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DocumentError {
     /// No JSON, or not with the fields of a bench model.
-    #[error("this is no bench model ({reason}); `dynoid study bench.toml` writes one to study/model.json")]
+    #[error("{fault}; copy the file again, correct it, or let `dynoid study bench.toml` write it again")]
     Content {
-        /// The reader's words.
+        /// Where, and what is wrong.
+        fault: JsonFault,
+    },
+    /// The document cannot be written.
+    #[error("the bench model cannot be written as JSON: {reason}")]
+    Unwritable {
+        /// The writer's words.
         reason: String,
     },
     /// A document of another kind.
     #[error(
-        "this is no bench model, it calls itself “{found}”; `dynoid study bench.toml` writes one to study/model.json"
+        "this is no bench model, its `format` is “{found}”; `dynoid study bench.toml` writes one to study/model.json"
     )]
     Format {
         /// What the document calls itself.
@@ -29,8 +36,9 @@ pub enum DocumentError {
     },
     /// `parameters` and `model` have different values.
     #[error(
-        "`parameters` has {listed} for {}, and `model` has {}; make the two the same",
-        .parameter.quantity().name(), .modelled.map_or_else(|| "no such number".to_owned(), |value| value.to_string())
+        "`parameters` has {listed} for {}, and `model.{}` is {}; make the two the same",
+        .parameter.quantity().name(), .parameter.field(),
+        .modelled.map_or_else(|| "null".to_owned(), |value| value.to_string())
     )]
     Contradiction {
         /// Which number.
@@ -41,12 +49,16 @@ pub enum DocumentError {
         modelled: Option<f64>,
     },
     /// A number that no bench can have.
-    #[error("`model`: {what} cannot be {value}; correct it, or let `dynoid study bench.toml` write the file again")]
+    #[error(
+        "`model.{field}` is {value}, and must be {limit}; correct it, or let `dynoid study bench.toml` write the file again"
+    )]
     Impossible {
-        /// What the number is.
-        what: &'static str,
+        /// Where it is below `model`.
+        field: &'static str,
         /// Its value.
         value: f64,
+        /// What it must be.
+        limit: &'static str,
     },
     /// The covariance holds a number that the model lacks, or holds it twice.
     #[error(

@@ -7,6 +7,7 @@
 mod check;
 mod described;
 mod error;
+mod json;
 mod provenance;
 mod validity;
 
@@ -17,6 +18,7 @@ use crate::model::{AssembledModel, BenchModel, ModelUncertainty};
 use crate::skews::SignalSkews;
 pub use described::DescribedParameter;
 pub use error::DocumentError;
+pub use json::{JsonFault, from_json};
 pub use provenance::{BenchFileOrigin, NotEstimated, Provenance, StudyVerdict, UsedRecording};
 pub use validity::{Range, Validity};
 
@@ -58,14 +60,20 @@ struct Header {
     version: u64,
 }
 
-/// The `format` of a text that is JSON and has one.
+/// The `format` that a text in JSON states of itself; where it is the first field, also if the text has a fault behind it.
 #[must_use]
 pub fn format_of(text: &str) -> Option<String> {
     #[derive(Deserialize)]
     struct Named {
         format: String,
     }
-    serde_json::from_str::<Named>(text).ok().map(|named| named.format)
+    first_format(text).map(str::to_owned).or_else(|| Some(serde_json::from_str::<Named>(text).ok()?.format))
+}
+
+fn first_format(text: &str) -> Option<&str> {
+    let value = text.trim_start().strip_prefix('{')?.trim_start().strip_prefix("\"format\"")?.trim_start();
+    let (format, _) = value.strip_prefix(':')?.trim_start().strip_prefix('"')?.split_once('"')?;
+    Some(format)
 }
 
 impl BenchModelDocument {
@@ -106,9 +114,9 @@ impl BenchModelDocument {
     /// The document as text, which [`Self::from_json`] reads back bit for bit.
     ///
     /// # Errors
-    /// [`DocumentError::Content`] where a number or text cannot be written as JSON.
+    /// [`DocumentError::Unwritable`] where a number or text cannot be written as JSON.
     pub fn to_json(&self) -> Result<String, DocumentError> {
-        serde_json::to_string_pretty(self).map_err(|error| DocumentError::Content { reason: error.to_string() })
+        serde_json::to_string_pretty(self).map_err(|error| DocumentError::Unwritable { reason: error.to_string() })
     }
 
     /// The document that a text holds.
@@ -116,16 +124,16 @@ impl BenchModelDocument {
     /// # Errors
     /// Text of another kind or of a later version; a model that no bench can have, or contradictions in it.
     pub fn from_json(text: &str) -> Result<Self, DocumentError> {
-        let content = |error: serde_json::Error| DocumentError::Content { reason: error.to_string() };
+        let content = |fault: JsonFault| DocumentError::Content { fault };
         // First of all what it is: a later version may have another layout.
-        let header: Header = serde_json::from_str(text).map_err(content)?;
+        let header: Header = from_json(text).map_err(content)?;
         if !Self::is_format(&header.format) {
             return Err(DocumentError::Format { found: header.format });
         }
         if header.version == 0 || header.version > VERSION {
             return Err(DocumentError::Version { found: header.version, known: VERSION });
         }
-        let document: BenchModelDocument = serde_json::from_str(text).map_err(content)?;
+        let document: BenchModelDocument = from_json(text).map_err(content)?;
         check::all(&document.model, &document.parameters, &document.uncertainty)?;
         Ok(document)
     }

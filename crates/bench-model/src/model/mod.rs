@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use assembled::AssembledModel;
 pub use linear::mean_over;
+pub(crate) use parameter::Bound;
 pub use parameter::ModelParameter;
 pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};

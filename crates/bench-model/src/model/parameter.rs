@@ -86,20 +86,70 @@ impl ModelParameter {
         }
     }
 
-    /// Whether a bench can have this value: gains are free, all else has a sign.
-    pub(crate) fn can_be(self, value: f64) -> bool {
+    /// Where it is in the `model` of a bench model file.
+    pub(crate) fn field(self) -> &'static str {
+        match self {
+            ModelParameter::DynoInertia => "mechanics.dyno_inertia_kg_m2",
+            ModelParameter::EngineInertia => "mechanics.engine_inertia_kg_m2",
+            ModelParameter::Stiffness => "mechanics.stiffness_nm_per_rad",
+            ModelParameter::Damping => "mechanics.damping_nm_s_per_rad",
+            ModelParameter::Proportional => "speed_controller.proportional_nm_s_per_rad",
+            ModelParameter::Integral => "speed_controller.integral_nm_per_rad",
+            ModelParameter::ControllerDelay => "speed_controller.delay_s",
+            ModelParameter::SpeedFeedForward => "feed_forward.speed_nm_s_per_rad",
+            ModelParameter::AccelerationFeedForward => "feed_forward.acceleration_nm_s2_per_rad",
+            ModelParameter::TorqueControlDelay => "torque_control.delay_s",
+            ModelParameter::TorqueControlBandwidth => "torque_control.bandwidth_rad_s",
+        }
+    }
+
+    /// Values that a bench can have: gains are free, all else has a sign.
+    pub(crate) fn bound(self) -> Bound {
         match self {
             ModelParameter::Proportional
             | ModelParameter::Integral
             | ModelParameter::SpeedFeedForward
-            | ModelParameter::AccelerationFeedForward => value.is_finite(),
+            | ModelParameter::AccelerationFeedForward => Bound::Finite,
             ModelParameter::DynoInertia
             | ModelParameter::EngineInertia
             | ModelParameter::Stiffness
-            | ModelParameter::TorqueControlBandwidth => value.is_finite() && value > 0.0,
+            | ModelParameter::TorqueControlBandwidth => Bound::Positive,
             ModelParameter::Damping | ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => {
-                value.is_finite() && value >= 0.0
+                Bound::NotNegative
             }
+        }
+    }
+
+    /// Whether a bench can have this value.
+    pub(crate) fn can_be(self, value: f64) -> bool {
+        self.bound().allows(value)
+    }
+}
+
+/// Values that a number of the model can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bound {
+    Finite,
+    NotNegative,
+    Positive,
+}
+
+impl Bound {
+    pub(crate) fn allows(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Bound::Finite => true,
+                Bound::NotNegative => value >= 0.0,
+                Bound::Positive => value > 0.0,
+            }
+    }
+
+    /// What a value must be.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Bound::Finite => "a finite number",
+            Bound::NotNegative => "0 or above",
+            Bound::Positive => "above 0",
         }
     }
 }

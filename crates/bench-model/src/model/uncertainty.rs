@@ -12,6 +12,8 @@ use super::{BenchModel, ModelParameter};
 const MOST_DRAWS: usize = 1000;
 /// Pivots of a correlation matrix below this are rounding.
 const SMALLEST_PIVOT: f64 = 1e-14;
+/// Part of the standard errors by which rounding may move a covariance.
+const ROUNDING: f64 = 1e-6;
 
 /// Covariance of the parameters of one part of the model, SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,22 +27,50 @@ pub struct PartCovariance {
     pub degrees_of_freedom: f64,
 }
 
-/// Why a covariance cannot be used.
+/// Why a covariance cannot be used; `part` counts from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UncertaintyError {
     /// The covariance is not square in the number of parameters.
-    #[error("the covariance of {parameters} parameters has {rows} rows, or a row of another length")]
+    #[error(
+        "`uncertainty[{part}].covariance` has {rows} rows of {columns} numbers, and its {parameters} `parameters` need {parameters} of {parameters}"
+    )]
     Shape {
+        /// Which part.
+        part: usize,
         /// Parameters.
         parameters: usize,
         /// Rows found.
         rows: usize,
+        /// Numbers in the row of another length, or in the first.
+        columns: usize,
     },
     /// A variance is negative or an entry is not finite.
-    #[error("the covariance of {parameter:?} is not a variance")]
+    #[error(
+        "`uncertainty[{part}].covariance[{row}]` has a negative variance on the diagonal, or a number that is not finite"
+    )]
     NotAVariance {
-        /// The parameter whose row is wrong.
-        parameter: ModelParameter,
+        /// Which part.
+        part: usize,
+        /// Which row.
+        row: usize,
+    },
+    /// Two entries that belong together differ, or are larger than the variances allow.
+    #[error("`uncertainty[{part}].covariance` is not symmetric, or too large, in row {row} and column {column}")]
+    NotACovariance {
+        /// Which part.
+        part: usize,
+        /// Which row.
+        row: usize,
+        /// Which column.
+        column: usize,
+    },
+    /// Degrees of freedom that no estimate has.
+    #[error("`uncertainty[{part}].degrees_of_freedom` is {found}, and must be above 0, or null")]
+    DegreesOfFreedom {
+        /// Which part.
+        part: usize,
+        /// The number found.
+        found: f64,
     },
 }
 
@@ -69,7 +99,7 @@ impl ModelUncertainty {
     /// # Errors
     /// A covariance of the wrong shape, with a negative variance, or not finite.
     pub fn new(parts: &[PartCovariance]) -> Result<Self, UncertaintyError> {
-        let parts = parts.iter().map(checked).collect::<Result<Vec<_>, _>>()?;
+        let parts = parts.iter().enumerate().map(checked).collect::<Result<Vec<_>, _>>()?;
         Ok(ModelUncertainty { parts })
     }
 
@@ -192,8 +222,11 @@ fn cholesky(covariance: &Mat<f64>) -> Vec<Vec<f64>> {
 impl TryFrom<Vec<PartCovariance>> for ModelUncertainty {
     type Error = UncertaintyError;
 
+    /// What is read may be edited by hand, so that more is checked.
     fn try_from(parts: Vec<PartCovariance>) -> Result<Self, UncertaintyError> {
-        ModelUncertainty::new(&parts)
+        let uncertainty = ModelUncertainty::new(&parts)?;
+        parts.iter().enumerate().try_for_each(|(number, part)| possible(number, part))?;
+        Ok(uncertainty)
     }
 }
 
@@ -218,16 +251,37 @@ impl Derived {
     }
 }
 
-fn checked(part: &PartCovariance) -> Result<(Vec<ModelParameter>, Mat<f64>, f64), UncertaintyError> {
+fn checked((number, part): (usize, &PartCovariance)) -> Result<(Vec<ModelParameter>, Mat<f64>, f64), UncertaintyError> {
     let n = part.parameters.len();
-    if part.covariance.len() != n || part.covariance.iter().any(|row| row.len() != n) {
-        return Err(UncertaintyError::Shape { parameters: n, rows: part.covariance.len() });
+    let rows = part.covariance.len();
+    let wrong = part.covariance.iter().map(Vec::len).find(|columns| *columns != n);
+    if rows != n || wrong.is_some() {
+        let columns = wrong.unwrap_or(if rows == 0 { 0 } else { n });
+        return Err(UncertaintyError::Shape { part: number, parameters: n, rows, columns });
     }
-    for (i, parameter) in part.parameters.iter().enumerate() {
-        if part.covariance[i].iter().any(|v| !v.is_finite()) || part.covariance[i][i] < 0.0 {
-            return Err(UncertaintyError::NotAVariance { parameter: *parameter });
-        }
+    let is_variance = |i: usize| part.covariance[i].iter().all(|v| v.is_finite()) && part.covariance[i][i] >= 0.0;
+    if let Some(row) = (0..n).find(|i| !is_variance(*i)) {
+        return Err(UncertaintyError::NotAVariance { part: number, row });
     }
     let matrix = Mat::from_fn(n, n, |i, j| part.covariance[i][j]);
     Ok((part.parameters.clone(), matrix, part.degrees_of_freedom))
+}
+
+/// Refuses degrees of freedom and covariances that no estimate has: |P_ij| ≤ √(P_ii P_jj), but for rounding.
+fn possible(number: usize, part: &PartCovariance) -> Result<(), UncertaintyError> {
+    if part.degrees_of_freedom.is_nan() || part.degrees_of_freedom <= 0.0 {
+        return Err(UncertaintyError::DegreesOfFreedom { part: number, found: part.degrees_of_freedom });
+    }
+    let p = &part.covariance;
+    for row in 0..p.len() {
+        for column in 0..row {
+            let largest = (p[row][row] * p[column][column]).sqrt();
+            let is_possible = (p[row][column] - p[column][row]).abs() <= ROUNDING * largest
+                && p[row][column].abs() <= (1.0 + ROUNDING) * largest;
+            if !is_possible {
+                return Err(UncertaintyError::NotACovariance { part: number, row, column });
+            }
+        }
+    }
+    Ok(())
 }

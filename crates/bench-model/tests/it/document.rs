@@ -109,13 +109,83 @@ fn regress_other_kinds_later_versions_and_contradictions_are_refused() {
     let contradiction = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": 2500.0").to_string();
     assert!(contradiction.contains("2437.7") && contradiction.contains("2500"), "{contradiction}");
     let impossible = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": -1.0").to_string();
-    assert!(impossible.contains("stiffness cannot be -1"), "{impossible}");
+    assert!(impossible.contains("`model.mechanics.stiffness_nm_per_rad` is -1, and must be above 0;"), "{impossible}");
     let gate = error("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": -0.001").to_string();
-    assert!(gate.contains("gate of the encoders cannot be"), "{gate}");
+    assert!(gate.contains("`model.encoder_gate_s` is -0.001, and must be 0 or above;"), "{gate}");
     let twice = text.replace("      \"damping\"\n", "      \"stiffness\"\n");
     assert!(BenchModelDocument::from_json(&twice).unwrap_err().to_string().contains("stiffness twice"), "{twice}");
     let strange = BenchModelDocument::from_json(&text.replacen("36.0", "-36.0", 1)).unwrap_err().to_string();
-    assert!(strange.contains("Stiffness") || strange.contains("variance"), "{strange}");
+    assert!(strange.contains("`uncertainty[0].covariance[0]` has a negative variance"), "{strange}");
+}
+
+/// Each fault by line, field as the file has it, and what is wrong; no words of the reader of JSON, and no names of Rust.
+#[test]
+fn regress_faults_are_stated_in_the_words_of_the_file() {
+    let text = document(36.0, 40.0).to_json().unwrap();
+    let said = |text: &str| BenchModelDocument::from_json(text).unwrap_err().to_string();
+    let changed = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        said(&text.replacen(from, to, 1))
+    };
+    let stiffness = "\"stiffness_nm_per_rad\": 2437.7";
+    let cut = text.find(stiffness).unwrap() + stiffness.len() - 2;
+    let line = text[..cut].lines().count();
+    let field = "`model.mechanics.stiffness_nm_per_rad`";
+    for (message, expected) in [
+        (said(" \n"), "the file is empty;".to_owned()),
+        (said(&text[..cut]), format!("the file ends in the middle, in {field};")),
+        (changed(stiffness, "\"stiffness_nm_per_rad\": NaN"), format!("line {line}, {field}: `NaN` is no value;")),
+        (
+            changed(stiffness, "\"stiffness_nm_per_rad\": -Infinity"),
+            format!("line {line}, {field}: `Infinity` is no value;"),
+        ),
+        (
+            changed(stiffness, "\"stiffness_nm_per_rad\": 1e400"),
+            format!("line {line}, {field}: this number is too large;"),
+        ),
+        (
+            changed(stiffness, "\"stiffness_nm_per_rad\": \"2 kNm\""),
+            format!("line {line}, {field}: the text \"2 kNm\", where a number is needed;"),
+        ),
+        (
+            changed(stiffness, "\"stiff\": 2437.7"),
+            "`model.mechanics`: the field `stiffness_nm_per_rad` is missing;".to_owned(),
+        ),
+        (changed("\"uncertainty\"", "\"covariances\""), ": the field `uncertainty` is missing;".to_owned()),
+        (
+            changed("\"version\": 1", "\"version\": \"1\""),
+            "line 3, `version`: the text \"1\", where a whole number".to_owned(),
+        ),
+        (
+            changed("\"parameter\": \"stiffness\"", "\"parameter\": \"K\""),
+            "`parameters[2].parameter`: `K` is unknown here; write ".to_owned(),
+        ),
+        (changed("        36.0,\n", ""), "`uncertainty[0].covariance` has 2 rows of 1 numbers".to_owned()),
+        (
+            changed(
+                "\"degrees_of_freedom\": 40.0\n    }\n  ],\n  \"skews\"",
+                "\"degrees_of_freedom\": -3.0\n    }\n  ],\n  \"skews\"",
+            ),
+            "`uncertainty[0].degrees_of_freedom` is -3,".to_owned(),
+        ),
+        (
+            changed("36.0,\n          0.6", "36.0,\n          0.7"),
+            "`uncertainty[0].covariance` is not symmetric".to_owned(),
+        ),
+    ] {
+        assert!(message.contains(&expected), "{message}\nnot: {expected}");
+        assert!(message.contains("let `dynoid study bench.toml` write it again"), "{message}");
+        for strange in ["EOF", "expected", "invalid type", "f64", "Stiffness", "at line"] {
+            assert!(!message.contains(strange), "{message}");
+        }
+    }
+}
+
+#[test]
+fn exact_the_format_is_seen_in_a_file_that_is_cut() {
+    let text = document(36.0, 40.0).to_json().unwrap();
+    assert_eq!(format_of(&text[..text.len() / 2]).as_deref(), Some("dynoid bench model"));
+    assert_eq!(format_of("{\"a\": 1, \"format\": \"dynoid model\"}").as_deref(), Some("dynoid model"));
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use export::fmu::FmiVersion;
+use export::names::Names;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -22,13 +24,17 @@ Files written, NAME being the name of the bench or of --out:
             that makes state-space systems of it and draws them; it also runs in Octave
   modelica  NAME.mo, a package of the mechanics, torque control and speed controller
   python    NAME.py, which simulates the bench as dynoid does; it needs numpy alone
-  fmu2      NAME.fmu, FMI 2.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS;
+  fmu2      NAME_fmi2.fmu, FMI 2.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS;
             with the report that is in the folder of the model
-  fmu3      NAME.fmu, the same for FMI 3.0
+  fmu3      NAME_fmi3.fmu, the same for FMI 3.0
   c         NAME.h with the numbers, the sources bench.c and matrix.c (linear.c of a linear model)
-            with headers, example.c
+            with headers, NAME_example.c
   ssv       NAME.ssv, the parameters for SSP 2.0, and NAME_uncertainty.ssv
-  linear    NAME_tn_torques.json, NAME_tn_speeds.json and NAME_nt.json, model files")]
+  linear    NAME_tn_torques.json, NAME_tn_speeds.json and NAME_nt.json, model files
+
+Models of other names fit into one folder. A file of an earlier export is replaced, and the command
+says so. Without --overwrite it does not replace a file of another program, an FMU of another
+version of FMI, or a source in C that differs.")]
 pub(crate) struct ExportArguments {
     /// A bench model (model.json of a study), a model file of `dynoid fit`, or an FMU made of one
     #[arg(value_name = "MODEL")]
@@ -72,6 +78,25 @@ pub(crate) enum ExportTarget {
 }
 
 impl ExportTarget {
+    /// The version of FMI.
+    pub(crate) fn fmi_version(self) -> Option<FmiVersion> {
+        match self {
+            ExportTarget::Fmu2 => Some(FmiVersion::V2),
+            ExportTarget::Fmu3 => Some(FmiVersion::V3),
+            _ => None,
+        }
+    }
+
+    /// Whether its main file can have this name as it is. In the other targets it names what is in it, which takes fewer names.
+    pub(crate) fn takes_name(self, name: &str) -> bool {
+        match self {
+            ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssv => true,
+            ExportTarget::Python | ExportTarget::Mat => Names::of(name).file == name.to_ascii_lowercase(),
+            ExportTarget::C => name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
+            ExportTarget::Modelica | ExportTarget::Linear => false,
+        }
+    }
+
     /// The ending of its main file.
     pub(crate) fn ending(self) -> &'static str {
         match self {

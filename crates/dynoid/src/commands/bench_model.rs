@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use bench_model::document::{BenchModelDocument, format_of};
+use bench_model::document::{BenchModelDocument, format_of, from_json};
+use ident::DocumentHeader;
+use serde::Deserialize;
 
 use crate::error::CliError;
 use crate::input::{read_bytes, read_text};
@@ -11,10 +13,30 @@ use crate::input::{read_bytes, read_text};
 pub(in crate::commands) const MODEL: &str = "model.json";
 const WANTED: &str = "a model.json as `dynoid study` writes, or an FMU of dynoid";
 
+/// What a text is, by its `format`; also where it cannot be read to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::commands) enum Kind {
+    Bench,
+    Linear,
+    Study,
+    Other,
+}
+
+impl Kind {
+    pub(in crate::commands) fn of(text: &str) -> Self {
+        match format_of(text) {
+            Some(format) if BenchModelDocument::is_format(&format) => Kind::Bench,
+            Some(format) if report::is_study(&format) => Kind::Study,
+            Some(format) if DocumentHeader::is_format(&format) => Kind::Linear,
+            _ => Kind::Other,
+        }
+    }
+}
+
 /// The bench model in a file.
 pub(super) fn read(path: &Path) -> Result<BenchModelDocument, CliError> {
     let text = text(path, WANTED)?;
-    if !is_study(&text) {
+    if Kind::of(&text) != Kind::Study {
         return of_text(path, &text);
     }
     let beside = path.with_file_name(MODEL);
@@ -34,15 +56,32 @@ pub(in crate::commands) fn text(path: &Path, wanted: &'static str) -> Result<Str
     export::fmu::model_in(&bytes).ok_or_else(|| CliError::NoModelInside { path: path.to_owned() })
 }
 
-/// Whether the text is that of a study.
-pub(super) fn is_study(text: &str) -> bool {
-    format_of(text).is_some_and(|format| report::is_study(&format))
-}
-
 /// The bench model that the text of a file holds.
 pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<BenchModelDocument, CliError> {
-    BenchModelDocument::from_json(text).map_err(|source| CliError::BenchModel {
-        path: path.to_owned(),
-        source: report::BenchModelError::Document { source },
-    })
+    match Kind::of(text) {
+        Kind::Bench => BenchModelDocument::from_json(text).map_err(|source| CliError::BenchModel {
+            path: path.to_owned(),
+            source: report::BenchModelError::Document { source },
+        }),
+        Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
+        Kind::Study => Err(CliError::IsStudy { path: path.to_owned() }),
+        Kind::Other => Err(no_model(path, text, WANTED)),
+    }
+}
+
+/// That a text is none of the files of dynoid, and what it is instead.
+pub(in crate::commands) fn no_model(path: &Path, text: &str, wanted: &'static str) -> CliError {
+    let reason = match (format_of(text), from_json::<Named>(text)) {
+        (Some(format), _) => format!("its `format` is “{format}”"),
+        (None, Err(fault)) => fault.to_string(),
+        (None, Ok(_)) => "it has no `format`".to_owned(),
+    };
+    CliError::NoModel { path: path.to_owned(), reason, wanted }
+}
+
+/// What every file of dynoid says first.
+#[derive(Deserialize)]
+struct Named {
+    #[serde(rename = "format")]
+    _format: String,
 }

@@ -2,20 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use ::bench_model::document::{BenchModelDocument, format_of};
+use bench_model::document::BenchModelDocument;
 use export::fmu::FmiVersion;
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 use ident::ModelDocument;
 use serde_json::json;
 
-use super::bench_model;
-use super::identify::model_file;
+use super::identify::model_file::{self, AnyModelFile as Source};
 use crate::cli::export::{ExportArguments, ExportTarget};
 use crate::commands::study::REPORT;
 use crate::error::{CliError, Outcome};
 use crate::formats::check_replaceable;
-use crate::output::OutputFolder;
+use crate::output::{OutputFolder, replace_file};
 use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
@@ -25,41 +24,45 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Endings of files, which are no names of folders.
 const OTHER_ENDINGS: [&str; 12] = ["c", "csv", "fmu", "h", "html", "json", "m", "mat", "mo", "py", "ssv", "txt"];
 
-/// A model of either kind.
-enum Source {
-    Bench(Box<BenchModelDocument>),
-    Linear(Box<ModelDocument>),
-}
-
 /// `dynoid export`
 pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     if arguments.draws > 0 && arguments.to != ExportTarget::Ssv {
         return Err(CliError::Usage { what: "--draws belongs to --to ssv; give both".to_owned() });
     }
-    let source = read(&arguments.model)?;
+    let source = Source::read(&arguments.model)?;
     let place = Place::of(arguments, &source)?;
     let failed = |source| CliError::Export { path: arguments.model.clone(), source };
-    let files = exported(&source, arguments, &place.names).map_err(failed)?;
+    let files = place.named(exported(&source, arguments, &place.names).map_err(failed)?, arguments.to);
+    if let Some(device) = &place.device {
+        return write_to_device(device, &files);
+    }
     place.check(&files, arguments)?;
+    let folder = OutputFolder::check(&place.folder)?;
+    let replaced: Vec<PathBuf> = files.iter().filter_map(|file| place.replaced_by(file)).collect();
     let contents: Vec<(&str, &[u8])> = files.iter().map(|file| (file.name.as_str(), &file.content[..])).collect();
-    let written = OutputFolder::check(&place.folder)?.write(&contents)?;
+    let written = folder.write(&contents)?;
     if arguments.json {
-        terminal.json(&json!({ "model": arguments.model, "files": written }))?;
+        terminal.json(&json!({ "model": arguments.model, "files": written, "replaced": replaced }))?;
     } else if !terminal.is_quiet() {
-        written.iter().for_each(|path| terminal.line(&format!("written: {}", shown(path))));
+        for path in &written {
+            let is_replaced = replaced.iter().any(|other| other.file_name() == path.file_name());
+            terminal.line(&format!("{}: {}", if is_replaced { "replaced" } else { "written" }, shown(path)));
+        }
+    }
+    if arguments.to == ExportTarget::Ssv {
+        place.older_draws(arguments.draws).into_iter().for_each(|warning| terminal.warning(&warning));
     }
     Ok(Outcome::Done)
 }
 
-/// The model in a file, whichever kind it is.
-fn read(path: &Path) -> Result<Source, CliError> {
-    let text = bench_model::text(path, "a model.json as `dynoid study` or `dynoid fit` writes, or an FMU of dynoid")?;
-    match format_of(&text) {
-        Some(format) if BenchModelDocument::is_format(&format) => {
-            Ok(Source::Bench(Box::new(bench_model::of_text(path, &text)?)))
-        }
-        _ => Ok(Source::Linear(Box::new(model_file::of_text(path, &text)?))),
-    }
+/// Writes the one file of a target to what is no file, such as standard output.
+fn write_to_device(device: &Path, files: &[ExportedFile]) -> Result<Outcome, CliError> {
+    let [file] = files else {
+        let what = format!("{}: this target writes {} files; give a folder", device.display(), files.len());
+        return Err(CliError::Usage { what });
+    };
+    replace_file(device, &file.content)?;
+    Ok(Outcome::Done)
 }
 
 fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {
@@ -116,16 +119,21 @@ struct Place {
     names: Names,
     /// The name of the first file, where the command line states it.
     file: Option<String>,
+    /// What the command line names, where it is neither a file nor a folder.
+    device: Option<PathBuf>,
 }
 
 impl Place {
     fn of(arguments: &ExportArguments, source: &Source) -> Result<Self, CliError> {
         let own = match source {
-            Source::Bench(document) => document.bench.name.clone(),
-            Source::Linear(_) => model_file::name(&arguments.model),
+            Source::Bench(document) => Names::of(&document.bench.name),
+            Source::Linear(_) => Names::of(&model_file::name(&arguments.model)),
         };
-        let here = || PathBuf::from(".");
-        let Some(out) = &arguments.out else { return Ok(Place { folder: here(), names: Names::of(&own), file: None }) };
+        let in_folder = |folder: PathBuf| Place { folder, names: own.clone(), file: None, device: None };
+        let Some(out) = &arguments.out else { return Ok(in_folder(PathBuf::from("."))) };
+        if paths::is_stream(out) {
+            return Ok(Place { device: Some(out.clone()), ..in_folder(PathBuf::from(".")) });
+        }
         let ending = paths::ending(out).filter(|_| !out.is_dir());
         if !ending.is_some_and(|ending| ending.eq_ignore_ascii_case(arguments.to.ending())) {
             if let Some(other) =
@@ -134,17 +142,30 @@ impl Place {
                 let what = format!("{}: this target writes .{}, not .{other}", out.display(), arguments.to.ending());
                 return Err(CliError::Usage { what });
             }
-            return Ok(Place { folder: out.clone(), names: Names::of(&own), file: None });
+            return Ok(in_folder(out.clone()));
         }
         if arguments.to == ExportTarget::Linear {
             let what = format!("{}: --to linear writes a file for each control mode; give a folder", out.display());
             return Err(CliError::Usage { what });
         }
         let file = out.file_name().map(|name| name.to_string_lossy().into_owned());
-        Ok(Place { folder: paths::folder_of(out), names: Names::of(&model_file::name(out)), file })
+        let stem = model_file::name(out);
+        let mut names = Names::of(&stem);
+        if arguments.to.takes_name(&stem) {
+            names.file = stem;
+        }
+        Ok(Place { folder: paths::folder_of(out), names, file, device: None })
     }
 
-    /// Refuses, before anything is written, names that the target cannot take, and files that dynoid did not write.
+    /// The files, an FMU by the name that the command line states.
+    fn named(&self, mut files: Vec<ExportedFile>, to: ExportTarget) -> Vec<ExportedFile> {
+        if let (Some(asked), ExportTarget::Fmu2 | ExportTarget::Fmu3, [fmu]) = (&self.file, to, &mut files[..]) {
+            asked.clone_into(&mut fmu.name);
+        }
+        files
+    }
+
+    /// Refuses, before anything is written, names that the target cannot take, and files that must stay.
     fn check(&self, files: &[ExportedFile], arguments: &ExportArguments) -> Result<(), CliError> {
         if let (Some(asked), Some(first)) = (&self.file, files.first())
             && *asked != first.name
@@ -161,7 +182,43 @@ impl Place {
                 return Err(CliError::Usage { what });
             }
             check_replaceable(&path, arguments.overwrite)?;
+            if !arguments.overwrite {
+                self.check_version(file, arguments.to)?;
+            }
         }
         Ok(())
+    }
+
+    /// Refuses to replace an FMU of another version of FMI, and sources of another version of dynoid that other models use.
+    fn check_version(&self, file: &ExportedFile, to: ExportTarget) -> Result<(), CliError> {
+        let Some(path) = self.replaced_by(file) else { return Ok(()) };
+        if to == ExportTarget::C && export::fmu::is_shared_source(&file.name) {
+            return Err(CliError::OtherSource { path });
+        }
+        let Some(wanted) = to.fmi_version() else { return Ok(()) };
+        match std::fs::read(&path).ok().and_then(|bytes| export::fmu::version_of(&bytes)) {
+            Some(found) if found != wanted => {
+                Err(CliError::OtherFmi { path, found: found.number(), wanted: wanted.number() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The file that is there with other content.
+    fn replaced_by(&self, file: &ExportedFile) -> Option<PathBuf> {
+        let path = self.folder.join(&file.name);
+        let is_other = path.is_file() && std::fs::read(&path).map_or(true, |content| content != file.content);
+        is_other.then_some(path)
+    }
+
+    /// That draws of an earlier export are among those that were written.
+    fn older_draws(&self, count: usize) -> Option<String> {
+        let next = self.folder.join(format!("{}_draw_{}.ssv", self.names.file, count + 1));
+        next.is_file().then(|| {
+            format!(
+                "{}: this draw and those after it are of an earlier export; remove them before you use the draws",
+                next.display()
+            )
+        })
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     if out.is_dir() {
         return Err(CliError::InTheWay { path: out.clone(), what: "a folder" });
     }
-    if out.exists() && !arguments.force {
+    if out.exists() && !paths::is_stream(out) && !arguments.force {
         return Err(CliError::BenchFileExists { path: out.clone() });
     }
     let files = input::named(&arguments.recordings)?;

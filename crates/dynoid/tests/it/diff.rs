@@ -47,9 +47,13 @@ fn stat_the_same_bench_is_the_same_and_a_softer_shaft_is_found() {
 fn regress_what_is_no_bench_model_is_refused() {
     let campaign = Campaign::empty();
     campaign.write("model.json", b"{\"format\": \"dynoid model\", \"version\": 1}");
-    campaign.run(&["diff", "model.json", "model.json"]).assert_refused(3, &["model.json", "no bench model"]);
+    campaign
+        .run(&["diff", "model.json", "model.json"])
+        .assert_refused(3, &["model.json", "a linear model of `dynoid fit`"]);
     campaign.write("study.json", b"{\"format\": \"dynoid-study\"}");
-    campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["model.json", "no bench model"]);
+    campaign
+        .run(&["diff", "study.json", "model.json"])
+        .assert_refused(3, &["model.json", "a linear model of `dynoid fit`"]);
     std::fs::remove_file(campaign.path("model.json")).unwrap();
     campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["study.json", "model.json beside it"]);
 }

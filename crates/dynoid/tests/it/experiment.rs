@@ -201,7 +201,11 @@ fn regress_wrong_combinations_are_refused_in_words() {
     refused(&run(&["BS_T_NT", "--set", "hihg=3"]), 2, &["did you mean `high`"]);
     refused(&run(&["BS_T_NT", "--set", "high"]), 2, &["NAME=VALUE"]);
     refused(&run(&["none.csv"]), 3, &["none.csv", "no such file"]);
-    refused(&run(&["BS_T_NT", "--model", "bench.toml"]), 3, &["bench.toml", "neither a bench model nor a study"]);
+    refused(
+        &run(&["BS_T_NT", "--model", "bench.toml"]),
+        3,
+        &["bench.toml", "not a model file", "give a model.json or study.json"],
+    );
     refused(&run(&["BS_T_NT", "--truth", "run.mf4"]), 2, &["a file each"]);
     campaign.write("demands.csv", b"time [s],speed\n0,1\n1,2\n");
     refused(&run(&["demands.csv"]), 3, &["demands.csv", "dyno_speed_demand"]);

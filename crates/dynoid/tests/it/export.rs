@@ -56,8 +56,190 @@ fn exact_linear_commands_take_a_bench_model() {
     done(&poles);
     done(&campaign.run(&["export", "study/model.json", "--to", "linear", "--out", "linear"]));
     done(&campaign.run(&["model", "step", "linear/test_bench_nt.json"]));
-    let simulate = ["model", "simulate", "study/model.json", "--on", "recordings/BS_T_NT_1200.mf4"];
-    campaign.run(&simulate).assert_refused(3, &["this is a bench model", "--to linear"]);
+    let residuals = ["model", "residuals", "study/model.json", "--on", "recordings/BS_T_NT_1200.mf4"];
+    campaign.run(&residuals).assert_refused(3, &["this is a bench model", "--to linear"]);
+}
+
+#[test]
+fn exact_a_bench_model_is_compared_with_recordings_and_simulated_on_them() {
+    let campaign = studied();
+    let on = ["--on", "recordings/BS_T_NT_1200.mf4"];
+    let with = |start: &[&'static str], more: &[&'static str]| campaign.run(&[start, &on[..], more].concat());
+    let compare = ["model", "compare", "study/model.json"];
+    let simulate = ["model", "simulate", "study/model.json"];
+    // The bench file is that of the study, one folder up, and the mode that of the label.
+    let ran = with(&compare, &["--json"]);
+    done(&ran);
+    let found = ran.json();
+    let row = &found[0];
+    assert_eq!(
+        (&row["model"], &row["mode"], &row["seen_in_estimation"]),
+        (&"study/model.json".into(), &"Nt".into(), &true.into())
+    );
+    let signals = row["signals"].as_array().unwrap();
+    let fit = |name: &str| {
+        let signal = signals.iter().find(|signal| signal["quantity"] == name).unwrap();
+        signal["fit_percent"].as_f64().unwrap()
+    };
+    for (name, least) in [("N_d", 80.0), ("N_e", 80.0), ("T_shaft", 60.0)] {
+        assert!(fit(name) > least, "{name}: {found}");
+    }
+    // The same in the report of the study, which replays a part of it.
+    let page = with(&compare, &["--plot", "compare.html"]);
+    done(&page);
+    assert!(page.stdout.contains("T_shaft") && campaign.read("compare.html").contains("Bench models compared"));
+    done(&with(&simulate, &["--out", "simulated.mf4", "--from", "2", "--to", "5"]));
+    let inspected = campaign.run(&["inspect", "simulated.mf4", "--json"]);
+    done(&inspected);
+    assert!(inspected.stdout.contains("T_shaft_simulated"), "{}", inspected.stdout);
+    std::fs::copy(campaign.path("recordings/BS_T_NT_1200.mf4"), campaign.path("run.mf4")).unwrap();
+    let run = |more: &[&'static str]| campaign.run(&[&compare[..], &["--on", "run.mf4"], more].concat());
+    run(&[]).assert_refused(2, &["run.mf4", "no label", "--mode nt or --mode tn"]);
+    let by_mode = run(&["--mode", "nt", "--json"]);
+    done(&by_mode);
+    assert_eq!(by_mode.json()[0]["signals"], row["signals"]);
+    std::fs::create_dir(campaign.path("elsewhere")).unwrap();
+    std::fs::copy(campaign.path("study/model.json"), campaign.path("elsewhere/model.json")).unwrap();
+    std::fs::create_dir(campaign.path("elsewhere/far")).unwrap();
+    std::fs::copy(campaign.path("study/model.json"), campaign.path("elsewhere/far/model.json")).unwrap();
+    let far = ["model", "compare", "elsewhere/far/model.json"];
+    with(&far, &[]).assert_refused(2, &["elsewhere/far/model.json", "--bench bench.toml"]);
+    done(&with(&far, &["--bench", "bench.toml"]));
+    campaign.run(&[&compare[..], &["--on", "study/model.json"]].concat()).assert_refused(3, &["not a recording"]);
+    with(&compare, &["--horizon", "3"]).assert_refused(2, &["--horizon belongs to linear models"]);
+    with(&simulate, &["--from-rest"]).assert_refused(2, &["--from-rest belongs to linear models"]);
+    done(&campaign.run(&["export", "study/model.json", "--to", "linear", "--out", "linear"]));
+    let both = ["model", "compare", "study/model.json", "linear/test_bench_nt.json"];
+    with(&both, &[]).assert_refused(2, &["compare models of one kind"]);
+    let linear = ["model", "compare", "linear/test_bench_nt.json"];
+    with(&linear, &["--mode", "nt"]).assert_refused(2, &["belong to bench models"]);
+}
+
+/// Nothing of one export is lost by another, unless it is asked for or said.
+#[test]
+fn regress_exports_into_one_folder_replace_nothing_silently() {
+    let campaign = studied();
+    let export = |more: &[&str]| campaign.run(&[&["export", "study/model.json"], more].concat());
+    done(&export(&["--to", "fmu2", "--out", "all"]));
+    done(&export(&["--to", "fmu3", "--out", "all"]));
+    let bytes = |file: &str| std::fs::read(campaign.path("all").join(file)).unwrap();
+    assert_ne!(bytes("test_bench_fmi2.fmu"), bytes("test_bench_fmi3.fmu"));
+    // The example of the help, and any other name.
+    done(&export(&["--to", "fmu2", "--out", "all/TestCell4.fmu"]));
+    done(&export(&["--to", "ssv", "--out", "all/Prüfstand 4.ssv"]));
+    assert!(campaign.path("all/Prüfstand 4_uncertainty.ssv").is_file());
+    export(&["--to", "fmu3", "--out", "all/TestCell4.fmu"])
+        .assert_refused(4, &["TestCell4.fmu", "FMI 2.0", "--overwrite"]);
+    let again = export(&["--to", "fmu2", "--out", "all/TestCell4.fmu"]);
+    assert!(
+        again.code == Some(0) && again.stdout.contains("written: "),
+        "the same bytes replace nothing: {}",
+        again.stdout
+    );
+    done(&export(&["--to", "fmu3", "--out", "all/TestCell4.fmu", "--overwrite"]));
+    // Two models in C share sources that are the same, and no others.
+    done(&export(&["--to", "c", "--out", "all"]));
+    done(&export(&["--to", "c", "--out", "all/other.h"]));
+    assert!(campaign.path("all/other_example.c").is_file() && campaign.path("all/test_bench_example.c").is_file());
+    let source = campaign.read("all/bench.c");
+    campaign.write("all/bench.c", format!("{source}\n/* changed */\n").as_bytes());
+    export(&["--to", "c", "--out", "all"])
+        .assert_refused(4, &["all/bench.c", "other models in the folder", "--overwrite"]);
+    assert!(campaign.read("all/bench.c").contains("changed"));
+    done(&export(&["--to", "c", "--out", "all", "--overwrite"]));
+    assert_eq!(campaign.read("all/bench.c"), source);
+    // Another model of the same name: it is said.
+    let model = campaign.read("study/model.json").replace("\"name\": \"Test bench\"", "\"name\": \"Test-bench\"");
+    campaign.write("other.json", model.replace("\"date\": \"", "\"date\": \"1").as_bytes());
+    done(&export(&["--to", "python", "--out", "all"]));
+    let replaced = campaign.run(&["export", "other.json", "--to", "python", "--out", "all"]);
+    assert!(replaced.stdout.contains("replaced: ") && replaced.stdout.contains("test_bench.py"), "{}", replaced.stdout);
+    // Draws of an earlier export.
+    done(&export(&["--to", "ssv", "--draws", "4", "--out", "all"]));
+    let fewer = export(&["--to", "ssv", "--draws", "2", "--out", "all"]);
+    assert!(
+        fewer.stderr.contains("test_bench_draw_3.ssv") && fewer.stderr.contains("earlier export"),
+        "{}",
+        fewer.stderr
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn regress_a_full_device_is_said_and_leaves_nothing() {
+    let campaign = studied();
+    let before = std::fs::read_dir(campaign.path(".")).unwrap().count();
+    for target in ["python", "modelica", "fmu2", "fmu3"] {
+        let ran = campaign.run(&["export", "study/model.json", "--to", target, "--out", "/dev/full"]);
+        ran.assert_refused(4, &["/dev/full", "the disk is full"]);
+    }
+    for target in ["mat", "c", "ssv", "linear"] {
+        let ran = campaign.run(&["export", "study/model.json", "--to", target, "--out", "/dev/full"]);
+        ran.assert_refused(2, &["/dev/full", "give a folder"]);
+    }
+    // Behind a link, too: what has no end is not read.
+    std::os::unix::fs::symlink("/dev/full", campaign.path("cell.fmu")).unwrap();
+    campaign.run(&["export", "study/model.json", "--to", "fmu2", "--out", "cell.fmu"]).assert_refused(4, &["cell.fmu"]);
+    std::fs::remove_file(campaign.path("cell.fmu")).unwrap();
+    campaign.run(&["study", "bench.toml", "--out", "/dev/full"]).assert_refused(4, &["/dev/full", "device", "--out"]);
+    campaign.run(&["init", "recordings", "--out", "/dev/full"]).assert_refused(4, &["/dev/full", "the disk is full"]);
+    assert_eq!(std::fs::read_dir(campaign.path(".")).unwrap().count(), before);
+    let printed = campaign.run(&["export", "study/model.json", "--to", "python", "--out", "/dev/stdout"]);
+    assert!(printed.stdout.contains("class Bench"), "{}", printed.stdout);
+}
+
+/// Each command says what the file is, what is wrong with it, and what to give.
+#[test]
+fn regress_damaged_model_files_are_refused_in_the_words_of_the_user() {
+    let campaign = studied();
+    let model = campaign.read("study/model.json");
+    let commands: [&[&str]; 4] = [
+        &["export", "x.json", "--to", "mat"],
+        &["model", "bode", "x.json"],
+        &["diff", "x.json", "study/model.json"],
+        &["experiment", "check", "bench.toml", "BS_T_NT", "--model", "x.json"],
+    ];
+    let all_refuse = |text: &str, words: &[&str]| {
+        campaign.write("x.json", text.as_bytes());
+        for command in commands {
+            let ran = campaign.run(command);
+            ran.assert_refused(3, &[&["x.json"], words].concat());
+            assert!(!ran.stderr.contains("dynoid fit …") && !ran.stderr.contains("EOF"), "{}", ran.stderr);
+        }
+    };
+    all_refuse("", &["the file is empty", "give "]);
+    all_refuse(&model[..model.len() / 2], &["the file ends in the middle, in `", "dynoid study"]);
+    all_refuse("{\"format\": \"shopping list\"}", &["not a model file", "shopping list"]);
+    all_refuse(&model.replacen("\"version\": 1", "\"version\": 9", 1), &["version 9", "use a later dynoid"]);
+    let stiffness = model.lines().find(|line| line.contains("stiffness_nm_per_rad")).unwrap();
+    let with = |value: &str| model.replacen(stiffness, &format!("\"stiffness_nm_per_rad\": {value},"), 1);
+    let field = "`model.mechanics.stiffness_nm_per_rad`";
+    all_refuse(&with("NaN"), &[field, "`NaN`", "dynoid study"]);
+    all_refuse(&with("1e400"), &[field, "too large"]);
+    all_refuse(&with("-5.0"), &[field, "is -5, and must be above 0"]);
+    // A study that is no longer read, and a study without its model.
+    campaign.write("x.json", b"{\"format\": \"dynoid-study\", \"format_version\": 1, \"study\": {}}");
+    for command in &commands[..2] {
+        campaign
+            .run(command)
+            .assert_refused(3, &["this is a study", "model.json beside it", "dynoid study bench.toml"]);
+    }
+    campaign.run(commands[3]).assert_refused(3, &["this study is of version 1", "again"]);
+    // A linear model where a bench model is needed.
+    done(&campaign.run(&["export", "study/model.json", "--to", "linear", "--out", "linear"]));
+    campaign.write("x.json", campaign.read("linear/test_bench_tn_torques.json").as_bytes());
+    for command in &commands[2..] {
+        campaign
+            .run(command)
+            .assert_refused(3, &["x.json", "linear model of `dynoid fit`", "model.json of `dynoid study`"]);
+    }
+    // A linear model whose covariance has another size is refused by every command, also those that do not need it.
+    let mut linear: serde_json::Value = serde_json::from_str(&campaign.read("x.json")).unwrap();
+    linear["estimate"]["covariance"].as_array_mut().unwrap().pop();
+    campaign.write("x.json", linear.to_string().as_bytes());
+    for command in &commands[..2] {
+        campaign.run(command).assert_refused(3, &["x.json", "`estimate.covariance`", "dynoid fit"]);
+    }
 }
 
 #[test]
@@ -70,9 +252,9 @@ fn exact_models_of_a_fit_go_to_all_targets_but_linear() {
         ("mat", "arx.m"),
         ("modelica", "Arx.mo"),
         ("python", "arx.py"),
-        ("fmu2", "arx.fmu"),
-        ("fmu3", "arx.fmu"),
-        ("c", "linear.c"),
+        ("fmu2", "arx_fmi2.fmu"),
+        ("fmu3", "arx_fmi3.fmu"),
+        ("c", "arx_example.c"),
         ("ssv", "arx_uncertainty.ssv"),
     ] {
         done(&campaign.run(&["export", "arx.json", "--to", target]));
@@ -80,7 +262,7 @@ fn exact_models_of_a_fit_go_to_all_targets_but_linear() {
     }
     campaign.run(&["export", "arx.json", "--to", "linear"]).assert_refused(3, &["arx.json", "bench models alone"]);
     // The model comes back out of its FMU.
-    done(&campaign.run(&["export", "arx.fmu", "--to", "python", "--out", "again.py"]));
+    done(&campaign.run(&["export", "arx_fmi2.fmu", "--to", "python", "--out", "again.py"]));
     let numbers = |file: &str| {
         let text = campaign.read(file);
         text.split("# begin of the model").nth(1).unwrap().split("# end of the model").next().unwrap().to_owned()

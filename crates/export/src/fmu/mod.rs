@@ -32,7 +32,9 @@ pub use numbers::DRAWS;
 pub use platforms::FmiVersion;
 use platforms::Runtime;
 
-/// The FMU of a bench model, `NAME.fmu`. `report` is the report of its study, a page of HTML, which goes along in `extra`. The same model gives
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// The FMU of a bench model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`. `report` is the report of its study, a page of HTML, which goes along in `extra`. The same model gives
 /// the same bytes.
 ///
 /// # Errors
@@ -72,6 +74,20 @@ pub fn model_in(bytes: &[u8]) -> Option<String> {
     String::from_utf8(unpack::content(bytes, &path)?).ok()
 }
 
+/// The version of FMI that the bytes of an FMU are of; `None` where they are no FMU of these versions.
+#[must_use]
+pub fn version_of(bytes: &[u8]) -> Option<FmiVersion> {
+    let description = String::from_utf8(unpack::content(bytes, DESCRIPTION)?).ok()?;
+    let is_of = |version: &FmiVersion| description.contains(&format!("fmiVersion=\"{}\"", version.number()));
+    [FmiVersion::V2, FmiVersion::V3].into_iter().find(is_of)
+}
+
+/// Whether a file of this name is a source that all programs in C share, whatever their model.
+#[must_use]
+pub fn is_shared_source(name: &str) -> bool {
+    sources::is_shared(name)
+}
+
 /// What differs from FMU to FMU.
 struct Content {
     xml: String,
@@ -86,7 +102,7 @@ struct Content {
 fn packed(names: &Names, version: FmiVersion, runtime: Runtime, content: &Content) -> ExportedFile {
     let mut archive = Archive::default();
     // As it is: the first bytes of the archive name the program that wrote it.
-    archive.store("modelDescription.xml", content.xml.as_bytes());
+    archive.store(DESCRIPTION, content.xml.as_bytes());
     let icon: &[u8] = include_bytes!("icon.png");
     match version {
         FmiVersion::V2 => archive.add("model.png", icon),
@@ -105,7 +121,7 @@ fn packed(names: &Names, version: FmiVersion, runtime: Runtime, content: &Conten
     for (name, bytes) in &content.extra {
         archive.add(&format!("extra/{name}"), bytes);
     }
-    ExportedFile { name: format!("{}.fmu", names.file), content: archive.into_bytes() }
+    ExportedFile { name: format!("{}{}.fmu", names.file, version.suffix()), content: archive.into_bytes() }
 }
 
 /// The runtime without FMI, for programs in C: the numbers of the model as a header `NAME.h`, sources, and an example.

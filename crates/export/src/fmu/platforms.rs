@@ -11,6 +11,25 @@ pub enum FmiVersion {
     V3,
 }
 
+impl FmiVersion {
+    /// As model descriptions state it.
+    #[must_use]
+    pub fn number(self) -> &'static str {
+        match self {
+            FmiVersion::V2 => "2.0",
+            FmiVersion::V3 => "3.0",
+        }
+    }
+
+    /// What the names of FMUs of this version end in.
+    pub(super) fn suffix(self) -> &'static str {
+        match self {
+            FmiVersion::V2 => "_fmi2",
+            FmiVersion::V3 => "_fmi3",
+        }
+    }
+}
+
 /// What simulates: the bench, or any linear model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Runtime {

@@ -56,22 +56,50 @@ pub(super) fn of_linear() -> impl Iterator<Item = ExportedFile> {
     LINEAR.into_iter().map(|(name, text)| ExportedFile::text(name, text.to_owned()))
 }
 
+/// Whether a source or header is the same for all models.
+pub(super) fn is_shared(name: &str) -> bool {
+    BENCH.iter().chain(&LINEAR).any(|(shared, _)| *shared == name)
+}
+
+/// What the files and the numbers of one model are called in C, so that several models fit into one folder and one program.
+pub(super) struct CNames {
+    /// Name of the header.
+    pub(super) header: String,
+    /// Name of the example.
+    pub(super) example: String,
+    /// Name of the program that the example becomes.
+    pub(super) program: String,
+    /// Name of the numbers, in capitals.
+    pub(super) numbers: String,
+}
+
+impl CNames {
+    pub(super) fn of(names: &Names) -> Self {
+        let is_taken = is_shared(&format!("{}.h", names.file.to_ascii_lowercase()));
+        let file = if is_taken { format!("{}_model", names.file) } else { names.file.clone() };
+        // As it is in C, whatever the file is called.
+        let plain = Names::of(&names.file).file;
+        CNames {
+            header: format!("{file}.h"),
+            example: format!("{file}_example.c"),
+            program: format!("{file}_example"),
+            numbers: format!("{}_MODEL", plain.to_ascii_uppercase()),
+        }
+    }
+}
+
 /// Sources, numbers and an example for a program in C.
 pub(super) fn for_c(document: &BenchModelDocument, numbers: &BenchNumbers, names: &Names) -> Vec<ExportedFile> {
-    let header = format!("{}.h", header_name(names));
-    let example = example(&header, numbers);
+    let names = CNames::of(names);
     let sources = BENCH.into_iter().map(|(name, text)| ExportedFile::text(name, text.to_owned()));
-    let own = [ExportedFile::text(header, model_header(document, numbers)), ExportedFile::text("example.c", example)];
+    let own = [
+        ExportedFile::text(names.header.clone(), model_header(document, numbers, &names.numbers)),
+        ExportedFile::text(names.example.clone(), example(&names, numbers)),
+    ];
     own.into_iter().chain(sources).collect()
 }
 
-/// The header's name, where a bench has that of a source.
-fn header_name(names: &Names) -> String {
-    let is_taken = ["bench", "matrix", "example"].contains(&names.file.as_str());
-    if is_taken { format!("{}_model", names.file) } else { names.file.clone() }
-}
-
-fn model_header(document: &BenchModelDocument, numbers: &BenchNumbers) -> String {
+fn model_header(document: &BenchModelDocument, numbers: &BenchNumbers, name: &str) -> String {
     let rows: String = numbers
         .parameters
         .iter()
@@ -80,16 +108,17 @@ fn model_header(document: &BenchModelDocument, numbers: &BenchNumbers) -> String
         })
         .collect();
     format!(
-        "/* {} */\n#ifndef BENCH_MODEL_H\n#define BENCH_MODEL_H\n\n#include \"bench.h\"\n\n\
+        "/* {} */\n#ifndef {name}_H\n#define {name}_H\n\n#include \"bench.h\"\n\n\
          /* The numbers of the model, in the order of bench.h; 0 stands for a part that the model lacks. */\n\
-         static const double BENCH_MODEL[BENCH_PARAMETERS] = {{\n{rows}}};\n\n#endif\n",
+         static const double {name}[BENCH_PARAMETERS] = {{\n{rows}}};\n\n#endif\n",
         written_by(document).replace("*/", "")
     )
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-fn example(header: &str, numbers: &BenchNumbers) -> String {
+fn example(names: &CNames, numbers: &BenchNumbers) -> String {
+    let CNames { header, example, program, numbers: model } = names;
     let speed = csv::number(numbers.start_rad_s);
     let (mode, step) = if numbers.has_speed_control {
         ("BENCH_SPEED_CONTROL", "inputs.speed_demand_rad_s += 5.0;")
@@ -97,13 +126,13 @@ fn example(header: &str, numbers: &BenchNumbers) -> String {
         ("BENCH_TORQUE_CONTROL", "inputs.torque_demand_nm += 5.0;")
     };
     format!(
-        "/* Written by dynoid {VERSION}. A step of the demand after 0.1 s. Compile: cc -std=c99 -O2 example.c bench.c matrix.c -lm -o example */\n\
+        "/* Written by dynoid {VERSION}. A step of the demand after 0.1 s. Compile: cc -std=c99 -O2 {example} bench.c matrix.c -lm -o {program} */\n\
          #include <stdio.h>\n\n#include \"{header}\"\n\n\
          int main(void) {{\n    \
          static bench model;\n    \
          const bench_initial start = {{.speed_rad_s = {speed}}};\n    \
          bench_inputs inputs = {{.speed_demand_rad_s = {speed}}};\n    \
-         if (!bench_start(&model, BENCH_MODEL, {mode}, &start)) return 1;\n    \
+         if (!bench_start(&model, {model}, {mode}, &start)) return 1;\n    \
          for (int k = 0; k < 1000; k++) {{\n        \
          if (k == 100) {step}\n        \
          if (!bench_step(&model, &inputs, 1e-3)) return 1;\n        \

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use bench_model::document::{BenchModelDocument, Range};
-use bench_model::model::{BenchModel, PiController};
+use bench_model::model::{BenchModel, FeedForwardGains, PiController};
 
 use super::{html, number, text};
 use crate::ExportedFile;
@@ -87,6 +87,18 @@ fn demand_lead(model: &BenchModel) -> String {
     }
 }
 
+/// The model with the delays of ω_d* that the code of [`controller`] has: whole samples, of the demand that it takes.
+fn with_demand_of_code(model: &BenchModel) -> BenchModel {
+    let Some(pi) = model.speed_controller else { return model.clone() };
+    let (lag, feed_lag) = model.demand_lags();
+    let samples = |count: usize| count as f64 * pi.sample_time_s;
+    BenchModel {
+        speed_controller: Some(PiController { demand_delay_s: pi.delay_s + samples(lag), ..pi }),
+        feed_forward: model.feed_forward.map(|feed| FeedForwardGains { delay_s: samples(feed_lag), ..feed }),
+        ..model.clone()
+    }
+}
+
 /// The speed controller, with its demand as late as the recordings show.
 fn controller(model: &BenchModel, pi: &PiController) -> String {
     let (lag, feed_lag) = model.demand_lags();
@@ -129,7 +141,7 @@ fn documentation(document: &BenchModelDocument) -> String {
          <table border=\\\"1\\\">\n<tr><th></th><th></th><th>value</th><th>standard error</th><th>unit</th></tr>\n",
         html(&document.bench.name)
     );
-    for one in numbers::all(&document.model) {
+    for one in numbers::all(&with_demand_of_code(&document.model)) {
         let Some(value) = one.value else { continue };
         let error = one.parameter.and_then(|parameter| document.uncertainty.standard_error(parameter));
         let error = error.map_or_else(|| "exact".to_owned(), |(error, _)| format!("{error:.3e}"));
@@ -140,6 +152,13 @@ fn documentation(document: &BenchModelDocument) -> String {
         );
     }
     page.push_str("</table>\n");
+    if document.model.demand_lead() > 0 {
+        let _ = writeln!(
+            page,
+            "<p>Delays of w_d* are those of the demand that the model takes{}.</p>",
+            demand_lead(&document.model)
+        );
+    }
     let range = |name: &str, unit: &str, range: Option<Range>| {
         range.map(|(low, high)| format!("{name} {low:.4} … {high:.4} {unit}"))
     };

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use faer::MatRef;
 use ident::{Label, ModelDocument};
 
-use super::{number, text};
+use super::{number, text, units};
 use crate::levels;
 use crate::linear::Matrices;
 use crate::names::Names;
@@ -38,7 +38,9 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
 
 fn channels(out: &mut String, kind: &str, letter: &str, labels: &[Label]) {
     for (i, label) in labels.iter().enumerate() {
-        let _ = writeln!(out, "  {kind} Real {letter}{} \"{}, {}\";", i + 1, text(&label.name), text(&label.unit));
+        let unit = units::of_modelica(&label.unit).map(|unit| format!("(unit = \"{unit}\")")).unwrap_or_default();
+        let _ =
+            writeln!(out, "  {kind} Real {letter}{}{unit} \"{}, {}\";", i + 1, text(&label.name), text(&label.unit));
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod bench;
 mod linear;
+mod units;
 
 pub use bench::bench;
 pub use linear::linear;

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use bench_model::document::BenchModelDocument;
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter};
-use export::fmu::{DRAWS, FmiVersion, c_files, fmu, linear_fmu, model_in};
+use export::fmu::{DRAWS, FmiVersion, c_files, fmu, linear_fmu, model_in, version_of};
 use export::names::Names;
 use export::{ExportError, ExportedFile};
 
@@ -69,9 +69,12 @@ fn text(files: &BTreeMap<String, Vec<u8>>, path: &str) -> String {
 #[test]
 fn exact_an_fmu_has_all_its_parts_and_the_same_bytes_again() {
     let report = b"<html></html>".as_slice();
-    for (version, platforms) in [(FmiVersion::V2, 4), (FmiVersion::V3, 5)] {
+    for (version, name, platforms) in
+        [(FmiVersion::V2, "test_cell_4_fmi2.fmu", 4), (FmiVersion::V3, "test_cell_4_fmi3.fmu", 5)]
+    {
         let archive = fmu(&document(), &names(), version, Some(report)).unwrap();
-        assert_eq!(archive.name, "test_cell_4.fmu");
+        assert_eq!(archive.name, name, "both versions fit into one folder");
+        assert_eq!(version_of(&archive.content), Some(version));
         assert_eq!(archive, fmu(&document(), &names(), version, Some(report)).unwrap());
         assert!(archive.content[..512].windows(7).any(|bytes| bytes == b"dynoid "), "it names its program");
         let files = unpacked(&archive.content);
@@ -237,12 +240,39 @@ fn prop_wrong_calls_are_refused_and_no_calls_crash() {
     misused("linear_misuse", &linear, ("resources/linear.txt", 2), "linear");
 }
 
+/// Two benches, and a linear model, in one folder and in one program.
+#[test]
+fn regress_models_in_one_folder_of_c_share_only_what_is_the_same() {
+    let mut stiffer = document();
+    stiffer.model.mechanics.stiffness_nm_per_rad = 3000.0;
+    let (_, torques) = export::toolbox_models(&document()).unwrap().swap_remove(0);
+    let all = [
+        c_files(&document(), &names()).unwrap(),
+        c_files(&stiffer, &Names::of("bench")).unwrap(),
+        export::fmu::linear_c_files(&torques, &Names::of("linear"), "0.1.0").unwrap(),
+    ];
+    let mut found: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    for file in all.iter().flatten() {
+        let is_other = found.insert(file.name.clone(), file.content.clone()).is_some_and(|other| other != file.content);
+        assert!(!is_other, "{} is another file for each model", file.name);
+    }
+    let folder = folder_with("c_together", &all.concat());
+    let program = "#include <stdio.h>\n#include \"test_cell_4.h\"\n#include \"bench_model.h\"\n#include \"linear_model.h\"\n\
+        int main(void) {\n    printf(\"%g %g %d\\n\", TEST_CELL_4_MODEL[BENCH_STIFFNESS], BENCH_MODEL[BENCH_STIFFNESS], \
+        LINEAR_MODEL.inputs);\n    return 0;\n}\n";
+    std::fs::write(folder.join("together.c"), program).unwrap();
+    let arguments =
+        ["-std=c99", "-Wall", "-Werror", "together.c", "bench.c", "matrix.c", "linear.c", "-lm", "-o", "together"];
+    let Some(()) = compiled(&folder, &arguments) else { return };
+    assert_eq!(printed(&folder.join("together"), &[]).trim(), "2437.7 3000 2");
+}
+
 #[test]
 fn ref_a_program_in_c_simulates_as_the_program_does() {
     let document = document();
     let folder = folder_with("c_target", &c_files(&document, &names()).unwrap());
     let warnings = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
-    let files = ["example.c", "bench.c", "matrix.c", "-lm", "-o", "example"];
+    let files = ["test_cell_4_example.c", "bench.c", "matrix.c", "-lm", "-o", "example"];
     let Some(()) = compiled(&folder, &[&warnings[..], &files[..]].concat()) else { return };
     let said = printed(&folder.join("example"), &[]);
     // The same in the program: 170 rad/s, the middle of the range, and 5 rad/s more after 0.1 s.

@@ -125,7 +125,8 @@ fn ref_a_program_in_c_simulates_a_linear_model_as_the_program_does() {
     for (name, document) in [("c_arx", arx().0), ("c_torques", torques())] {
         let folder = folder_with(name, &linear_c_files(&document, &Names::of(name), VERSION).unwrap());
         let warnings = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
-        let Some(()) = compiled(&folder, &[&warnings[..], &["example.c", "linear.c", "-o", "example"]].concat()) else {
+        let example = format!("{name}_example.c");
+        let Some(()) = compiled(&folder, &[&warnings[..], &[&example, "linear.c", "-o", "example"]].concat()) else {
             return;
         };
         let said = printed(&folder.join("example"), &[]);

@@ -9,17 +9,21 @@
 #include "fmi3.h"
 
 static int messages, warnings, failures;
+/* The last message of an error. */
+static char said[256];
+
+static void keep(const char *message) { snprintf(said, sizeof said, "%s", message); }
 
 static void log2_(void *environment, const char *name, fmi2Status status, const char *category, const char *message, ...) {
-    (void)environment, (void)name, (void)category, (void)message;
+    (void)environment, (void)name, (void)category;
     if (status == fmi2Warning) warnings++;
-    else messages++;
+    else messages++, keep(message);
 }
 
 static void log3(void *environment, fmi3Status status, const char *category, const char *message) {
-    (void)environment, (void)category, (void)message;
+    (void)environment, (void)category;
     if (status == fmi3Warning) warnings++;
-    else messages++;
+    else messages++, keep(message);
 }
 
 static const fmi2CallbackFunctions CALLBACKS = {log2_, NULL, NULL, NULL, NULL};
@@ -110,6 +114,30 @@ static void wrong_steps(void) {
     HOLDS(fmi2DoStep(NULL, 0.0, 0.1, 1) == fmi2Error);
     HOLDS(fmi2SetReal(NULL, NULL, 0, NULL) == fmi2Error);
     fmi2FreeInstance(NULL);
+}
+
+/* A parameter that no bench has is refused with its name and its limit, and the value before stays. */
+static void named_limits(void) {
+    static const struct {
+        fmi2ValueReference reference;
+        fmi2Real value;
+        const char *said;
+    } CASES[] = {
+        {10, 0.0, "J_d must be a finite number above 0 kg m2"}, {12, -1.0, "K must be a finite number, 0 Nm/rad or above"},
+        {13, -1e-9, "B must be"},  {14, NAN, "K_p must be a finite number"}, {16, -1e-3, "tau_c must be a finite number, 0 s or above"},
+        {17, -1e-3, "tau_n must be"}, {21, -1e-3, "tau_t must be"}, {23, -1.0, "T_limit must be a finite number, 0 Nm or above"},
+        {16, 3.0, "tau_c + tau_t must be at most 508 T_s"}, {24, 3.0, "T_gate must be at most 508 T_s"},
+    };
+    fmi2Component c = started2(fmi2CoSimulation);
+    for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
+        fmi2Real before = 0.0, after = 1.0;
+        WORKS(fmi2GetReal(c, &CASES[k].reference, 1, &before));
+        FAILS(fmi2SetReal(c, &CASES[k].reference, 1, &CASES[k].value));
+        if (!strstr(said, CASES[k].said)) failures++, printf("said: %s, not: %s\n", said, CASES[k].said);
+        WORKS(fmi2GetReal(c, &CASES[k].reference, 1, &after));
+        HOLDS(before == after);
+    }
+    fmi2FreeInstance(c);
 }
 
 /* A loop that is not stable ends with an error, and an earlier state helps. */
@@ -296,6 +324,7 @@ int main(int count, char **arguments) {
     if (strcmp(arguments[4], "bench") == 0) {
         wrong_steps();
         unstable();
+        named_limits();
         states();
     } else {
         linear();

@@ -54,6 +54,37 @@ fn ref_rumoca_simulates_the_bench_within_its_tolerance() {
     }
 }
 
+/// Recordings have ω_d* two samples later than the controller has it: the code takes it early, and the table has the delays of the code.
+#[test]
+fn regress_the_table_of_parameters_has_the_delays_of_the_code() {
+    let mut early = document();
+    let pi = early.model.speed_controller.as_mut().unwrap();
+    (pi.delay_s, pi.demand_delay_s) = (2e-3, 0.0);
+    early.model.feed_forward.as_mut().unwrap().delay_s = -1e-3;
+    let text = String::from_utf8(modelica::bench(&early, &Names::of("early")).content).unwrap();
+    assert!(text.contains("error = w_d - past_0;") && text.contains("k * past_1 +"), "{text}");
+    let row = |name: &str| text.lines().find(|line| line.starts_with(&format!("<tr><td>{name}</td>"))).unwrap();
+    // The speed error has the delay of the PI controller alone, and the feed-forward one sample.
+    assert!(row("tau_n").contains("<td>0.002000</td>"), "{}", row("tau_n"));
+    assert!(row("tau_f").contains("<td>0.001000</td>"), "{}", row("tau_f"));
+    assert!(
+        text.contains("<p>Delays of w_d* are those of the demand that the model takes; recordings have it 2 T_s later")
+    );
+}
+
+#[test]
+fn exact_channels_of_linear_models_have_their_units() {
+    let (mut model, _) = arx();
+    let text = |model: &ident::ModelDocument| {
+        String::from_utf8(modelica::linear(model, &Names::of("arx"), "0.1.0").unwrap().content).unwrap()
+    };
+    let known = text(&model);
+    assert!(known.contains("input Real u1(unit = \"N.m\") \"T_demand, Nm\";"), "{known}");
+    assert!(known.contains("output Real y1(unit = \"rev/min\") \"N_dyno \\\"1\\\", rpm\";"), "{known}");
+    model.inputs[0].unit = "furlong".into();
+    assert!(text(&model).contains("input Real u1 \"T_demand, furlong\";"));
+}
+
 /// In a folder of its own: the exported classes are in it a second time.
 fn write_driven(folder: &std::path::Path, text: &str) {
     std::fs::create_dir_all(folder.join("driven")).unwrap();

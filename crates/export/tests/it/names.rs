@@ -10,7 +10,12 @@ fn exact_names_are_words_that_programs_take() {
     };
     let pair = |file: &str, class: &str| (file.to_owned(), class.to_owned());
     assert_eq!(of("Test cell 4"), pair("test_cell_4", "TestCell4"));
-    assert_eq!(of("Prüfstand/7 (neu)"), pair("pr_fstand_7_neu", "PrFstand7Neu"));
+    assert_eq!(of("Prüfstand/7 (neu)"), pair("pruefstand_7_neu", "Pruefstand7Neu"));
+    // The same with the umlaut as two characters, as files of macOS have it.
+    assert_eq!(of("Pru\u{308}fstand"), of("Prüfstand"));
+    assert_eq!(of("Ölprüfstand groß"), pair("oelpruefstand_gross", "OelpruefstandGross"));
+    assert_eq!(of("Prověřovací zkušebna č. 3"), pair("proverovaci_zkusebna_c_3", "ProverovaciZkusebnaC3"));
+    assert_eq!(of("Banc d’été Ça"), pair("banc_d_ete_ca", "BancDEteCa"));
     assert_eq!(of("4 north"), pair("bench_4_north", "Bench4North"));
     assert_eq!(of("TestCell4"), pair("testcell4", "TestCell4"));
     assert_eq!(of("試験"), pair("bench", "Bench"));

@@ -1,5 +1,6 @@
 """Reads parameter sets as XML: names, values, and units that are declared."""
 
+import math
 import pathlib
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -14,7 +15,10 @@ for file in files:
     parameters = list(root.find(SSV + "Parameters"))
     assert len({p.attrib["name"] for p in parameters}) == len(parameters)
     for parameter in parameters:
-        (value,) = list(parameter)
-        assert value.tag == SSV + "Float64" and [float(v) for v in value.attrib["value"].split()]
+        value, *dimensions = list(parameter)
+        assert value.tag == SSV + "Float64"
+        numbers = [float(v) for v in value.attrib["value"].split()]
+        assert all(dimension.tag == SSC + "Dimension" for dimension in dimensions)
+        assert len(numbers) == math.prod(int(dimension.attrib["size"]) for dimension in dimensions)
         assert value.attrib.get("unit") in declared | {None}
 print(len(files), "sets")

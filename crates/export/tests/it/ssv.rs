@@ -20,7 +20,9 @@ fn exact_parameters_have_their_values_and_units() {
     );
     assert!(text.contains("<ssc:Unit name=\"N.m/rad\"><ssc:BaseUnit kg=\"1\" m=\"2\" s=\"-2\" rad=\"-1\"/>"), "{text}");
     let uncertainty = String::from_utf8(files[1].content.clone()).unwrap();
-    assert!(uncertainty.contains("value=\"36.0 0.3 0.3 0.04\""), "{uncertainty}");
+    let matrix = "<ssv:Float64 value=\"36.0 0.3 0.3 0.04\"/><ssc:Dimension size=\"2\"/><ssc:Dimension size=\"2\"/>";
+    assert!(uncertainty.contains(matrix), "{uncertainty}");
+    assert_eq!(uncertainty.matches("<ssc:Dimension").count(), 4, "two matrices, all else scalars");
     assert_ne!(files[2].content, files[3].content);
 }
 

@@ -92,7 +92,7 @@ impl EstimateRecord {
         let parameters = model.parameters();
         let count = parameters.len();
         for (what, found) in
-            [("rows of the covariance", self.covariance.len()), ("parameters of the estimate", self.parameters.len())]
+            [("rows of `estimate.covariance`", self.covariance.len()), ("`estimate.parameters`", self.parameters.len())]
         {
             if found != count {
                 return Err(IdentError::Length { what, expected: count, found });
@@ -104,9 +104,9 @@ impl EstimateRecord {
         if self.degrees_of_freedom.is_nan() || self.degrees_of_freedom <= 0.0 {
             return Err(StructureError::DegreesOfFreedom { found: self.degrees_of_freedom }.into());
         }
-        let covariance = from_rows("covariance", &self.covariance, count, count)?;
+        let covariance = from_rows("`estimate.covariance`", &self.covariance, count, count)?;
         let outputs = self.noise_covariance.len();
-        let noise_covariance = from_rows("noise covariance", &self.noise_covariance, outputs, outputs)?;
+        let noise_covariance = from_rows("`estimate.noise_covariance`", &self.noise_covariance, outputs, outputs)?;
         check_covariance(&covariance)?;
         check_covariance(&noise_covariance)?;
         let names = model.parameter_names();

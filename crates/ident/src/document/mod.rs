@@ -27,12 +27,18 @@ pub struct DocumentHeader {
 }
 
 impl DocumentHeader {
+    /// Whether this is the `format` of a model file.
+    #[must_use]
+    pub fn is_format(format: &str) -> bool {
+        format == FORMAT
+    }
+
     /// Whether a document that begins so is understood here.
     ///
     /// # Errors
     /// [`IdentError::Document`] for another kind, [`IdentError::DocumentVersion`] for another version.
     pub fn check(&self) -> Result<(), IdentError> {
-        if self.format != FORMAT {
+        if !Self::is_format(&self.format) {
             return Err(IdentError::Document { found: self.format.clone(), expected: FORMAT.to_owned() });
         }
         if self.version != VERSION {
@@ -84,13 +90,14 @@ impl ModelDocument {
     /// Whether this is a document of the kind and version that is understood here.
     ///
     /// # Errors
-    /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel.
+    /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel; those of [`Self::fit`] where there is
+    /// a covariance.
     pub fn checked(self) -> Result<Self, IdentError> {
         use crate::LinearModel;
         DocumentHeader { format: self.format.clone(), version: self.version }.check()?;
         for (what, expected, found) in [
-            ("input labels", self.model.inputs(), self.inputs.len()),
-            ("output labels", self.model.outputs(), self.outputs.len()),
+            ("`inputs`", self.model.inputs(), self.inputs.len()),
+            ("`outputs`", self.model.outputs(), self.outputs.len()),
         ] {
             if expected != found {
                 return Err(IdentError::Length { what, expected, found });
@@ -100,11 +107,14 @@ impl ModelDocument {
             trend.check_channels(self.model.inputs(), self.model.outputs())?;
         }
         self.model.check_size()?;
+        if !(self.sample_time_s.is_finite() && self.sample_time_s > 0.0) {
+            return Err(IdentError::SampleTime { sample_time_s: self.sample_time_s });
+        }
         if let Some(own_s) = self.model.own_sample_time_s() {
             crate::data::check_clock(own_s, self.sample_time_s)?;
         }
-        if !(self.sample_time_s.is_finite() && self.sample_time_s > 0.0) {
-            return Err(IdentError::SampleTime { sample_time_s: self.sample_time_s });
+        if let Some(estimate) = self.estimate.as_ref().filter(|estimate| !estimate.covariance.is_empty()) {
+            estimate.to_fit(self.model.clone())?;
         }
         Ok(self)
     }

@@ -11,7 +11,7 @@ mod methods;
 mod parts;
 mod plots;
 mod provenance;
-mod replays;
+pub(crate) mod replays;
 mod submodels;
 pub(crate) mod verdict;
 mod whole;

@@ -10,13 +10,15 @@ use super::parts::stretch;
 use super::plots::{difference, thinned, trace_layer};
 use crate::wording::{capitalised, experiment, mode, number};
 
+/// What a replay is.
+pub(crate) const WHAT: &str = "The whole model runs on the recorded demand and on the engine torque reconstructed from N_e and \
+                               T_shaft. Its response is compared with the measurement.";
+
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Blocks {
-    let what = "The whole model runs on the recorded demand and on the engine torque reconstructed from N_e and \
-                T_shaft. Its response is compared with the measurement.";
     if study.replays.is_empty() {
         return vec![
-            Block::lead(what),
+            Block::lead(WHAT),
             Block::paragraph(
                 Prose::strong("No recording was replayed.")
                     .then(" The model as a whole has not been compared with a measurement."),
@@ -24,7 +26,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
         ]
         .into();
     }
-    let mut all = Blocks::from(Block::lead(what));
+    let mut all = Blocks::from(Block::lead(WHAT));
     all.push(overview(&study.replays));
     study.replays.iter().for_each(|one| all.push(replay(one)));
     all
@@ -70,7 +72,7 @@ fn replay(replay: &Replay) -> Blocks {
 }
 
 /// All signals below each other on one time axis, each with its fit.
-fn signals(replay: &Replay) -> Figure {
+pub(crate) fn signals(replay: &Replay) -> Figure {
     let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
     let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
     Figure {

@@ -198,8 +198,8 @@ fn regress_what_holds_no_model_is_refused_in_words() {
         words(&json.replace("\"format_version\":3", "\"format_version\":7"))
             .contains("version 7, where 2 to 3 are read")
     );
-    assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("calls itself “dynoid model”"));
+    assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("its `format` is “dynoid model”"));
     assert!(words("{}").contains("neither a bench model nor a study"));
-    assert!(words(&json[..json.len() / 2]).contains("neither a bench model nor a study"));
+    assert!(words(&json[..json.len() / 2]).contains("the file ends in the middle"));
     assert!(words(&report::json(&fixture::bare(), None)).contains("holds no bench model"));
 }

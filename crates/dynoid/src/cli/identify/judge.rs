@@ -37,17 +37,46 @@ pub(crate) enum MeetDetrend {
     None,
 }
 
+/// What recordings are for a bench model.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct BenchArguments {
+    /// With a bench model: the bench file, which names the channels [default: that of the study, if it is beside the model
+    /// or one folder up]
+    #[arg(long, value_name = "BENCH.toml", help_heading = "Bench model")]
+    pub(crate) bench: Option<PathBuf>,
+    /// With a bench model: how the dynamometer was controlled [default: by the label in the recording's name, such as
+    /// BS_T_NT]
+    #[arg(long, value_enum, value_name = "MODE", help_heading = "Bench model")]
+    pub(crate) mode: Option<Mode>,
+}
+
+/// Control mode of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Mode {
+    /// The dynamometer controls speed
+    Nt,
+    /// The dynamometer controls torque
+    Tn,
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   dynoid model compare arx.json ss.json --on unseen.mf4 --plot compare.html
-  dynoid model compare model.json --on unseen.mf4 --horizon 10")]
+  dynoid model compare model.json --on unseen.mf4 --horizon 10
+  dynoid model compare study/model.json --on BS_T_NT_1200.mf4 --plot compare.html
+
+A bench model runs on the recorded demand, and on the engine torque that N_e and T_shaft show.
+N_d, N_e, T_d, T_shaft and, in speed control, T_d* are compared. The ripple of the drive is no
+part of the model.")]
 pub(crate) struct CompareArguments {
     /// Model files
     #[arg(value_name = "MODEL.json", required = true)]
     pub(crate) models: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) meet: MeetArguments,
+    #[command(flatten)]
+    pub(crate) bench: BenchArguments,
     /// Compare predictions this many samples ahead instead of simulations
     #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) horizon: Option<usize>,
@@ -77,8 +106,18 @@ pub(crate) struct ResidualsArguments {
 Examples:
   dynoid model simulate model.json --on demand.mf4 --out simulated.csv
   dynoid model simulate model.json --on run.mf4 --from-rest --plot sim.html
+  dynoid model simulate study/model.json --on BS_T_NT_1200.mf4 --out simulated.mf4
 
-`dynoid experiment simulate` simulates a whole bench.")]
+A bench model runs on the recorded demand, and on the engine torque that N_e and T_shaft show.
+`dynoid experiment simulate` simulates an experiment that was not recorded.")]
+pub(crate) struct SimulateModelArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    #[command(flatten)]
+    pub(crate) bench: BenchArguments,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     /// The model file
     #[arg(value_name = "MODEL.json")]

@@ -19,7 +19,8 @@ pub(crate) use fit::{
 };
 pub(crate) use greybox::GreyBoxArguments;
 pub(crate) use judge::{
-    CompareArguments, MeetArguments, MeetDetrend, PredictArguments, ResidualsArguments, RunArguments,
+    BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, PredictArguments, ResidualsArguments,
+    RunArguments, SimulateModelArguments,
 };
 pub(crate) use show::{CurveArguments, ModelArguments};
 
@@ -74,7 +75,7 @@ pub(crate) enum ModelCommand {
     /// Predict the outputs of a recording some samples ahead
     Predict(PredictArguments),
     /// Simulate a model on the inputs of a recording
-    Simulate(RunArguments),
+    Simulate(SimulateModelArguments),
     /// Convert a model: transfer function, poles and zeros, state space
     Convert(ModelConvertArguments),
 }

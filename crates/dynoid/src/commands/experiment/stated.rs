@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
-use bench_model::model::{AssembledModel, BenchModel};
+use ::bench_model::model::{AssembledModel, BenchModel};
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
 use rig::facts::StatedInertia;
 use virtual_bench::StatedBench;
 
+use crate::commands::bench_model::{self, Kind};
 use crate::commands::study::read_bench;
 use crate::error::CliError;
 use crate::input;
 use crate::terminal::Terminal;
+
+const WANTED: &str = "a model.json or study.json as `dynoid study` writes, or an FMU of dynoid";
 
 /// Inertias that differ by more than this part are not the same.
 const SAME_INERTIA: f64 = 1e-3;
@@ -74,7 +77,7 @@ impl Bench {
     }
 
     fn any_model(&self) -> BenchModel {
-        let model = bench_model::model::BenchModel::of(&self.stated.parameters);
+        let model = BenchModel::of(&self.stated.parameters);
         let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
         BenchModel {
             speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),
@@ -85,6 +88,12 @@ impl Bench {
 }
 
 fn read_model(path: &Path) -> Result<AssembledModel, CliError> {
-    let text = crate::commands::bench_model::text(path, "a model.json or study.json as `dynoid study` writes")?;
-    report::model(&text).map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
+    let text = bench_model::text(path, WANTED)?;
+    match Kind::of(&text) {
+        Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
+        Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
+        Kind::Bench | Kind::Study => {
+            report::model(&text).map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
+        }
+    }
 }

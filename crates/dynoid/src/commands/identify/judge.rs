@@ -13,8 +13,11 @@ use toolbox_report::words::growing_pole;
 use super::data::{Files, Loaded, Note, say};
 use super::operating_point::taken_off;
 use super::sources::which_data;
-use super::{model_file, recorded};
-use crate::cli::identify::{CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments};
+use super::{bench_replay, model_file, recorded};
+use crate::cli::identify::{
+    BenchArguments, CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments,
+    SimulateModelArguments,
+};
 use crate::commands::result::{check_plot, check_targets, show, show_with};
 use crate::error::{CliError, Outcome};
 use crate::formats::{FileFormat, check_replaceable};
@@ -26,6 +29,10 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
     if arguments.horizon == Some(0) {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
+    if let Some(models) = bench_replay::Named::all(&arguments.models)? {
+        return bench_replay::compare(&models, arguments, terminal);
+    }
+    no_bench_options(&arguments.bench)?;
     let all = meetings(arguments, terminal)?;
     show(&arguments.result, || compare::page(&all), || compare::json(&all), terminal)?;
     for met in &all {
@@ -122,8 +129,21 @@ pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal)
 }
 
 /// `dynoid model simulate`
-pub(crate) fn simulate(arguments: &RunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    run(arguments, "simulated", None, terminal)
+pub(crate) fn simulate(arguments: &SimulateModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let SimulateModelArguments { run: of_run, bench } = arguments;
+    if let Some(model) = bench_replay::Named::all(std::slice::from_ref(&of_run.model))?.and_then(|mut all| all.pop()) {
+        return bench_replay::simulate(model, of_run, bench, terminal);
+    }
+    no_bench_options(bench)?;
+    run(of_run, "simulated", None, terminal)
+}
+
+/// Refuses options of bench models where the models are linear.
+fn no_bench_options(given: &BenchArguments) -> Result<(), CliError> {
+    match given.bench.is_some() || given.mode.is_some() {
+        true => Err(CliError::Usage { what: "--bench and --mode belong to bench models; leave them out".to_owned() }),
+        false => Ok(()),
+    }
 }
 
 /// `dynoid model predict`

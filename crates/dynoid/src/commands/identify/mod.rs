@@ -1,5 +1,6 @@
 //! Identification of linear models from any recording: the library `ident` at the command line.
 
+mod bench_replay;
 pub(crate) mod convert;
 mod data;
 pub(crate) mod explore;

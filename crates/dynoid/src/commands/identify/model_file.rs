@@ -2,55 +2,70 @@
 
 use std::path::Path;
 
-use ::bench_model::document::{BenchModelDocument, format_of};
+use ::bench_model::document::{BenchModelDocument, from_json};
 use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
-use ident::{DocumentHeader, Experiment, IdentError, Intersample, ModelDocument};
+use ident::{DocumentHeader, Experiment, Intersample, ModelDocument};
 use toolbox_report::data::Purpose;
 use units::may_be_same;
 
 use super::data::{Files, Gaps, Loaded, take_about};
 use super::operating_point;
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
-use crate::commands::bench_model;
+use crate::commands::bench_model::{self, Kind};
 use crate::error::CliError;
+
+const WANTED: &str = "a model file as `dynoid fit … --out model.json` writes";
+const ANY: &str = "a model file as `dynoid fit` or `dynoid study` writes, or an FMU of dynoid";
 
 /// Reads a model file.
 pub(in crate::commands) fn read(path: &Path) -> Result<ModelDocument, CliError> {
-    of_text(path, &bench_model::text(path, "a model file as `dynoid fit … --out model.json` writes")?)
+    of_text(path, &bench_model::text(path, WANTED)?)
 }
 
 /// The model that the text of a file holds.
 pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<ModelDocument, CliError> {
+    match Kind::of(text) {
+        Kind::Linear => {}
+        Kind::Bench => return Err(CliError::IsBenchModel { path: path.to_owned() }),
+        Kind::Study => return Err(CliError::IsStudy { path: path.to_owned() }),
+        Kind::Other => return Err(bench_model::no_model(path, text, WANTED)),
+    }
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    match format_of(text) {
-        Some(format) if BenchModelDocument::is_format(&format) => {
-            return Err(CliError::IsBenchModel { path: path.to_owned() });
-        }
-        Some(format) if report::is_study(&format) => return Err(CliError::IsStudy { path: path.to_owned() }),
-        _ => {}
-    }
     // First of all what it is: a later version may have another layout.
-    match serde_json::from_str::<DocumentHeader>(text).map(|header| header.check()) {
-        Err(error) => return Err(wrong(error.to_string())),
-        Ok(Err(source @ IdentError::DocumentVersion { .. })) => {
-            return Err(CliError::ModelVersion { path: path.to_owned(), source });
-        }
-        Ok(known) => known.map_err(|error| wrong(error.to_string()))?,
-    }
-    let document: ModelDocument = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
+    let header: DocumentHeader = from_json(text).map_err(|fault| wrong(fault.to_string()))?;
+    header.check().map_err(|source| CliError::ModelVersion { path: path.to_owned(), source })?;
+    let document: ModelDocument = from_json(text).map_err(|fault| wrong(fault.to_string()))?;
     document.checked().map_err(|error| wrong(error.to_string()))
+}
+
+/// A model of either kind.
+pub(in crate::commands) enum AnyModelFile {
+    Bench(Box<BenchModelDocument>),
+    Linear(Box<ModelDocument>),
+}
+
+impl AnyModelFile {
+    /// The model in a file, whichever kind it is.
+    pub(in crate::commands) fn read(path: &Path) -> Result<Self, CliError> {
+        let text = bench_model::text(path, ANY)?;
+        match Kind::of(&text) {
+            Kind::Bench => Ok(AnyModelFile::Bench(Box::new(bench_model::of_text(path, &text)?))),
+            Kind::Linear => Ok(AnyModelFile::Linear(Box::new(of_text(path, &text)?))),
+            Kind::Study => Err(CliError::IsStudy { path: path.to_owned() }),
+            Kind::Other => Err(bench_model::no_model(path, &text, ANY)),
+        }
+    }
 }
 
 /// Reads a model file, or a bench model as linear models: each with its name.
 pub(super) fn read_all(path: &Path) -> Result<Vec<(String, ModelDocument)>, CliError> {
     let name = name(path);
-    let text = bench_model::text(path, "a model file as `dynoid fit` or `dynoid study` writes")?;
-    if !format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
-        return Ok(vec![(name, read(path)?)]);
-    }
-    let bench = bench_model::of_text(path, &text)?;
+    let bench = match AnyModelFile::read(path)? {
+        AnyModelFile::Linear(document) => return Ok(vec![(name, *document)]),
+        AnyModelFile::Bench(bench) => bench,
+    };
     let models = export::toolbox_models(&bench).map_err(|source| CliError::Export { path: path.to_owned(), source })?;
     Ok(models.into_iter().map(|(mode, document)| (format!("{name} {mode}"), document)).collect())
 }

@@ -18,7 +18,7 @@ use crate::{ExportError, ExportedFile};
 use description::Description;
 use model::LinearNumbers;
 
-/// The FMU of a linear model, `NAME.fmu`; `version` is that of the program. The same model gives the same bytes.
+/// The FMU of a linear model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`; `version` is that of the program. The same model gives the same bytes.
 ///
 /// # Errors
 /// [`ExportError::Model`] where the model has no state space, [`ExportError::TooLarge`] where the runtime cannot hold it.
