@@ -55,6 +55,8 @@ const MODEL_ERRORS: [(Quantity, f64); 3] =
     [(Quantity::Stiffness, 8e-4), (Quantity::Damping, 4e-3), (Quantity::DynoInertia, 8e-4)];
 /// The same of the skews, s.
 const SKEW_ERROR_S: f64 = 1e-5;
+/// So much of a recording shows whether speeds are exchanged, s: it changes what is left a thousandfold.
+const EXCHANGE_S: f64 = 60.0;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -116,7 +118,8 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
 /// # Errors
 /// Those of [`estimate`].
 pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> {
-    let stretch = inputs.stretch()?;
+    let whole = inputs.stretch()?;
+    let stretch = Stretch { end_s: whole.end_s.min(whole.start_s + EXCHANGE_S), ..whole };
     // From no skew at all: far skews make up for some of an exchange.
     let misfit = |inputs: &ShaftInputs<'_>| -> Result<f64, EstimateError> {
         let mut start = Solution::of(inputs, &stretch, Unknowns::ShaftWithoutTiming)?.fit.fit.parameters;
