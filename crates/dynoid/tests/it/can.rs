@@ -147,6 +147,16 @@ fn exact_the_map_names_what_binds() {
 }
 
 #[test]
+fn regress_a_map_without_limits_says_so_and_gives_no_yes() {
+    let campaign = campaign();
+    campaign.write("bench.toml", BENCH.replace("[channels]", "[shaft]\nresonance = \"18 Hz\"\n[channels]").as_bytes());
+    let map = ["can", "bench.toml", "map", "--samples", "5", "--want", "20 rpm at 2 Hz"];
+    let (asked, allowed) = (campaign.run(&map), campaign.run(&[&map[..], &["--allow-unchecked"]].concat()));
+    assert_eq!((asked.code, allowed.code), (Some(1), Some(0)), "{}", asked.stderr);
+    assert!(asked.stderr.contains("shaft_torque") && asked.stderr.contains("[limits]"), "{}", asked.stderr);
+}
+
+#[test]
 fn exact_a_wanted_sine_and_gradient_are_answered() {
     let campaign = campaign();
     let map = ["can", "bench.toml", "map", "--samples", "20"];

@@ -4,6 +4,7 @@ use capability::gradient::gradients;
 use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted, WantedAnswer};
 use report::can::MapPage;
+use rig::bench_file::Limits;
 use serde_json::json;
 use units::RPM_RAD_S;
 
@@ -43,6 +44,13 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         samples: arguments.samples as usize,
         seed: arguments.on.plan.seed(),
     };
+    let unstated = unstated(&limits);
+    if !unstated.is_empty() {
+        let names = unstated.join(", ");
+        terminal.warning(&format!(
+            "the map does not count limits that the bench file does not state: {names}; write them in [limits]"
+        ));
+    }
     let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
     let maps = [SineOf::Speed, SineOf::Torque]
         .into_iter()
@@ -58,9 +66,18 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
     let shown =
         MapPage { title: &title, maps: &maps, in_table_hz: &FREQUENCIES_HZ, gradients: &gradients, wanted: &answers };
-    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "wanted": answers, "maps": maps, "gradients": gradients});
+    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "wanted": answers, "maps": maps, "gradients": gradients});
     show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
-    Ok(if answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
+    // A yes that leaves a limit out is none, as for a test.
+    let is_complete = answers.is_empty() || unstated.is_empty() || arguments.allow_unchecked;
+    Ok(if is_complete && answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
+}
+
+/// Limits that every map needs, by their names in the bench file, of those that it does not state.
+fn unstated(limits: &Limits) -> Vec<&'static str> {
+    let needed =
+        [("torque", limits.torque_nm), ("shaft_torque", limits.shaft_torque_nm), ("speed", limits.speed_rad_s)];
+    needed.into_iter().filter(|(_, limit)| limit.is_none()).map(|(name, _)| name).collect()
 }
 
 /// Frequencies of table and figure, growing, Hz.
