@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cycle::{EngineMap, Reference, Rule, Scales, SpeedScale};
+use numerics::order::upper_median;
 use recording::{Channel, Recording, Selection};
 use units::{Quantity, parse_unit_of};
 
@@ -40,8 +41,10 @@ pub(super) fn read(
         return Err(fault("speed and torque need one time, with three rows or more".to_owned()));
     }
     let course = course((speed, torque), map).map_err(fault)?;
-    let step_s = step_s(&time_s).map_err(fault)?;
-    if let Some(words) = gaps(&time_s) {
+    let usual_s = usual_s(&time_s).map_err(fault)?;
+    // Points further apart than a second have points each second in between.
+    let step_s = 1.0 / (1.0 / usual_s).round().clamp(1.0, 1.0 / LEAST_STEP_S);
+    if let Some(words) = gaps(&time_s, usual_s) {
         terminal.warning(&format!("{}: {words}", paths::with_slashes(path)));
     }
     let (speeds, torques) = evenly(&time_s, &course, step_s).into_iter().unzip();
@@ -110,24 +113,17 @@ fn percent(channel: &Channel) -> Option<Vec<f64>> {
     Some(channel.samples.iter().map(|value| 100.0 * unit.to_si(*value)).collect())
 }
 
-/// The time between points: that of most rows, or 1 s if they are further apart.
-fn step_s(time_s: &[f64]) -> Result<f64, String> {
+/// The median time from row to row, s.
+fn usual_s(time_s: &[f64]) -> Result<f64, String> {
     if let Some(row) = time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(format!("row {}: time does not rise; sort the rows", row + 2));
     }
-    Ok(1.0 / (1.0 / usual_s(time_s)).round().clamp(1.0, 1.0 / LEAST_STEP_S))
-}
-
-/// The median time from row to row, s.
-fn usual_s(time_s: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps[steps.len() / 2]
+    upper_median(&mut steps).ok_or_else(|| "there are no rows".to_owned())
 }
 
 /// Gaps of an even table, in words. A table with steps of many lengths gives the corners of its course on purpose.
-fn gaps(time_s: &[f64]) -> Option<String> {
-    let usual_s = usual_s(time_s);
+fn gaps(time_s: &[f64], usual_s: f64) -> Option<String> {
     let steps = || time_s.windows(2).map(|pair| pair[1] - pair[0]);
     let is_usual = |step: f64| (step - usual_s).abs() < 0.1 * usual_s;
     let usual = steps().filter(|step| is_usual(*step)).count();
