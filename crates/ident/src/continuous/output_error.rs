@@ -86,8 +86,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         let mut columns = Vec::new();
         if self.nuisance.initial_state {
             for part in ready {
-                let (c, _) = part.companion.output();
-                columns.append(&mut part.companion.sampled(self.intersample)?.free_responses(&c, length));
+                columns.append(&mut part.companion.free_responses(self.intersample, length)?);
             }
         }
         if self.nuisance.offset {

@@ -103,7 +103,6 @@ impl Structure<'_> {
         filter: &[f64],
         model: Option<&Estimate>,
     ) -> Result<Vec<Vec<f64>>, IdentError> {
-        let n = self.poles;
         let y = filled(record);
         let (mut from_y, target) = derivatives(&[&y], record.first, (filter, 0.0), Intersample::FirstOrderHold)?;
         let mut columns = vec![target];
@@ -119,12 +118,10 @@ impl Structure<'_> {
         from_y.iter_mut().flatten().for_each(|v| *v = -*v);
         columns.extend(from_y.drain(self.integrators..));
         let length = record.output.len() - record.first;
-        let sampled = Companion::monic(filter, &[1.0], 0.0).sampled(self.intersample)?;
-        let mut first_state = vec![0.0; n];
-        first_state.iter_mut().take(1).for_each(|v| *v = 1.0);
-        columns.extend(sampled.free_responses(&first_state, length).into_iter().map(|mut free| {
-            free.resize(length, 0.0);
-            free
+        let free = Companion::monic(filter, &[1.0], 0.0).free_responses(self.intersample, length)?;
+        columns.extend(free.into_iter().map(|mut response| {
+            response.resize(length, 0.0);
+            response
         }));
         if self.offset {
             columns.push(vec![1.0; length]);

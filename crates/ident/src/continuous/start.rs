@@ -136,11 +136,8 @@ fn judge(structure: &Structure<'_>, records: &[Record<'_>], estimate: Estimate) 
 fn left_over(structure: &Structure<'_>, record: &Record<'_>, estimate: &Estimate) -> Result<f64, IdentError> {
     let mut error = simulated_error(structure, record, estimate)?;
     let length = record.output.len() - record.first;
-    let n = estimate.a.len();
-    let sampled = Companion::monic(&estimate.a, &[1.0], 0.0).sampled(structure.intersample)?;
-    let mut first_state = vec![0.0; n];
-    first_state.iter_mut().take(1).for_each(|v| *v = 1.0);
-    let mut columns = sampled.free_responses(&first_state, length);
+    let poles = Companion::monic(&estimate.a, &[1.0], 0.0);
+    let mut columns = poles.free_responses(structure.intersample, length)?;
     if structure.offset {
         columns.push(vec![1.0; length]);
     }
