@@ -52,9 +52,11 @@ fn interval(study: &Study, of: &DescribedParameter) -> Option<(f64, f64)> {
         ModelParameter::SpeedFeedForward | ModelParameter::AccelerationFeedForward => {
             &study.feed_forward.estimated()?.estimate
         }
-        ModelParameter::TorqueControlBandwidth => &study.torque_control.estimated()?.delay_and_lag,
-        // The delay is brought to the clock of T_d*, and J_e is what the bench file and the recordings give together.
-        ModelParameter::TorqueControlDelay | ModelParameter::EngineInertia => return None,
+        ModelParameter::TorqueControlDelay | ModelParameter::TorqueControlBandwidth => {
+            &study.torque_control.estimated()?.delay_and_lag
+        }
+        // J_e is what the bench file and the recordings give together.
+        ModelParameter::EngineInertia => return None,
     };
     let found = estimate.parameter(of.parameter.quantity())?;
     (found.value == of.value).then_some(found.interval)

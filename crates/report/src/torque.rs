@@ -5,7 +5,7 @@ use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
 use part_torque::torque_smoother::TorqueSource;
 use rig::Role;
-use rig::results::{Parameter, SignalDelay, Trace};
+use rig::results::{Parameter, Quantity, SignalDelay, TorqueControl, Trace};
 
 use crate::wording::number;
 
@@ -62,6 +62,24 @@ pub fn early(what: &str, delay: &Parameter) -> Option<String> {
             number::interval(delay)
         )
     })
+}
+
+/// Whether the delay of the torque control is without the skew of T_d,calc, in words.
+pub fn clock_of_delay(part: &TorqueControl) -> String {
+    let recorded = |skew: &Parameter| {
+        let delay = part.delay_and_lag.parameter(Quantity::TorqueControlDelay)?;
+        Some(number::duration(delay.value + skew.value))
+    };
+    match &part.torque_skew {
+        Some(skew) => format!(
+            "The delay is without the skew of T_d,calc against N_d, {}, from the estimate of the shaft. As recorded, the delay is {}.",
+            number::parameter(skew),
+            recorded(skew).unwrap_or_else(|| number::NOT_KNOWN.to_owned())
+        ),
+        None => "The delay is as recorded: if the clock of T_d,calc is late, the delay contains it. No estimate of the shaft \
+                 shows how late."
+            .to_owned(),
+    }
 }
 
 /// Those of some parameters that are delays below zero, in words.

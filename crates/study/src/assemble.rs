@@ -4,7 +4,7 @@ use bench_model::model::{
     AssembledModel, BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
     PiController, TorqueControlModel,
 };
-use rig::facts::{BenchFacts, BenchVariant};
+use rig::facts::BenchFacts;
 use rig::results::{Estimate, FeedForward, Quantity, Shaft, SpeedController, TorqueControl};
 
 /// Parts of a study that make up a model. Only the shaft is indispensable.
@@ -18,7 +18,7 @@ pub struct StudyParts<'a> {
     pub speed_controller: Option<&'a SpeedController>,
     /// k, k_a.
     pub feed_forward: Option<&'a FeedForward>,
-    /// τ and a of delay and lag.
+    /// τ and a of delay and lag, without the skew of T_d,calc.
     pub torque_control: Option<&'a TorqueControl>,
     /// Time over which an encoder averages the speed, s.
     pub encoder_gate_s: f64,
@@ -45,12 +45,12 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         stiffness_nm_per_rad: value(shaft, ModelParameter::Stiffness)?,
         damping_nm_s_per_rad: value(shaft, ModelParameter::Damping)?,
     };
-    let torque_control = torque_control_on_one_clock(parts);
+    let torque_control = parts.torque_control.map(|part| &part.delay_and_lag);
     let model = BenchModel {
         mechanics,
         speed_controller: parts.speed_controller.and_then(|part| controller(part, parts.feed_forward)),
         feed_forward: parts.feed_forward.and_then(|part| feed_forward(part, parts.speed_controller?.sample_time_s)),
-        torque_control: torque_control.as_ref().and_then(torque_control_model),
+        torque_control: torque_control.and_then(torque_control_model),
         torque_limit_nm: facts.torque_limit_nm,
         encoder_gate_s: parts.encoder_gate_s,
     };
@@ -58,7 +58,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         Some((shaft, if inertia.is_some() { SHAFT_AND_INERTIA } else { SHAFT })),
         parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
         parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
-        torque_control.as_ref().map(|t| (t, TORQUE_CONTROL)),
+        torque_control.map(|t| (t, TORQUE_CONTROL)),
     ]
     .into_iter()
     .flatten()
@@ -115,20 +115,6 @@ fn feed_forward(part: &FeedForward, sample_time_s: f64) -> Option<FeedForwardGai
         acceleration_nm_s2_per_rad: value(&part.estimate, ModelParameter::AccelerationFeedForward)?,
         delay_s: f64::from(part.lags.feed_forward) * sample_time_s,
     })
-}
-
-/// τ and a without what only the clock of T_d,calc adds to τ: its skew against N_d, and with it against T_d*, which the
-/// shaft's estimate finds where T_d,calc is its torque.
-fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
-    let mut estimate = parts.torque_control?.delay_and_lag.clone();
-    let delay = estimate.place(Quantity::TorqueControlDelay)?;
-    if let (BenchVariant::LoadCell, Some(skew)) =
-        (parts.facts.variant, parts.shaft.estimate.parameter(Quantity::AirGapTorqueSkew))
-    {
-        estimate.parameters[delay].value -= skew.value;
-        *estimate.covariance.get_mut(delay)?.get_mut(delay)? += skew.standard_error.powi(2);
-    }
-    Some(estimate)
 }
 
 fn torque_control_model(estimate: &Estimate) -> Option<TorqueControlModel> {

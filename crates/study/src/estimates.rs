@@ -14,7 +14,7 @@ use part_torque::timing;
 use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::first;
 use rig::experiment::{Choice, Sought};
-use rig::facts::StatedInertia;
+use rig::facts::{BenchVariant, StatedInertia};
 use rig::results::{
     Estimate, FeedForward, Outcome, Parameter, Part, Quantity, Reason, Shaft, SpeedController, Timing, TorqueControl,
 };
@@ -63,7 +63,8 @@ pub(super) struct Estimates {
 pub(super) struct Fits<'p> {
     pub(super) controller: Result<&'p SpeedControllerFit, Vec<Reason>>,
     pub(super) feed_forward: Result<FeedForward, Vec<Reason>>,
-    pub(super) torque_control: Result<&'p TorqueControlFit, Vec<Reason>>,
+    /// Its delays are without the skew of T_d,calc, where the shaft shows one.
+    pub(super) torque_control: Result<TorqueControlFit, Vec<Reason>>,
     pub(super) shaft: Result<Shaft, Vec<Reason>>,
     /// From which recording each is, and why.
     pub(super) choices: Vec<Choice>,
@@ -85,12 +86,15 @@ impl<'p> Fits<'p> {
             inertias.as_ref().map(|chosen| &chosen.choice),
         ];
         let choices = choices.into_iter().flatten().cloned().collect();
+        let shaft_estimate = shaft.ok().map(|chosen| &chosen.fit.estimate);
+        let torque_skew = shaft_estimate.and_then(|estimate| estimate.parameter(Quantity::AirGapTorqueSkew));
+        let torque_skew = torque_skew.filter(|_| parts.bench.variant == BenchVariant::LoadCell);
         let inertias = inertias.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
         Fits {
             choices,
             controller: controller.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
             feed_forward: feed_forward.map(|chosen| chosen.fit.as_ref().clone()),
-            torque_control: torque_control.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
+            torque_control: torque_control.map(|chosen| without_skew(&chosen.fit, torque_skew)).map_err(Clone::clone),
             shaft: shaft.map(|chosen| Shaft { inertias, ..chosen.fit.as_ref().clone() }).map_err(Clone::clone),
         }
     }
@@ -101,8 +105,17 @@ impl<'p> Fits<'p> {
             shaft: self.shaft.as_ref().ok()?,
             controller: self.controller.as_ref().ok().copied(),
             feed_forward: self.feed_forward.as_ref().ok(),
-            torque_control: self.torque_control.as_ref().ok().copied(),
+            torque_control: self.torque_control.as_ref().ok(),
         })
+    }
+}
+
+/// The torque control on the clock of N_d. On a bench with a load cell, the shaft's estimate dates T_d,calc, which is its torque.
+fn without_skew(fit: &TorqueControlFit, torque_skew: Option<&Parameter>) -> TorqueControlFit {
+    let recorded = fit.clone();
+    match torque_skew {
+        Some(skew) => TorqueControlFit { result: recorded.result.without_skew(skew), ..recorded },
+        None => recorded,
     }
 }
 
@@ -135,7 +148,7 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         timing: timing.into(),
         speed_controller: fits.controller.map(|c| c.result.clone()).into(),
         feed_forward: fits.feed_forward.into(),
-        torque_control: fits.torque_control.map(|t| t.result.clone()).into(),
+        torque_control: fits.torque_control.map(|t| t.result).into(),
         shaft: fits.shaft.into(),
         whole: analysis.into(),
         model,
@@ -155,7 +168,7 @@ fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
     if let Ok(feed_forward) = &fits.feed_forward {
         findings.doubt_residuals(Part::FeedForward, &feed_forward.validation);
     }
-    if let Ok(fit) = fits.torque_control {
+    if let Ok(fit) = &fits.torque_control {
         findings.diagnostics.extend(fit.diagnostics.iter().cloned());
     }
 }

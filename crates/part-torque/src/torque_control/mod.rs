@@ -170,7 +170,13 @@ pub fn estimate_unseparated(
     delay_and_lag.add_systematic(&[Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay], floor);
     pure_delay.add_systematic(&[Quantity::TorqueControlDelay], floor);
     let fit = TorqueControlFit {
-        result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
+        result: TorqueControl {
+            pure_delay,
+            delay_and_lag,
+            pure_delay_validation,
+            delay_and_lag_validation,
+            torque_skew: None,
+        },
         model: lagged.model,
         gain: lagged.gain,
         diagnostics,

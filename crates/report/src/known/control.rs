@@ -103,6 +103,9 @@ pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<
                 "A delay alone follows the same stretch with {}.",
                 number::fit(part.pure_delay_validation.fit_percent)
             ));
+            if own.quantity != Quantity::TorqueControlBandwidth {
+                why.push(torque::clock_of_delay(part));
+            }
             why.extend(torque::early(own.quantity.symbol(), own).map(|text| text + "."));
             why.extend(sampling(study, part, own));
             why.extend(analyses.and_then(|found| {

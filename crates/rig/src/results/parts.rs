@@ -137,6 +137,26 @@ pub struct TorqueControl {
     pub pure_delay_validation: Validation,
     /// Held-out data, delay and lag.
     pub delay_and_lag_validation: Validation,
+    /// Skew δ_T of T_d,calc in s that the delays are without; `None` where they are as recorded and may contain one.
+    pub torque_skew: Option<Parameter>,
+}
+
+impl TorqueControl {
+    /// The same without what the clock of T_d,calc adds to the delays: its skew against N_d, and with it against T_d*.
+    ///
+    /// The errors count as independent. Where the shaft was estimated from the torque that this model gives, both contain the
+    /// error of τ, which the difference does not: the uncertainty is then too large rather than too small.
+    #[must_use]
+    pub fn without_skew(mut self, skew: &Parameter) -> Self {
+        let delays = [Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay];
+        for estimate in [&mut self.pure_delay, &mut self.delay_and_lag] {
+            let moved = estimate.parameters.iter_mut().filter(|one| delays.contains(&one.quantity));
+            moved.for_each(|one| one.value -= skew.value);
+            estimate.add_systematic(&delays, skew.standard_error);
+        }
+        self.torque_skew = Some(skew.clone());
+        self
+    }
 }
 
 /// Shaft: T_shaft = K ∫(ω_e − ω_d) dt + B (ω_e − ω_d).

@@ -85,7 +85,7 @@ fn truth(quantity: Quantity) -> Option<f64> {
         Quantity::SpeedFeedForward => truth.speed_feed_forward_nm_s_per_rad,
         Quantity::AccelerationFeedForward => truth.acceleration_feed_forward_nm_s2_per_rad,
         Quantity::TorqueControlBandwidth => drive.bandwidth_rad_s,
-        Quantity::TorqueControlDelay => drive.delay_s + clocks.torque_skew_s,
+        Quantity::TorqueControlDelay => drive.delay_s,
         Quantity::ResonanceFrequency => truth.resonance_hz,
         _ => return None,
     })

@@ -74,7 +74,7 @@ impl Drawn {
             Quantity::SpeedFeedForward => controller.speed_feed_forward_nm_s_per_rad,
             Quantity::AccelerationFeedForward => controller.acceleration_feed_forward_nm_s2_per_rad,
             Quantity::TorqueControlBandwidth => drive.bandwidth_rad_s,
-            Quantity::TorqueControlDelay => drive.delay_s + clocks.torque_skew_s,
+            Quantity::TorqueControlDelay => drive.delay_s,
             _ => panic!("{quantity} has no truth"),
         }
     }

@@ -255,6 +255,15 @@ fn stat_skewed_clocks_are_found_and_ignoring_them_is_wrong() {
     let naive = parameter(&shaft.ignoring_timing, Quantity::Damping);
     let (low, high) = naive.interval;
     assert!(!(low..=high).contains(&truth.damping_nm_s_per_rad), "{naive:?}");
+    // The delay of the torque control is that of the drive, in the report as in the model, and knows no better than the skew.
+    let control = study.torque_control.estimated().unwrap();
+    let delay = parameter(&control.delay_and_lag, Quantity::TorqueControlDelay);
+    let skew = parameter(&shaft.estimate, Quantity::AirGapTorqueSkew);
+    near(delay, parameters.drive.delay_s, 1.5e-4);
+    assert!(delay.standard_error > skew.standard_error, "{delay:?} {skew:?}");
+    assert_eq!(control.torque_skew.as_ref(), Some(skew));
+    let model = study.model.as_ref().unwrap().model.torque_control.as_ref().unwrap();
+    assert_eq!(model.delay_s, delay.value);
 }
 
 #[test]
