@@ -81,7 +81,7 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     }
     match TABLE.iter().find(|row| row.spellings().any(|spelling| normalised(spelling) == wanted)) {
         Some(row) => Ok(row.unit),
-        None => Err(UnitError::Unknown { text: text.trim().to_owned(), closest: closest_units(&wanted) }),
+        None => Err(UnitError::Unknown { text: text.trim().to_owned(), closest: closest_units(&wanted, |_| true) }),
     }
 }
 
@@ -99,9 +99,16 @@ pub fn may_be_same(one: &str, other: &str) -> bool {
 ///
 /// # Errors
 ///
-/// [`UnitError`] as [`parse_unit`], and if the unit measures something else.
+/// [`UnitError`] as [`parse_unit`], and if the unit measures something else. For an unknown unit it names those of `quantity`.
 pub fn parse_unit_of(text: &str, quantity: Quantity) -> Result<Unit, UnitError> {
-    let unit = parse_unit(text)?;
+    let of_quantity = |text: String| {
+        let closest = closest_units(&normalised(&text), |unit| unit.quantity == quantity);
+        UnitError::Unknown { text, closest }
+    };
+    let unit = parse_unit(text).map_err(|error| match error {
+        UnitError::Unknown { text, .. } => of_quantity(text),
+        other => other,
+    })?;
     if unit.quantity == quantity {
         return Ok(unit);
     }
@@ -187,8 +194,9 @@ fn normalised(text: &str) -> String {
     plain
 }
 
-fn closest_units(wanted: &str) -> Vec<String> {
-    let all: Vec<String> = TABLE.iter().flat_map(|row| row.spellings()).map(normalised).collect();
+fn closest_units(wanted: &str, is_possible: impl Fn(&Unit) -> bool) -> Vec<String> {
+    let possible = TABLE.iter().filter(|row| is_possible(&row.unit));
+    let all: Vec<String> = possible.flat_map(|row| row.spellings()).map(normalised).collect();
     let mut spellings: Vec<String> = Vec::new();
     for near in closest(wanted, all.iter().map(String::as_str), 6) {
         if let Ok(unit) = parse_unit(&near)

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use toml::de::DeTable;
-use units::{self, Quantity, Unit};
+use units::{self, Quantity, Unit, UnitError};
 
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
@@ -162,10 +162,18 @@ fn read_value(
     match units::parse_value(text, quantity) {
         Ok(value) => Some(value),
         Err(error) => {
-            faults.add(place.offset, section.path_of(key), FaultKind::Unit { error, example: example.to_owned() });
+            let example = with_closest_unit(text, &error).unwrap_or_else(|| example.to_owned());
+            faults.add(place.offset, section.path_of(key), FaultKind::Unit { error, example });
             None
         }
     }
+}
+
+/// The number as it was written, with the closest unit that exists: `"1.03 kg"` means `"1.03 kg m²"`.
+fn with_closest_unit(text: &str, error: &UnitError) -> Option<String> {
+    let UnitError::Unknown { text: unit, closest } = error else { return None };
+    let number = text.trim().strip_suffix(unit.as_str())?.trim();
+    closest.first().map(|closest| format!("\"{number} {closest}\""))
 }
 
 fn read_inertia(bench: &Section<'_, '_>, key: &str, faults: &mut Faults<'_>) -> Option<f64> {

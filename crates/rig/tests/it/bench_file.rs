@@ -174,6 +174,8 @@ fn regress_implausible_inertia_looks_like_another_unit() {
     let (_, _, kind, words) = fault("\"0.6 kg m²\"", "\"0.6 Nm\"");
     assert!(matches!(kind, FaultKind::Unit { .. }));
     assert!(words.contains("unit of torque") && words.contains("0.6 kg m²"), "{words}");
+    let (_, _, _, words) = fault("\"0.6 kg m²\"", "\"1.03 kg\"");
+    assert!(words.ends_with("write e.g. \"1.03 kg m²\""), "{words}");
 }
 
 #[test]

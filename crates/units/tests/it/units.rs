@@ -71,6 +71,11 @@ fn regress_unknown_unit_suggests_the_closest() {
     let Err(UnitError::Unknown { closest, .. }) = parse_unit("kg m3") else { panic!() };
     assert_eq!(closest[0], "kg m²");
     assert!(parse_unit("Nmm²").unwrap_err().to_string().contains("closest known"));
+    // Where the quantity is known, only its units can be meant.
+    let Err(UnitError::Unknown { closest, .. }) = units::parse_unit_of("kg", Quantity::Inertia) else { panic!() };
+    assert_eq!(closest[0], "kg m²", "{closest:?}");
+    let Err(UnitError::Unknown { closest, .. }) = units::parse_value("12 kg", Quantity::Torque) else { panic!() };
+    assert!(closest.iter().all(|unit| parse_unit(unit).unwrap().quantity == Quantity::Torque), "{closest:?}");
 }
 
 #[test]
