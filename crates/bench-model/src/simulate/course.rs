@@ -68,8 +68,8 @@ pub fn simulate_course(
         let found = inputs.engine_torque_nm.len();
         return Err(SimulationError::Length { what: "engine torque", expected: points.max(2), found });
     }
-    let bench = Bench::new(model)?;
     let step_samples = inputs.step_samples.max(1);
+    let bench = Bench::new(model, step_samples)?;
     let linear = Lifted::of(&bench, step_samples);
     // Inputs, and behind them the states, as the columns of the matrix.
     let mut now = vec![0.0; INPUTS + bench.states().next_multiple_of(ROWS)];
@@ -108,12 +108,36 @@ struct Bench {
     gate_samples: f64,
     /// Samples by which ω_d* is late in the error and in the feed-forward.
     lags: (f64, f64),
+    /// The same in points of the grid.
+    late: (Late, Late),
     /// How many outputs of the controller, and angles, are kept.
     kept: (usize, usize),
 }
 
+/// A time before a point of the grid, in points.
+#[derive(Clone, Copy)]
+struct Late {
+    /// Points back to the one before that time.
+    whole: usize,
+    /// How far that time is from there to the next point.
+    share: f64,
+}
+
+impl Late {
+    fn of(points: f64) -> Self {
+        let whole = points.ceil();
+        Late { whole: whole as usize, share: whole - points }
+    }
+
+    /// The value of a series that is straight between its points; before the first one, that of the first.
+    fn value(self, series: &[f64], point: usize) -> f64 {
+        let Some(low) = point.checked_sub(self.whole) else { return series[0] };
+        if self.share > 0.0 { series[low] + self.share * (series[low + 1] - series[low]) } else { series[low] }
+    }
+}
+
 impl Bench {
-    fn new(model: &BenchModel) -> Result<Self, SimulationError> {
+    fn new(model: &BenchModel, step_samples: usize) -> Result<Self, SimulationError> {
         let pi = model.speed_controller.ok_or(SimulationError::MissingPart { part: Part::SpeedController })?;
         let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: Part::TorqueControl })?;
         let substeps = Substep::of_a_sample(model, Some(torque_control), pi.sample_time_s)?;
@@ -130,6 +154,10 @@ impl Bench {
             damping_nm_s_per_rad: model.mechanics.damping_nm_s_per_rad,
             gate_samples,
             lags: (in_error as f64, in_feed_forward as f64),
+            late: (
+                Late::of(in_error as f64 / step_samples as f64),
+                Late::of(in_feed_forward as f64 / step_samples as f64),
+            ),
             kept: (oldest.max(reported) + 1, gate_samples.ceil() as usize),
         })
     }
@@ -174,16 +202,9 @@ impl Bench {
 
     /// The speed demand of the error, and the feed-forward of the speed, at a point.
     fn at_point(&self, inputs: &CourseInputs<'_>, point: usize) -> (f64, f64) {
-        let step = inputs.step_samples.max(1) as f64;
-        let last = inputs.speed_demand_rad_s.len() - 1;
-        let late = |samples: f64| {
-            let place = (point as f64 - samples / step).clamp(0.0, last as f64);
-            let low = place as usize;
-            let (value, next) = (inputs.speed_demand_rad_s[low], inputs.speed_demand_rad_s[(low + 1).min(last)]);
-            value + (place - low as f64) * (next - value)
-        };
-        let fed = self.feed_forward.map_or(0.0, |gains| gains.speed_nm_s_per_rad * late(self.lags.1));
-        (late(self.lags.0), fed)
+        let demand = inputs.speed_demand_rad_s;
+        let fed = self.feed_forward.map_or(0.0, |gains| gains.speed_nm_s_per_rad * self.late.1.value(demand, point));
+        (self.late.0.value(demand, point), fed)
     }
 
     /// The speed that the controller reads.
