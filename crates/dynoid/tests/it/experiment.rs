@@ -42,6 +42,13 @@ fn snap_list() {
     let json = campaign.run(&["experiment", "list", "--json"]).json();
     assert_eq!(json["experiments"].as_array().map(Vec::len), Some(10));
     assert_eq!(json["experiments"][0]["parameters"][3]["name"], "low");
+    assert_eq!(json["shapes"].as_array().map(Vec::len), Some(9));
+    let shape = campaign.run(&["experiment", "list", "sine-sweep"]);
+    assert_eq!(shape.code, Some(0), "{}", shape.stderr);
+    for words in ["amplitude", "first frequency", "Hz", "100", "--set NAME=VALUE"] {
+        assert!(shape.stdout.contains(words), "`{words}` is not in {}", shape.stdout);
+    }
+    campaign.run(&["experiment", "list", "sine-sweeps"]).assert_refused(2, &["BS_T_NT", "sine-sweep"]);
 }
 
 #[test]
