@@ -1,10 +1,8 @@
 //! The answer: many benches run the test, and every requirement and limit gets the share of benches that keep it.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use cycle::{CycleError, Judged, Validation};
-use design::safety::{AtResonance, slowed};
+use design::safety::{AtResonance, reaches, slowed};
 use numerics::parallel;
 use rig::experiment::{Demands, ExperimentPlan};
 use rig::random::Source;
@@ -12,14 +10,14 @@ use rig::random::Source;
 use crate::cycle_run::CycleGrid;
 use crate::demand::Demand;
 use crate::error::CapabilityError;
-use crate::extremes::{LimitOf, Peak, peaks, unbounded};
+use crate::extremes::{LimitOf, Peak, of_course, peaks, shaft, unbounded};
 use crate::filter;
 use crate::judged;
-use crate::outcome::{CanInputs, Drawn, Outcome, keeps_limits, meets_sets};
+use crate::outcome::{CanInputs, Drawn, Outcome, meets_sets};
 use crate::plan_run;
 use crate::pulses::Pulses;
 use crate::trace::Trace;
-use crate::verdict::{Verdict, band_places, is_share_of_yes, verdict};
+use crate::verdict::{Verdict, band_places, verdict};
 
 /// Answers. `progress` hears from any thread how many runs of how many are done.
 ///
@@ -42,30 +40,28 @@ pub fn can(inputs: &CanInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Resu
     Ok(verdict(inputs, (&benches, &outcomes), &of_nominal, trace))
 }
 
-/// Whether the nominal bench keeps everything and the answer is a yes: as [`can`] says, but no bench runs that can change it no more.
-pub(crate) fn is_yes(inputs: &CanInputs<'_>) -> Result<bool, CapabilityError> {
-    let driven = Driven::of(inputs);
-    if !keeps_all(inputs, &driven, &nominal(inputs))? {
-        return Ok(false);
-    }
-    let benches = benches(inputs)?;
-    let misses = AtomicUsize::new(0);
-    let is_no = |misses: usize| !is_share_of_yes(benches.len() - misses, benches.len());
-    let run = |bench: &Drawn| {
-        if is_no(misses.load(Ordering::Relaxed)) {
-            return Ok(());
-        }
-        let misses_one = !keeps_all(inputs, &driven, bench)?;
-        misses.fetch_add(usize::from(misses_one), Ordering::Relaxed);
-        Ok(())
-    };
-    parallel::map(&benches, run).into_iter().collect::<Result<(), CapabilityError>>()?;
-    Ok(!is_no(misses.into_inner()))
-}
-
 /// Whether the nominal bench keeps everything.
 pub(crate) fn nominal_keeps(inputs: &CanInputs<'_>) -> Result<bool, CapabilityError> {
     keeps_all(inputs, &Driven::of(inputs), &nominal(inputs))
+}
+
+/// The benches of an answer, each of which can run on its own.
+pub(crate) struct Trial<'a, 'b> {
+    inputs: &'b CanInputs<'a>,
+    driven: Driven<'a>,
+    benches: Vec<Drawn>,
+}
+
+impl<'a, 'b> Trial<'a, 'b> {
+    pub(crate) fn of(inputs: &'b CanInputs<'a>) -> Result<Self, CapabilityError> {
+        Ok(Trial { inputs, driven: Driven::of(inputs), benches: benches(inputs)? })
+    }
+
+    /// Whether each of some benches keeps everything.
+    pub(crate) fn keep(&self, places: &[usize]) -> Result<Vec<bool>, CapabilityError> {
+        let keeps = |place: &usize| keeps_all(self.inputs, &self.driven, &self.benches[*place]);
+        parallel::map(places, keeps).into_iter().collect()
+    }
 }
 
 /// Whether a bench keeps every limit and meets every requirement; what costs most is looked at last.
@@ -74,9 +70,30 @@ fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Resu
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(false),
         other => other?,
     };
-    Ok(keeps_limits(inputs, &peaks_of(inputs, driven, bench, &trace))
+    Ok(keeps_limits(inputs, driven, bench, &trace)
         && judged::own(&trace, inputs.own).iter().all(Judged::passes)
         && meets_sets(inputs, &validations(inputs, &trace)?))
+}
+
+/// Whether every limit is kept; the pulses are looked at last.
+fn keeps_limits(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> bool {
+    let limits = &inputs.limits;
+    let near = near(inputs, bench);
+    let is_kept = |of: LimitOf, peak: Peak| of.limit(limits).is_none_or(|limit| !reaches(peak.value, limit));
+    let mut stated = LimitOf::of_test(inputs.demand.has_shaft(), limits).filter(|of| of.limit(limits).is_some());
+    let mut is_of_shaft = false;
+    let keeps_others = stated.all(|of| match of_course(of, trace, &near, limits) {
+        Some(peak) => is_kept(of, peak),
+        None => {
+            is_of_shaft = true;
+            true
+        }
+    });
+    keeps_others
+        && (!is_of_shaft || {
+            let (torque, slew) = with_pulses(driven, bench, |pulses| shaft(trace, pulses));
+            is_kept(LimitOf::ShaftTorque, torque) && is_kept(LimitOf::ShaftTorqueSlew, slew)
+        })
 }
 
 fn nominal(inputs: &CanInputs<'_>) -> Drawn {
@@ -170,11 +187,24 @@ fn validations(inputs: &CanInputs<'_>, trace: &Trace) -> Result<Vec<Validation>,
 }
 
 fn peaks_of(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> [Peak; LimitOf::COUNT] {
+    let near = near(inputs, bench);
+    with_pulses(driven, bench, |pulses| peaks(trace, pulses, &near, &inputs.limits))
+}
+
+fn near<'a>(inputs: &CanInputs<'a>, bench: &Drawn) -> AtResonance<'a> {
     let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
-    let near = AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
-    let pulses = driven.grid().map(|grid| (Pulses::of(&bench.model, &bench.engine, grid.range_rad_s()), grid));
-    let with = pulses.as_ref().map(|(pulses, grid)| (pulses, grid.engine_nm.as_slice()));
-    peaks(trace, with, &near, &inputs.limits)
+    AtResonance::of(&bench.model.mechanics, &bench.engine, plan)
+}
+
+/// Does something with the pulses, and the torque of the engine, of a run that has none of its own.
+fn with_pulses<R>(driven: &Driven<'_>, bench: &Drawn, work: impl FnOnce(Option<(&Pulses, &[f64])>) -> R) -> R {
+    match driven.grid() {
+        None => work(None),
+        Some(grid) => {
+            let pulses = Pulses::of(&bench.model, &bench.engine, grid.range_rad_s());
+            work(Some((&pulses, &grid.engine_nm)))
+        }
+    }
 }
 
 fn unstable() -> Outcome {

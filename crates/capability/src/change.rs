@@ -67,7 +67,7 @@ pub enum Change {
 }
 
 /// A kind of change, from none at 0 to the largest at 1.
-pub(crate) type Kind = Box<dyn Fn(f64) -> Change>;
+pub(crate) type Kind = Box<dyn Fn(f64) -> Change + Sync>;
 
 /// The kinds that a test allows, in the order in which people think of them.
 pub(crate) fn kinds(inputs: &CanInputs<'_>) -> Vec<Kind> {

@@ -56,7 +56,8 @@ impl CycleGrid {
         let mut held = wanted(0);
         let engine_nm = (0..points)
             .map(|k| {
-                held = wanted(k) + (held - wanted(k)) * stays;
+                let wanted_nm = wanted(k);
+                held = wanted_nm + (held - wanted_nm) * stays;
                 held
             })
             .collect();
@@ -75,6 +76,7 @@ impl CycleGrid {
         Ok(Trace {
             start_s: self.start_s,
             step_s: self.step_s,
+            is_demand_held: false,
             speed_demand_rad_s: self.speed_rad_s.clone(),
             speed_rad_s: course.engine_speed_rad_s.clone(),
             torque_demand_nm: self.torque_nm.clone(),

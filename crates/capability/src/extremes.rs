@@ -74,6 +74,26 @@ impl LimitOf {
         LimitOf::ALL.into_iter().filter(is_in)
     }
 
+    /// Those that a map counts: it does not know how long a test stays anywhere.
+    pub fn of_map(limits: &Limits) -> impl Iterator<Item = LimitOf> {
+        LimitOf::of_test(true, limits).filter(|of| *of != LimitOf::TimeAtResonance)
+    }
+
+    /// Its key in the table `[limits]` of a bench file.
+    pub fn key(self) -> &'static str {
+        match self {
+            LimitOf::ShaftTorque => "shaft_torque",
+            LimitOf::ShaftTorqueSlew => "shaft_torque_slew",
+            LimitOf::TorqueDemand => "torque",
+            LimitOf::TorqueSlew => "torque_slew",
+            LimitOf::Speed => "speed",
+            LimitOf::SpeedGradient => "speed_gradient",
+            LimitOf::Power => "power",
+            LimitOf::TimeAtResonance => "time_at_resonance",
+            LimitOf::DriveHeat => "continuous_torque",
+        }
+    }
+
     /// The limit that a bench file states, SI.
     pub fn limit(self, limits: &Limits) -> Option<f64> {
         match self {
@@ -99,6 +119,14 @@ pub(crate) fn peaks(
     limits: &Limits,
 ) -> [Peak; LimitOf::COUNT] {
     let shaft = shaft(trace, pulses);
+    LimitOf::ALL.map(|of| {
+        let of_shaft = if of == LimitOf::ShaftTorque { shaft.0 } else { shaft.1 };
+        of_course(of, trace, near, limits).unwrap_or(of_shaft)
+    })
+}
+
+/// The peak of a quantity that the pulses do not move; `None` of the others.
+pub(crate) fn of_course(of: LimitOf, trace: &Trace, near: &AtResonance<'_>, limits: &Limits) -> Option<Peak> {
     let product = |a: &[f64], b: &[f64]| {
         let (value, place) = largest_of_pairs(a, b, |a, b| (a * b).abs());
         Peak { value, time_s: trace.time_s(place) }
@@ -107,19 +135,19 @@ pub(crate) fn peaks(
         let (value, place) = largest_of_pairs(values, values, |value, _| value.abs());
         Peak { value, time_s: trace.time_s(place) }
     };
-    let speeds = [magnitude(&trace.dyno_speed_rad_s), magnitude(&trace.engine_speed_rad_s)];
-    let speed = if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] };
-    [
-        shaft.0,
-        shaft.1,
-        magnitude(&trace.dyno_demand_nm),
-        change(trace, &trace.dyno_demand_nm, TORQUE_CHANGE_S),
-        speed,
-        change(trace, &trace.dyno_speed_rad_s, SPEED_CHANGE_S),
-        product(&trace.dyno_demand_nm, &trace.dyno_speed_rad_s),
-        longest_at_resonance(trace, near),
-        heat(trace, limits),
-    ]
+    Some(match of {
+        LimitOf::ShaftTorque | LimitOf::ShaftTorqueSlew => return None,
+        LimitOf::TorqueDemand => magnitude(&trace.dyno_demand_nm),
+        LimitOf::TorqueSlew => change(trace, &trace.dyno_demand_nm, TORQUE_CHANGE_S),
+        LimitOf::Speed => {
+            let speeds = [magnitude(&trace.dyno_speed_rad_s), magnitude(&trace.engine_speed_rad_s)];
+            if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] }
+        }
+        LimitOf::SpeedGradient => change(trace, &trace.dyno_speed_rad_s, SPEED_CHANGE_S),
+        LimitOf::Power => product(&trace.dyno_demand_nm, &trace.dyno_speed_rad_s),
+        LimitOf::TimeAtResonance => longest_at_resonance(trace, near),
+        LimitOf::DriveHeat => heat(trace, limits),
+    })
 }
 
 /// A run that grows without bound reaches every limit at once.
@@ -127,7 +155,8 @@ pub(crate) fn unbounded() -> [Peak; LimitOf::COUNT] {
     [Peak { value: f64::INFINITY, time_s: 0.0 }; LimitOf::COUNT]
 }
 
-fn shaft(trace: &Trace, pulses: Option<(&Pulses, &[f64])>) -> (Peak, Peak) {
+/// The peaks of T_shaft and of its slope.
+pub(crate) fn shaft(trace: &Trace, pulses: Option<(&Pulses, &[f64])>) -> (Peak, Peak) {
     let none = Peak { value: 0.0, time_s: trace.start_s };
     let (mut torque, mut slew) = (none, none);
     let mut before = trace.shaft_torque_nm.first().copied().unwrap_or(0.0);

@@ -1,6 +1,6 @@
 //! Requirements on one run.
 
-use cycle::{Course, Feedback, Judged, Own, Reference, RequirementSet, Sensor, Signal, Validation, validate};
+use cycle::{Course, Feedback, Judged, Own, Reference, RequirementSet, Samples, Sensor, Signal, Validation, validate};
 
 use crate::demand::Demand;
 use crate::error::CapabilityError;
@@ -66,5 +66,6 @@ fn course<'a>(trace: &'a Trace, own: &Own) -> Course<'a> {
         Signal::Speed => &trace.speed_demand_rad_s,
         Signal::Torque | Signal::Power => &trace.torque_demand_nm,
     };
-    Course { sample_time_s: trace.step_s, demand, value }
+    let held = Samples { start_s: 0.0, sample_time_s: trace.step_s, values: demand, is_held: true };
+    Course { sample_time_s: trace.step_s, demand, value, timed_demand: trace.is_demand_held.then_some(held) }
 }

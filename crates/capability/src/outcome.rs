@@ -66,7 +66,7 @@ pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
 }
 
 /// Whether every limit is kept.
-pub(crate) fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
+fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
     let is_reached =
         |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(peaks[of as usize].value, limit));
     !LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits).any(is_reached)

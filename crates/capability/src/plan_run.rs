@@ -28,6 +28,7 @@ pub(crate) fn run(inputs: &PredictionInputs<'_>, demands: &Demands) -> Result<Tr
     Ok(Trace {
         start_s: 0.0,
         step_s: prediction.sample_time_s,
+        is_demand_held: true,
         speed_demand_rad_s: on_clock(&demands.speed_rad_s),
         speed_rad_s: speed.clone(),
         torque_demand_nm,

@@ -9,6 +9,8 @@ pub struct Trace {
     pub start_s: f64,
     /// Time between values, s.
     pub step_s: f64,
+    /// Whether a demand holds from its time to the next. Otherwise it changes in between.
+    pub is_demand_held: bool,
     /// Speed demanded, rad/s.
     pub speed_demand_rad_s: Vec<f64>,
     /// Speed that should follow it: of the engine in a cycle and in TN, of the dynamometer in other tests in NT, rad/s.

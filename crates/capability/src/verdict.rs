@@ -27,6 +27,8 @@ pub enum Answer {
     Perhaps,
     /// No more than half of them do.
     No,
+    /// No limit is stated, and nothing is required.
+    NotJudged,
 }
 
 /// One limit of the bench.
@@ -160,7 +162,9 @@ pub(crate) fn verdict(
     let limits: Vec<LimitVerdict> = LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits)
         .map(|of| limit_verdict(of, of.limit(&inputs.limits), outcomes, nominal))
         .collect();
+    let is_judged = !inputs.sets.is_empty() || !inputs.own.is_empty() || limits.iter().any(|one| one.limit.is_some());
     let answer = match kept.estimate {
+        _ if is_share_of_yes(kept.count, kept.of) && !is_judged => Answer::NotJudged,
         _ if is_share_of_yes(kept.count, kept.of) => Answer::Yes,
         share if share > NO => Answer::Perhaps,
         _ => Answer::No,
@@ -175,7 +179,7 @@ pub(crate) fn verdict(
         own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict((k, own), outcomes, nominal)).collect(),
         doubts: match answer {
             Answer::Perhaps => doubts(benches, &outcomes.iter().map(|one| keeps(inputs, one)).collect::<Vec<_>>()),
-            Answer::Yes | Answer::No => Vec::new(),
+            Answer::Yes | Answer::No | Answer::NotJudged => Vec::new(),
         },
         bands: bands(&trace, outcomes),
         nominal: trace,
@@ -185,6 +189,11 @@ pub(crate) fn verdict(
 /// Whether so many benches of so many make a yes.
 pub(crate) fn is_share_of_yes(kept: usize, of: usize) -> bool {
     kept as f64 / of as f64 >= YES
+}
+
+/// How many benches of so many may miss something in a yes.
+pub(crate) fn most_misses(of: usize) -> usize {
+    (0..=of).rev().find(|misses| is_share_of_yes(of - misses, of)).unwrap_or(0)
 }
 
 fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {

@@ -45,5 +45,6 @@ pub use regression::Regression;
 pub use requirement::{
     BandTolerance, Criterion, Limit, ModeTolerance, Of, RequirementSet, Signal, Statistic, requirement, requirements,
 };
+pub use tone::Samples;
 pub use validation::{Checked, Validation, validate};
 pub use vehicle::{Driver, Gearbox, Vehicle, VehicleRun};

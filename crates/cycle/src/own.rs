@@ -8,7 +8,7 @@ use units::{Quantity, RPM_RAD_S, parse_value};
 
 use crate::error::CycleError;
 use crate::requirement::Signal;
-use crate::tone::{lag_rad, largest_amplitude};
+use crate::tone::{Samples, lag_rad, largest_amplitude};
 
 /// Ten and ninety per cent of a step.
 const RISE: (f64, f64) = (0.1, 0.9);
@@ -106,6 +106,8 @@ pub struct Course<'a> {
     pub demand: &'a [f64],
     /// What came of it.
     pub value: &'a [f64],
+    /// The demand with times of its own, on a clock that begins with the value, for phases; `None`: it changes between the samples.
+    pub timed_demand: Option<Samples<'a>>,
 }
 
 /// A number against its limit.
@@ -197,7 +199,9 @@ impl Own {
                 Judged { value, limit: most_s, time_s: course.time_s(settled) }
             }
             Own::Phase { frequency_hz, most_rad, .. } => {
-                let value = lag_rad(course.demand, course.value, course.sample_time_s, frequency_hz).abs();
+                let even = |values| course.samples(values);
+                let demand = course.timed_demand.unwrap_or_else(|| even(course.demand));
+                let value = lag_rad(&demand, &even(course.value), frequency_hz).abs();
                 let asked = largest_amplitude(course.demand, course.sample_time_s, frequency_hz);
                 Judged { value, limit: most_rad, time_s: asked.map_or(f64::NAN, |(_, time_s)| time_s) }
             }
@@ -272,19 +276,23 @@ impl fmt::Display for Own {
 }
 
 impl Course<'_> {
+    fn samples<'a>(&self, values: &'a [f64]) -> Samples<'a> {
+        Samples { start_s: 0.0, sample_time_s: self.sample_time_s, values, is_held: false }
+    }
+
     fn time_s(&self, sample: usize) -> f64 {
         sample as f64 * self.sample_time_s
     }
 
     fn within(&self, limit: f64, share: f64) -> Judged {
-        let errors: Vec<f64> =
+        let mut errors: Vec<f64> =
             self.demand.iter().zip(self.value).map(|(demand, value)| (value - demand).abs()).collect();
         let (at, _) = largest(errors.iter().copied());
-        let mut sorted = errors;
-        sorted.sort_by(f64::total_cmp);
         // So many samples stay at or below the value; a share such as 95 % is not exact.
-        let place = ((share * sorted.len() as f64 - 1e-9).ceil() as usize).clamp(1, sorted.len().max(1)) - 1;
-        Judged { value: sorted.get(place).copied().unwrap_or(f64::NAN), limit, time_s: self.time_s(at) }
+        let place = ((share * errors.len() as f64 - 1e-9).ceil() as usize).clamp(1, errors.len().max(1)) - 1;
+        let is_there = place < errors.len();
+        let value = if is_there { *errors.select_nth_unstable_by(place, f64::total_cmp).1 } else { f64::NAN };
+        Judged { value, limit, time_s: self.time_s(at) }
     }
 
     /// Where the demand first differs from its first value.

@@ -38,17 +38,48 @@ pub(crate) fn largest_amplitude(values: &[f64], sample_time_s: f64, frequency_hz
     starts.map(at).reduce(|most, one| if one.0 > most.0 { one } else { most })
 }
 
+/// Values at even times.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// Time of the first one, s.
+    pub start_s: f64,
+    /// Time from one to the next, s.
+    pub sample_time_s: f64,
+    /// The values.
+    pub values: &'a [f64],
+    /// Whether a value holds from its time to the next. Otherwise the series changes somewhere in between, in the middle on average.
+    pub is_held: bool,
+}
+
+impl Samples<'_> {
+    fn time_s(&self, place: f64) -> f64 {
+        self.start_s + place * self.sample_time_s
+    }
+
+    fn end_s(&self) -> f64 {
+        self.time_s(self.values.len() as f64 - 1.0)
+    }
+
+    /// The changes from value to value after `from_s`, with their times.
+    fn changes(&self, from_s: f64) -> impl Iterator<Item = (f64, f64)> {
+        let after = if self.is_held { 1.0 } else { 0.5 };
+        let change = move |(k, pair): (usize, &[f64])| (self.time_s(k as f64 + after), pair[1] - pair[0]);
+        self.values.windows(2).enumerate().map(change).filter(move |(time_s, _)| *time_s > from_s)
+    }
+}
+
 /// By how much a value is late behind its demand at a frequency, rad, −π … π: the phase of the Fourier transforms of their changes over
-/// the whole series. Changes are zero before and after a step, so that its transform has no end effect; those of the last tenth fade, for
-/// a sweep that ends at full swing.
-pub(crate) fn lag_rad(demand: &[f64], value: &[f64], sample_time_s: f64, frequency_hz: f64) -> f64 {
-    let turn = TAU * frequency_hz * sample_time_s;
-    let fades = FADES * demand.len() as f64;
-    let transform = |series: &[f64]| {
-        series.windows(2).enumerate().fold((0.0, 0.0), |(re, im), (k, pair)| {
-            let left = (series.len() - 1 - k) as f64 / fades;
-            let change = (pair[1] - pair[0]) * (0.5 * PI * left.min(1.0)).sin().powi(2);
-            let (sine, cosine) = (turn * k as f64).sin_cos();
+/// the time that both have. Each keeps its own times, as a series held on the raster of the other is late by half of a step. Changes are
+/// zero before and after a step, so that its transform has no end effect; those of the last tenth fade, for a sweep that ends at full
+/// swing.
+pub(crate) fn lag_rad(demand: &Samples<'_>, value: &Samples<'_>, frequency_hz: f64) -> f64 {
+    let (from_s, to_s) = (demand.start_s.max(value.start_s), demand.end_s().min(value.end_s()));
+    let fades_s = FADES * (to_s - from_s);
+    let transform = |series: &Samples<'_>| {
+        series.changes(from_s).fold((0.0, 0.0), |(re, im), (time_s, change)| {
+            let left = ((to_s - time_s) / fades_s).clamp(0.0, 1.0);
+            let change = change * (0.5 * PI * left).sin().powi(2);
+            let (sine, cosine) = (TAU * frequency_hz * (time_s - from_s)).sin_cos();
             (re + change * cosine, im - change * sine)
         })
     };

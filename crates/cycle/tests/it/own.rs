@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use cycle::{BandTolerance, Course, ModeTolerance, Own, Signal, speed_band, steady_modes};
+use cycle::{BandTolerance, Course, ModeTolerance, Own, Samples, Signal, speed_band, steady_modes};
 use units::RPM_RAD_S;
 
 use crate::support::assert_close;
@@ -13,7 +13,7 @@ fn step() -> (Vec<f64>, Vec<f64>) {
 }
 
 fn judge(text: &str, (demand, value): &(Vec<f64>, Vec<f64>)) -> cycle::Judged {
-    text.parse::<Own>().unwrap().judge(&Course { sample_time_s: 1e-3, demand, value })
+    text.parse::<Own>().unwrap().judge(&Course { sample_time_s: 1e-3, demand, value, timed_demand: None })
 }
 
 #[test]
@@ -122,11 +122,49 @@ fn exact_phase_and_amplitude_of_a_lag() {
     assert_close(judge("shaft_torque amplitude at 3 Hz below 2 Nm", &(sine.clone(), sine)).value, 2.5, 1e-3);
 }
 
+/// A demand that is held for 10 ms, and a delay of 6 ms with a lag of 2 ms, known at any time.
+#[test]
+fn exact_a_phase_does_not_depend_on_the_rasters() {
+    let held = |k: i32| 5.0 * (TAU * f64::from(k) * 0.01 * (1.0 + 0.5 * f64::from(k) * 0.01)).sin();
+    // What a lag makes of the steps, from one to the next.
+    let mut lagged = vec![0.0];
+    for k in 0..2000 {
+        let before = lagged[k as usize];
+        lagged.push(held(k) + (before - held(k)) * (-0.01_f64 / 0.002).exp());
+    }
+    let value_at = |time_s: f64| {
+        let since_s = (time_s - 0.006).max(0.0);
+        let step = (since_s / 0.01 + 1e-9).floor() as i32;
+        held(step) + (lagged[step as usize] - held(step)) * (-(since_s - f64::from(step) * 0.01) / 0.002).exp()
+    };
+    let phase_deg = |demand_ms: i32, value_ms: i32, hz: f64, is_held: bool| {
+        let at = |step_ms: i32| (0..20_000 / step_ms).map(move |k| f64::from(k * step_ms) * 1e-3);
+        let demand: Vec<f64> = at(demand_ms).map(|time_s| held((time_s / 0.01 + 1e-9).floor() as i32)).collect();
+        let value: Vec<f64> = at(value_ms).map(value_at).collect();
+        let timed = Samples { start_s: 0.0, sample_time_s: f64::from(demand_ms) * 1e-3, values: &demand, is_held };
+        let text = format!("torque phase at {hz} Hz below 60 deg");
+        let sample_time_s = f64::from(value_ms) * 1e-3;
+        let course = Course { sample_time_s, demand: &value, value: &value, timed_demand: Some(timed) };
+        text.parse::<Own>().unwrap().judge(&course).value.to_degrees()
+    };
+    for hz in [5.0, 12.0] {
+        let exact = 360.0 * hz * 0.006 + (TAU * hz * 0.002).atan().to_degrees();
+        for value_ms in [1, 4] {
+            let found = phase_deg(1, value_ms, hz, true);
+            // Every 4 ms, what the lag leaves of the steps is folded to this frequency.
+            assert!((found - exact).abs() < 1.0, "{hz} Hz, value at {value_ms} ms: {found}, {exact}");
+        }
+        // A slow raster leaves the moment of a step open by half of its time at most.
+        let found = phase_deg(4, 1, hz, false);
+        assert!((found - exact).abs() < 360.0 * hz * 0.002, "{hz} Hz, demand at 4 ms: {found}, {exact}");
+    }
+}
+
 #[test]
 fn regress_a_frequency_that_the_test_lacks_is_named() {
     let (demand, value) = sweep();
     let problem = |text: &str, demand: &[f64], value: &[f64]| {
-        let course = Course { sample_time_s: 1e-3, demand, value };
+        let course = Course { sample_time_s: 1e-3, demand, value, timed_demand: None };
         text.parse::<Own>().unwrap().check(&course).map_err(|error| error.to_string())
     };
     let phase = "torque phase at 60 Hz below 60 deg";

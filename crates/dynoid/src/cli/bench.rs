@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::number;
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -65,7 +67,7 @@ pub(crate) struct DemoArguments {
     #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]
     pub(crate) out: PathBuf,
     /// Seed of the simulation; the same seed gives the same recordings
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = number::seed, default_value_t = 1)]
     pub(crate) seed: u64,
     /// Print the comparison as JSON
     #[arg(long)]

@@ -85,7 +85,7 @@ pub(crate) struct NoiseTestArguments {
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub(crate) draws: u32,
     /// Seed of all draws
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = number::seed, default_value_t = 1)]
     pub(crate) seed: u64,
     #[command(flatten)]
     pub(crate) result: ResultArguments,

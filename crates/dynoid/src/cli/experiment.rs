@@ -37,9 +37,12 @@ pub(crate) enum ExperimentCommand {
 Examples:
   dynoid experiment list
   dynoid experiment list BS_T_NT
-  dynoid experiment list --json | jq '.experiments[].label'")]
+  dynoid experiment list sine-sweep
+  dynoid experiment list --json | jq '.experiments[].label'
+
+NAME is an experiment of the method, or a shape of `dynoid can`.")]
 pub(crate) struct ListArguments {
-    /// Only this experiment, with its parameters
+    /// Only this experiment or shape, with its parameters
     #[arg(value_name = "NAME")]
     pub(crate) name: Option<String>,
     /// Print everything as JSON
@@ -60,7 +63,7 @@ pub(crate) struct PlanArguments {
     #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Experiment")]
     pub(crate) set: Vec<String>,
     /// Seed of demands and bench; the same seed gives the same bytes [default: 1]
-    #[arg(long, value_name = "N", help_heading = "Experiment")]
+    #[arg(long, value_name = "N", value_parser = number::seed, help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
     /// Take inertias, shaft, speed controller, feed-forward and torque control from a model.json, a study.json or an FMU of
     /// dynoid instead of the bench file
@@ -215,7 +218,7 @@ pub(crate) struct NextArguments {
     #[arg(long, value_name = "PERCENT", value_parser = number::positive, default_value_t = 1.0)]
     pub(crate) enough: f64,
     /// Seed of the simulations
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = number::seed, default_value_t = 1)]
     pub(crate) seed: u64,
     /// Print everything as JSON
     #[arg(long)]

@@ -10,8 +10,8 @@ use crate::wording::number;
 const NAMED: usize = 4;
 
 /// The least change of each kind with the answer it gives.
-pub(super) fn easier(answer: Answer, easier: &[Easier]) -> Blocks {
-    if answer != Answer::No {
+pub(super) fn easier(verdict: &Verdict, easier: &[Easier]) -> Blocks {
+    if verdict.answer != Answer::No {
         return Blocks::default();
     }
     let mut all = Blocks::from(Block::heading("What would make it possible"));
@@ -21,7 +21,8 @@ pub(super) fn easier(answer: Answer, easier: &[Easier]) -> Blocks {
         all.push(Block::paragraph(tried));
         return all;
     }
-    let item = |one: &Easier| format!("Yes if: {}. Then: {}.", change(one.change), words::answer(&one.verdict)).into();
+    let item =
+        |one: &Easier| format!("Yes if: {}. Then: {}.", change(one.change), words::yes(verdict, &one.kept)).into();
     all.push(Block::List { items: easier.iter().map(item).collect() });
     all
 }

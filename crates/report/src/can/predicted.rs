@@ -1,6 +1,6 @@
 //! The answer to whether a bench can run a test.
 
-use capability::{Answer, Easier, Verdict};
+use capability::{Answer, Easier, LimitOf, Verdict};
 use cycle::RequirementSet;
 use design::safety::Proportion;
 use page::{
@@ -46,12 +46,14 @@ pub fn page(asked: &Asked<'_>) -> Page {
         title: format!("{}, {}: {}", asked.test, number::duration(asked.duration_s), words::answer(verdict)),
         blocks: vec![Block::Table(limits(verdict))],
     });
-    all.push(verdict.sets.iter().zip(asked.sets).map(|(judged, set)| statistics(judged, set)).collect::<Blocks>());
+    all.push(
+        verdict.sets.iter().zip(asked.sets).map(|(judged, set)| statistics(verdict, judged, set)).collect::<Blocks>(),
+    );
     if !verdict.own.is_empty() {
         all.push(Block::heading("Your requirements"));
         all.push(own(verdict));
     }
-    all.push(changes::easier(asked.verdict.answer, asked.easier));
+    all.push(changes::easier(verdict, asked.easier));
     all.push(changes::doubts(verdict));
     all.push(findings(asked));
     all.push(assumptions(asked.assumptions).collect::<Blocks>());
@@ -63,7 +65,7 @@ pub fn page(asked: &Asked<'_>) -> Page {
 fn tone(asked: &Asked<'_>) -> Tone {
     match asked.verdict.answer {
         Answer::Yes if asked.verdict.unchecked.is_empty() => Tone::Good,
-        Answer::Yes | Answer::Perhaps => Tone::Caution,
+        Answer::Yes | Answer::Perhaps | Answer::NotJudged => Tone::Caution,
         Answer::No => Tone::Bad,
     }
 }
@@ -110,7 +112,7 @@ fn of_kept(kept: &Proportion) -> Tone {
     }
 }
 
-fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
+fn statistics(verdict: &Verdict, judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
     let mut table = Table::new(&[
         ("", Align::Left),
         ("", Align::Left),
@@ -128,10 +130,14 @@ fn statistics(judged: &capability::SetVerdict, set: &RequirementSet) -> Blocks {
             Cell::toned(number::proportion(&one.kept), of_kept(&one.kept)),
         ]);
     }
-    let met = format!("All of it together: met by {} of the benches.", number::proportion(&judged.kept));
+    let met = format!("{} of the benches meet these statistics.", number::proportion(&judged.kept));
+    let beside = match verdict.answer {
+        Answer::Yes => "",
+        _ => " The answer above also contains the limits of the bench and your own requirements.",
+    };
     let mut all = Blocks::from(Block::heading(set.title.as_str()));
     all.push(table);
-    all.push(Block::paragraph(met));
+    all.push(Block::paragraph(met + beside));
     all.push(Block::Finding(words::required(set)));
     all
 }
@@ -167,8 +173,13 @@ fn findings(asked: &Asked<'_>) -> Blocks {
     };
     all.push(Block::paragraph(format!("{} benches drawn: {drawn}.", verdict.kept.of)));
     if !verdict.unchecked.is_empty() {
-        let names: Vec<String> = verdict.unchecked.iter().map(|of| words::limit_of(*of).0.to_owned()).collect();
-        let words = format!("the bench file states no limit of {}; add it to [limits]", wording::join(&names, "and"));
+        let name = |of: &LimitOf| format!("{} (`{}`)", words::limit_of(*of).0, of.key());
+        let names: Vec<String> = verdict.unchecked.iter().map(name).collect();
+        let words = format!(
+            "the bench file states no limit of {}. Write each into [limits], such as `torque = \"300 Nm\"`. With --allow-unchecked \
+             the exit code does not count them.",
+            wording::join(&names, "and")
+        );
         all.push(finding(Tone::Caution, "not checked", words));
     }
     if verdict.unstable.count > 0 {

@@ -23,6 +23,24 @@ pub enum AlignedOn {
     FirstSample,
 }
 
+/// A requirement of one's own with what a recording makes of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedOwn {
+    /// The requirement.
+    pub own: Own,
+    /// The number with its limit.
+    pub judged: Judged,
+    /// By how much the samples of the recording leave the number open, up or down, in its unit.
+    pub uncertain_by: Option<f64>,
+}
+
+impl JudgedOwn {
+    /// Whether the recording cannot decide.
+    fn is_open(&self) -> bool {
+        self.uncertain_by.is_some_and(|by| (self.judged.value - self.judged.limit).abs() < by)
+    }
+}
+
 /// A recorded run with its judgements.
 #[derive(Debug, Clone)]
 pub struct RecordedRun<'a> {
@@ -41,7 +59,7 @@ pub struct RecordedRun<'a> {
     /// Requirement sets, judged.
     pub sets: &'a [(RequirementSet, Validation)],
     /// Requirements of one's own, judged.
-    pub own: &'a [(Own, Judged)],
+    pub own: &'a [JudgedOwn],
     /// Time on the clock of the test, s, with demanded and measured speed (rad/s) and torque (Nm).
     pub time_s: &'a [f64],
     /// Demanded and measured speed, rad/s.
@@ -53,7 +71,7 @@ pub struct RecordedRun<'a> {
 impl RecordedRun<'_> {
     /// Whether everything is met.
     pub fn passes(&self) -> bool {
-        self.sets.iter().all(|(_, validation)| validation.passes) && self.own.iter().all(|(_, judged)| judged.passes())
+        self.sets.iter().all(|(_, validation)| validation.passes) && self.own.iter().all(|one| one.judged.passes())
     }
 }
 
@@ -70,6 +88,7 @@ pub fn page(run: &RecordedRun<'_>) -> Page {
     if !run.own.is_empty() {
         all.push(Block::heading("Your requirements"));
         all.push(own(run.own));
+        all.push(run.own.iter().filter(|one| one.is_open()).map(open).collect::<Blocks>());
     }
     if !run.has_demand && run.sets.iter().any(|(set, _)| set.omission) {
         let words = "The recording has no operator demand. It counts as least where the cycle motors the engine or lets it idle, and \
@@ -87,7 +106,7 @@ fn because(run: &RecordedRun<'_>) -> String {
             format!("{} of the {} ({})", words::statistic(one.statistic), words::signal(one.signal).0, set.name)
         })
     });
-    let own = run.own.iter().filter(|(_, judged)| !judged.passes()).map(|(own, _)| words::own(own));
+    let own = run.own.iter().filter(|one| !one.judged.passes()).map(|one| words::own(&one.own));
     let missed: Vec<String> = sets.chain(own).collect();
     if missed.is_empty() { String::new() } else { format!(" by {}", crate::wording::join(&missed, "and")) }
 }
@@ -144,19 +163,34 @@ fn judged(set: &RequirementSet, validation: &Validation) -> Blocks {
     .collect()
 }
 
-fn own(own: &[(Own, Judged)]) -> Table {
+fn own(own: &[JudgedOwn]) -> Table {
     let mut table =
         Table::new(&[("", Align::Left), ("value", Align::Right), ("worst at", Align::Right), ("", Align::Left)]);
-    for (own, judged) in own {
-        let (tone, word) = if judged.passes() { (Tone::Good, "pass") } else { (Tone::Bad, "fail") };
+    for one in own {
+        let (tone, word) = if one.judged.passes() { (Tone::Good, "pass") } else { (Tone::Bad, "fail") };
         table.row([
-            words::own(own).into(),
-            words::judged(own, judged).into(),
-            number::time(judged.time_s).into(),
+            words::own(&one.own).into(),
+            value(one).into(),
+            number::time(one.judged.time_s).into(),
             Cell::toned(word, tone),
         ]);
     }
     table
+}
+
+/// A number with what the samples leave open.
+fn value(one: &JudgedOwn) -> String {
+    let value = words::own_value(&one.own, one.judged.value);
+    one.uncertain_by.map_or_else(|| value.clone(), |by| format!("{value} ± {}", words::own_value(&one.own, by)))
+}
+
+fn open(one: &JudgedOwn) -> Block {
+    let words = format!(
+        "{}: {}. The limit is within what the samples of the recorded demand leave open. Record the demand on a faster raster.",
+        words::own(&one.own),
+        value(one)
+    );
+    Block::Finding(Finding::new(Tone::Caution, "uncertain", words))
 }
 
 fn figure(run: &RecordedRun<'_>) -> Figure {

@@ -1,11 +1,15 @@
 //! Words of requirements, statistics and limits.
 
 use capability::{Answer, LimitOf, Verdict};
-use cycle::{Judged, Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
+use cycle::{Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
+use design::safety::Proportion;
 use page::{Finding, Tone};
 use units::RPM_RAD_S;
 
 use crate::wording::number;
+
+/// What more benches miss than this share of them prevents a yes on its own.
+const PREVENTS: f64 = 0.05;
 
 /// A signal by its name, with the unit it is reported in and SI per unit.
 pub(super) fn signal(signal: Signal) -> (&'static str, &'static str, f64) {
@@ -112,11 +116,6 @@ pub(super) fn own_value(own: &Own, value: f64) -> String {
     }
 }
 
-/// What a run makes of such a requirement.
-pub(super) fn judged(own: &Own, judged: &Judged) -> String {
-    own_value(own, judged.value)
-}
-
 /// A quantity with a limit, with its unit and SI per unit.
 pub fn limit_of(of: LimitOf) -> (&'static str, &'static str, f64) {
     match of {
@@ -156,59 +155,92 @@ pub fn required(set: &RequirementSet) -> Finding {
 
 /// The answer in a sentence.
 pub fn answer(verdict: &Verdict) -> String {
-    let kept = number::proportion(&verdict.kept);
-    let binds = binding(verdict);
-    match (verdict.answer, binds) {
-        (Answer::Yes, _) => format!("yes{}, {kept} of the benches like yours", of_limits(verdict)),
-        (Answer::Perhaps, Some(binds)) => format!("perhaps, {kept} of the benches like yours; {binds}"),
-        (Answer::No, Some(binds)) => format!("no: {binds}"),
-        (Answer::Perhaps, None) => format!("perhaps, {kept} of the benches like yours"),
-        (Answer::No, None) => format!("no, {kept} of the benches like yours"),
+    let missed = missed(verdict);
+    match verdict.answer {
+        Answer::Yes => yes(verdict, &verdict.kept),
+        Answer::NotJudged => "not judged: no limit is stated, and nothing is required".to_owned(),
+        Answer::Perhaps => {
+            format!("perhaps, {} of the benches like yours{}", number::proportion(&verdict.kept), with(missed))
+        }
+        Answer::No if missed.is_none() => {
+            format!("no, {} of the benches like yours", number::proportion(&verdict.kept))
+        }
+        Answer::No => format!("no{}", with(missed)).replacen("no;", "no:", 1),
     }
 }
 
-/// Of how many limits a yes speaks, where some are not stated.
-fn of_limits(verdict: &Verdict) -> String {
+/// A yes of so many benches.
+pub(super) fn yes(verdict: &Verdict, kept: &Proportion) -> String {
     let (all, unchecked) = (verdict.limits.len(), verdict.unchecked.len());
-    if unchecked == 0 { String::new() } else { format!(" for {} of {all} limits", all - unchecked) }
+    let of_limits = match all - unchecked {
+        checked if checked == all => String::new(),
+        0 => format!(" by the requirements alone, as none of {all} limits is stated"),
+        checked => format!(" for {checked} of {all} limits"),
+    };
+    format!("yes{of_limits}, {} of the benches like yours", number::proportion(kept))
 }
 
-/// The limit or requirement that most benches fail.
-fn binding(verdict: &Verdict) -> Option<String> {
-    let time = |time_s: f64| format!("at {} s", number::significant(time_s, 4));
-    let limits = verdict.limits.iter().filter_map(|limit| {
-        let reached = limit.reached?;
-        let (name, ..) = limit_of(limit.of);
-        let words = format!(
-            "{name} {}, reached on {} of benches like yours",
-            time(limit.time_s),
-            number::share(reached.estimate)
-        );
-        Some((reached.estimate, words))
-    });
-    let sets = verdict.sets.iter().map(|set| {
+/// What benches miss, in words, with the share of them, and when that happens on the nominal bench, s.
+struct Missed {
+    words: String,
+    share: f64,
+    time_s: f64,
+}
+
+/// The limit or requirement that most benches miss, the earliest of several, and how many others prevent a yes.
+fn missed(verdict: &Verdict) -> Option<(Missed, usize)> {
+    let mut all: Vec<Missed> =
+        limits(verdict).chain(sets(verdict)).chain(own_missed(verdict)).chain(unstable(verdict)).collect();
+    all.retain(|one| one.share > 0.0);
+    all.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.time_s.total_cmp(&b.time_s)));
+    let others = all.iter().skip(1).filter(|one| one.share > PREVENTS).count();
+    all.into_iter().next().map(|first| (first, others))
+}
+
+/// The first thing missed, and how many others there are.
+fn with(missed: Option<(Missed, usize)>) -> String {
+    let Some((first, others)) = missed else { return String::new() };
+    let share = number::share(first.share);
+    let others = match others {
+        0 => String::new(),
+        1 => "; one other fails, too (tables)".to_owned(),
+        others => format!("; {others} others fail, too (tables)"),
+    };
+    format!("; {} on {share} of benches like yours{others}", first.words)
+}
+
+fn at(time_s: f64) -> String {
+    format!("at {} s", number::significant(time_s, 4))
+}
+
+fn limits(verdict: &Verdict) -> impl Iterator<Item = Missed> {
+    verdict.limits.iter().filter_map(|limit| {
+        let words = format!("{} {}, reached", limit_of(limit.of).0, at(limit.time_s));
+        Some(Missed { words, share: limit.reached?.estimate, time_s: limit.time_s })
+    })
+}
+
+fn sets(verdict: &Verdict) -> impl Iterator<Item = Missed> {
+    verdict.sets.iter().map(|set| {
         let worst = set.statistics.iter().min_by(|a, b| a.kept.estimate.total_cmp(&b.kept.estimate));
         let line = worst
             .map_or_else(String::new, |one| format!(", {} of the {}", statistic(one.statistic), signal(one.signal).0));
-        let missed = 1.0 - set.kept.estimate;
-        (missed, format!("{}{line}, missed on {} of benches like yours", set.name, number::share(missed)))
-    });
-    let own = verdict.own.iter().map(|one| {
-        let missed = 1.0 - one.kept.estimate;
-        (
-            missed,
-            format!(
-                "{} {}, missed on {} of benches like yours",
-                self::own(&one.own),
-                time(one.time_s),
-                number::share(missed)
-            ),
-        )
-    });
-    let unstable = (
-        verdict.unstable.estimate,
-        format!("not stable on {} of benches like yours", number::share(verdict.unstable.estimate)),
-    );
-    let all = limits.chain(sets).chain(own).chain([unstable]);
-    all.filter(|one| one.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0)).map(|one| one.1)
+        Missed { words: format!("{}{line}, missed", set.name), share: 1.0 - set.kept.estimate, time_s: f64::INFINITY }
+    })
+}
+
+fn own_missed(verdict: &Verdict) -> impl Iterator<Item = Missed> {
+    verdict.own.iter().map(|one| {
+        let words = format!("{} {}, missed", own(&one.own), at(one.time_s));
+        Missed { words, share: 1.0 - one.kept.estimate, time_s: one.time_s }
+    })
+}
+
+/// A bench that is not stable reaches every limit, too: this comes first.
+fn unstable(verdict: &Verdict) -> impl Iterator<Item = Missed> {
+    std::iter::once(Missed {
+        words: "not stable".to_owned(),
+        share: verdict.unstable.estimate,
+        time_s: f64::NEG_INFINITY,
+    })
 }

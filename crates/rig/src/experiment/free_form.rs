@@ -123,7 +123,7 @@ pub enum FreeFormError {
         source: UnitError,
     },
     /// A value that is no number.
-    #[error("`{name}` has no value at {time_s} s; a demand has no gaps")]
+    #[error("`{name}` has no value at {time_s} s; fill in the cell, or delete the row")]
     NoValue {
         /// The demand.
         name: &'static str,

@@ -40,6 +40,12 @@ pub(super) fn read(
     if recording.time_s(torque).unwrap_or_default() != time_s.as_slice() || time_s.len() < 3 {
         return Err(fault("speed and torque need one time, with three rows or more".to_owned()));
     }
+    let motored = "fill it in, or write m where the engine is motored";
+    for (channel, remedy) in [(speed, "fill it in"), (torque, motored)] {
+        if let Some(row) = channel.samples.iter().position(|value| !value.is_finite()) {
+            return Err(fault(format!("{}; {remedy}", engine_map::missing_cell(path, channel, row))));
+        }
+    }
     let course = course((speed, torque), map).map_err(fault)?;
     let usual_s = usual_s(&time_s).map_err(fault)?;
     // Points further apart than a second have points each second in between.
@@ -90,12 +96,6 @@ fn course((speed, torque): (&Channel, &Channel), map: Option<&EngineMap>) -> Res
     let torques = if parts.is_none() { engine_map::si(torque, Quantity::Torque)? } else { Vec::new() };
     let row = |k: usize| {
         let (speed, recorded) = (speeds[k], torque.samples[k]);
-        if !speed.is_finite() || !recorded.is_finite() {
-            return Err(format!(
-                "row {}: a value is missing; fill it in, or write m where the engine is motored",
-                k + 1
-            ));
-        }
         let torque = match &parts {
             _ if recorded == MOTORED => need_map("a row marks motoring")?.motoring_nm(speed),
             Some(parts) if parts[k] < 0.0 => need_map("the torque is in %")?.motoring_nm(speed),

@@ -24,6 +24,11 @@ pub(super) fn read(path: &Path, idle_rpm: Option<f64>) -> Result<EngineMap, CliE
     let torque = si(need(TORQUE)?, Quantity::Torque).map_err(fault)?;
     let motoring =
         column(&recording, MOTORING).map(|channel| si(channel, Quantity::Torque)).transpose().map_err(fault)?;
+    for channel in [SPEED, TORQUE, MOTORING].into_iter().filter_map(|names| column(&recording, names)) {
+        if let Some(row) = channel.samples.iter().position(|value| !value.is_finite()) {
+            return Err(fault(format!("{}; fill it in, or delete the row", missing_cell(path, channel, row))));
+        }
+    }
     EngineMap::new(&speed, &torque, motoring.as_deref(), idle_rpm.map(|rpm| rpm * RPM_RAD_S))
         .map_err(|error| fault(error.to_string()))
 }
@@ -38,6 +43,17 @@ pub(super) fn column<'a>(recording: &'a Recording, names: &[&str]) -> Option<&'a
     let words = |name: &str| name.trim().to_lowercase().replace([' ', '-'], "_");
     let is_named = |channel: &&Channel| names.contains(&words(&channel.name).as_str());
     recording.channels.iter().find(is_named)
+}
+
+/// A cell without a value, in words: with its line where the file is a text, else with its row.
+pub(super) fn missing_cell(path: &Path, channel: &Channel, row: usize) -> String {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let filled: Vec<usize> =
+        (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()).map(|(at, _)| at).collect();
+    // Rows are the last lines, below the headings.
+    let line = filled.len().checked_sub(channel.samples.len()).and_then(|headings| filled.get(headings + row));
+    let place = line.map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"));
+    format!("{place}, column `{}`: the value is missing", channel.name)
 }
 
 fn missing(names: &[&str]) -> String {

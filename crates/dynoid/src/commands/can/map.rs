@@ -1,10 +1,10 @@
 //! The capability map.
 
+use capability::LimitOf;
 use capability::gradient::gradients;
 use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted, WantedAnswer};
 use report::can::MapPage;
-use rig::bench_file::Limits;
 use serde_json::json;
 use units::RPM_RAD_S;
 
@@ -44,9 +44,9 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         samples: arguments.samples as usize,
         seed: arguments.on.plan.seed(),
     };
-    let unstated = unstated(&limits);
+    let unstated: Vec<LimitOf> = LimitOf::of_map(&limits).filter(|of| of.limit(&limits).is_none()).collect();
     if !unstated.is_empty() {
-        let names = unstated.join(", ");
+        let names = unstated.iter().map(|of| of.key()).collect::<Vec<_>>().join(", ");
         terminal.warning(&format!(
             "the map does not count limits that the bench file does not state: {names}; write them in [limits]"
         ));
@@ -71,13 +71,6 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     // A yes that leaves a limit out is none, as for a test.
     let is_complete = answers.is_empty() || unstated.is_empty() || arguments.allow_unchecked;
     Ok(if is_complete && answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
-}
-
-/// Limits that every map needs, by their names in the bench file, of those that it does not state.
-fn unstated(limits: &Limits) -> Vec<&'static str> {
-    let needed =
-        [("torque", limits.torque_nm), ("shaft_torque", limits.shaft_torque_nm), ("speed", limits.speed_rad_s)];
-    needed.into_iter().filter(|(_, limit)| limit.is_none()).map(|(name, _)| name).collect()
 }
 
 /// Frequencies of table and figure, growing, Hz.

@@ -50,7 +50,7 @@ pub(super) fn run(
             let progress = terminal.long("looking for what would make it possible");
             easier(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?
         }
-        Answer::Yes | Answer::Perhaps => Vec::new(),
+        Answer::Yes | Answer::Perhaps | Answer::NotJudged => Vec::new(),
     };
     let asked = Asked {
         test: &test.title,
@@ -64,7 +64,8 @@ pub(super) fn run(
     };
     show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
     let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
-    Ok(if verdict.answer == Answer::Yes && is_complete { Outcome::Done } else { Outcome::NotSafe })
+    let is_yes = matches!(verdict.answer, Answer::Yes | Answer::NotJudged);
+    Ok(if is_yes && is_complete { Outcome::Done } else { Outcome::NotSafe })
 }
 
 /// How the benches of a command differ from the nominal one.
@@ -96,7 +97,8 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
             "quantile_5": one.values.quantile(0.05), "median": one.values.quantile(0.5), "quantile_95": one.values.quantile(0.95),
             "margin": 1.0 - one.values.quantile(0.95) / one.limit, "kept": one.kept, "time_s": one.time_s})
     });
-    let change = |one: &Easier| json!({"change": one.change, "words": report::can::change(one.change), "kept": one.verdict.kept, "answer": one.verdict.answer});
+    let change =
+        |one: &Easier| json!({"change": one.change, "words": report::can::change(one.change), "kept": one.kept});
     json!({
         "test": asked.test,
         "duration_s": asked.duration_s,

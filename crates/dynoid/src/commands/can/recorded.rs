@@ -1,11 +1,12 @@
 //! A run that was recorded, judged.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use cycle::{
-    Course, Feedback, Judged, Own, Reference, RequirementSet, Sensor, Signal as Of, Validation, find_start, validate,
+    Course, Feedback, Own, Reference, RequirementSet, Samples, Sensor, Signal as Of, Validation, find_start, validate,
 };
-use report::can::{AlignedOn, RecordedRun};
+use report::can::{AlignedOn, JudgedOwn, RecordedRun};
 use report::wording;
 use rig::experiment::{ControlMode, Excitation, Test as Experimental, UPDATE_S};
 use rig::{Experiment, ExperimentLabel, PrepareError, Role, Severity, prepare};
@@ -36,6 +37,14 @@ pub(super) fn run(
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
     let refused = |reason: String| CliError::NotAsTest { path: file.to_owned(), reason };
+    if wanted.sets.is_empty() && wanted.own.is_empty() {
+        let what = format!(
+            "{}: nothing to judge the recording by. This test has no requirement set of its own: name one with --by, or give a \
+             requirement with --require",
+            test.title
+        );
+        return Err(CliError::Usage { what });
+    }
     let experiment = experiment(arguments, test, file, terminal)?;
     let (speeds, torques) = followed(test);
     let (speed_role, speed) = first(&experiment, speeds).map_err(refused)?;
@@ -48,7 +57,7 @@ pub(super) fn run(
     let sets =
         wanted.sets.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(|error| refused(error.to_string()))?;
     let signal = |own: &Own| if own.signal() == Of::Speed { speed } else { torque };
-    let judge = |own: &Own| Ok((*own, judged(own, test, &reference, (&experiment, signal(own)), start_s)?));
+    let judge = |own: &Own| judged(own, test, &reference, (&experiment, signal(own)), start_s);
     let own = wanted.own.iter().map(judge).collect::<Result<Vec<_>, String>>().map_err(refused)?;
     let (time_s, wanted_speed, wanted_torque) = shown(&feedback, test, &reference);
     let within = time_s.len();
@@ -65,11 +74,6 @@ pub(super) fn run(
         speed_rad_s: (&wanted_speed, &feedback.speed_rad_s[..within]),
         torque_nm: (&wanted_torque, &feedback.torque_nm[..within]),
     };
-    if sets.is_empty() && own.is_empty() {
-        let what =
-            format!("{}: nothing to judge by; name a set with --by, or a requirement with --require", test.title);
-        return Err(CliError::Usage { what });
-    }
     let passes = run.passes();
     show(&arguments.on.result, || report::can::recorded(&run), || facts(&run, &sets, &own), terminal)?;
     Ok(if passes { Outcome::Done } else { Outcome::NotSafe })
@@ -219,22 +223,59 @@ fn judged(
     reference: &Reference,
     (experiment, signal): (&Experiment, &Signal),
     start_s: f64,
-) -> Result<Judged, String> {
+) -> Result<JudgedOwn, String> {
     let signal = at_sensor(experiment, own.sensor()).unwrap_or(Ok(signal))?;
     let lasts_s = test.demand().duration_s();
     let begins_s = start_s + reference.start_s;
     let part = signal.slice(begins_s, begins_s + lasts_s);
-    let recorded = recorded_demand(experiment, own, mode(test));
+    let recorded =
+        recorded_demand(experiment, own, mode(test)).map(|demand| demand.slice(begins_s, begins_s + lasts_s));
+    let recorded = recorded.filter(|demand| !demand.is_empty());
     let wanted = |k: usize| {
         let (speed, torque) = wanted_at(test, reference, part.time_s(k) - start_s);
         let asked = if own.signal() == Of::Speed { speed } else { torque };
-        recorded.map_or(asked, |demand| held(demand, part.time_s(k)))
+        recorded.as_ref().map_or(asked, |demand| held(demand, part.time_s(k)))
     };
     let demand: Vec<f64> = (0..part.len()).map(wanted).collect();
-    let course = Course { sample_time_s: part.sample_time_s, demand: &demand, value: &part.samples };
+    let course = Course {
+        sample_time_s: part.sample_time_s,
+        demand: &demand,
+        value: &part.samples,
+        timed_demand: recorded.as_ref().map(|demand| timed(demand, part.start_s)).or_else(|| {
+            let start_s = start_s - part.start_s;
+            planned(own, test).map(|values| Samples { start_s, sample_time_s: UPDATE_S, values, is_held: true })
+        }),
+    };
     own.check(&course).map_err(|error| error.to_string())?;
-    let judged = own.judge(&course);
-    Ok(Judged { time_s: judged.time_s + part.start_s - start_s, ..judged })
+    let mut judged = own.judge(&course);
+    judged.time_s += part.start_s - start_s;
+    let uncertain_by = match (own, &recorded) {
+        // A demand changed at any time since the sample before.
+        (Own::Phase { frequency_hz, .. }, Some(demand)) => Some(0.5 * TAU * frequency_hz * demand.sample_time_s),
+        _ => None,
+    };
+    Ok(JudgedOwn { own: *own, judged, uncertain_by })
+}
+
+/// A recorded demand on a clock that begins at a time. On the raster of its own updates it changes at its samples; on a slower one it
+/// changed somewhere in between.
+fn timed(demand: &Signal, zero_s: f64) -> Samples<'_> {
+    Samples {
+        start_s: demand.start_s - zero_s,
+        sample_time_s: demand.sample_time_s,
+        values: &demand.samples,
+        is_held: demand.sample_time_s < 1.5 * UPDATE_S,
+    }
+}
+
+/// The demands of a plan, update by update.
+fn planned<'a>(own: &Own, test: &'a Test) -> Option<&'a [f64]> {
+    let What::Plan { plan, demands } = &test.what else { return None };
+    Some(match (own.signal(), plan.label.mode) {
+        (Of::Speed, _) => &demands.speed_rad_s,
+        (_, ControlMode::Nt) => &demands.engine_torque_nm,
+        (_, ControlMode::Tn) => &demands.dyno_torque_nm,
+    })
 }
 
 /// Roles of the speed and of the torque that follow the demands of a test, the best first: as in a prediction.
@@ -292,11 +333,12 @@ fn shown(feedback: &Feedback, test: &Test, reference: &Reference) -> (Vec<f64>, 
     (time_s, speed, torque)
 }
 
-fn facts(run: &RecordedRun<'_>, sets: &[(RequirementSet, Validation)], own: &[(Own, Judged)]) -> serde_json::Value {
+fn facts(run: &RecordedRun<'_>, sets: &[(RequirementSet, Validation)], own: &[JudgedOwn]) -> serde_json::Value {
     let set = |(set, validation): &(RequirementSet, Validation)| json!({"name": set.name, "paragraph": set.paragraph, "year": set.year, "text_seen": set.seen, "result": validation});
-    let one = |(own, judged): &(Own, Judged)| {
-        json!({"requirement": report::can::own(own), "value": judged.value, "limit": judged.limit,
-            "passes": judged.passes(), "time_s": judged.time_s})
+    let one = |one: &JudgedOwn| {
+        let judged = one.judged;
+        json!({"requirement": report::can::own(&one.own), "value": judged.value, "limit": judged.limit,
+            "uncertain_by": one.uncertain_by, "passes": judged.passes(), "time_s": judged.time_s})
     };
     json!({
         "test": run.test,
