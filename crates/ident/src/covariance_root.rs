@@ -36,12 +36,22 @@ impl Correlation {
 /// `S` with `S Sᵀ = P`, one column for each direction in which P is not zero. Negative variances, which rounding leaves, count
 /// as zero; the scale of each parameter is taken off first, so that units do not decide what is small.
 pub(crate) fn root(p: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
+    root_above(p, 0.0)
+}
+
+fn root_above(p: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, IdentError> {
     if p.nrows() == 0 {
         return Ok(Mat::zeros(0, 0));
     }
     let c = Correlation::new(p)?;
-    let kept = c.directions(0.0);
+    let kept = c.directions(tolerance);
     Ok(Mat::from_fn(p.nrows(), kept.len(), |i, k| c.deviations[i] * c.vectors[(i, kept[k])] * c.values[kept[k]].sqrt()))
+}
+
+/// As [`root`], without the directions that are there by rounding alone: eigenvalues of a matrix of order n have errors of n
+/// units in the last place of the largest.
+pub(crate) fn root_beyond_rounding(p: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
+    root_above(p, p.nrows() as f64 * f64::EPSILON)
 }
 
 /// `W` with `Wᵀ P W = I`, one column for each direction whose part of the largest variance exceeds `tolerance`.

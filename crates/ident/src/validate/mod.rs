@@ -7,6 +7,7 @@ mod residual_test;
 mod sensitivity;
 mod series;
 mod span;
+mod tangent;
 mod whiteness;
 
 pub use compare::{Comparison, Judgement, compare, compare_with, judge};

@@ -172,8 +172,9 @@ impl ResidualTest {
         check_channels(&fit.model, data)?;
         let (whole, part) = (data, self.part(data)?);
         let data = part.as_ref();
-        let errors = residuals(&fit.model, data, &self.initial)?.outputs;
-        let parameters = sensitivity::to_parameters(fit, data, &self.initial, &Stack::column(&errors))?;
+        let predicted = residuals(&fit.model, data, &self.initial)?;
+        let parameters = sensitivity::to_parameters(fit, data, &self.initial, &predicted)?;
+        let errors = predicted.outputs;
         let mut columns =
             Columns { states: sensitivity::to_states(&fit.model, data, &self.initial)?, ..Columns::default() };
         match which {

@@ -88,10 +88,18 @@ fn sum_products(x: &[Vec<f64>], y: &[Vec<f64>], lags: usize) -> Result<Vec<f64>,
     finite(sums)
 }
 
+/// Samples that are read for all lags while they are in the nearest cache.
+const BLOCK: usize = 1024;
+
 /// Adds `Σ_t x(t) y(t + k)` for k = 0, 1, …
 fn add_one_by_one<'a>(x: &[f64], y: &[f64], sums: impl Iterator<Item = &'a mut f64>) {
-    for (k, slot) in sums.take(x.len()).enumerate() {
-        *slot += dot(&x[..x.len() - k], &y[k..]);
+    let mut sums: Vec<&mut f64> = sums.take(x.len()).collect();
+    for (first, x) in (0..).step_by(BLOCK).zip(x.chunks(BLOCK)) {
+        for (k, slot) in sums.iter_mut().enumerate() {
+            let y = &y[y.len().min(first + k)..];
+            let there = x.len().min(y.len());
+            **slot += dot(&x[..there], &y[..there]);
+        }
     }
 }
 
