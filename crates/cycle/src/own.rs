@@ -8,7 +8,7 @@ use units::{Quantity, RPM_RAD_S, parse_value};
 
 use crate::error::CycleError;
 use crate::requirement::Signal;
-use crate::tone::{Samples, lag_rad, largest_amplitude};
+use crate::tone::{Lag, Samples, lag, largest_amplitude};
 
 /// Ten and ninety per cent of a step.
 const RISE: (f64, f64) = (0.1, 0.9);
@@ -129,6 +129,13 @@ impl Judged {
 }
 
 impl Own {
+    /// By how much the number of a course may be off at 95 % by what does not follow the demand, in its unit; `None` where the course
+    /// cannot show it. Only a phase has it.
+    pub fn scatter(&self, course: &Course<'_>) -> Option<f64> {
+        let Own::Phase { frequency_hz, .. } = *self else { return None };
+        course.lag(frequency_hz).scatter_rad
+    }
+
     /// Which signal it is about.
     pub fn signal(&self) -> Signal {
         match *self {
@@ -199,9 +206,7 @@ impl Own {
                 Judged { value, limit: most_s, time_s: course.time_s(settled) }
             }
             Own::Phase { frequency_hz, most_rad, .. } => {
-                let even = |values| course.samples(values);
-                let demand = course.timed_demand.unwrap_or_else(|| even(course.demand));
-                let value = lag_rad(&demand, &even(course.value), frequency_hz).abs();
+                let value = course.lag(frequency_hz).rad.abs();
                 let asked = largest_amplitude(course.demand, course.sample_time_s, frequency_hz);
                 Judged { value, limit: most_rad, time_s: asked.map_or(f64::NAN, |(_, time_s)| time_s) }
             }
@@ -278,6 +283,11 @@ impl fmt::Display for Own {
 impl Course<'_> {
     fn samples<'a>(&self, values: &'a [f64]) -> Samples<'a> {
         Samples { start_s: 0.0, sample_time_s: self.sample_time_s, values, is_held: false }
+    }
+
+    fn lag(&self, frequency_hz: f64) -> Lag {
+        let demand = self.timed_demand.unwrap_or_else(|| self.samples(self.demand));
+        lag(&demand, &self.samples(self.value), frequency_hz)
     }
 
     fn time_s(&self, sample: usize) -> f64 {

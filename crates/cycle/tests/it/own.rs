@@ -160,6 +160,44 @@ fn exact_a_phase_does_not_depend_on_the_rasters() {
     }
 }
 
+/// A white demand that is held for 10 ms, a lag of 2 ms 6 ms later, and noise: the interval has the true phase as often as it says,
+/// and the samples every 4 ms, which fold the steps, do not change that.
+#[test]
+fn stat_the_scatter_of_a_phase_holds() {
+    let mut state = 7_u64;
+    let mut normal = || {
+        let uniform = |state: &mut u64| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform(&mut state)).sum::<f64>() - 6.0
+    };
+    let hz = 12.0;
+    let exact = TAU * hz * 0.006 + (TAU * hz * 0.002).atan();
+    let (draws, mut held, mut widths) = (300, 0_u32, Vec::new());
+    for _ in 0..draws {
+        let steps: Vec<f64> = (0..2400).map(|_| 10.0 * normal()).collect();
+        let demand: Vec<f64> = (0..24_000).map(|k| steps[k / 10]).collect();
+        let (mut lagged, mut value) = (0.0, Vec::new());
+        for tick in 0..24_000_usize {
+            if tick % 4 == 0 {
+                value.push(lagged + 2.0 * normal());
+            }
+            let now = if tick < 6 { 0.0 } else { steps[(tick - 6) / 10] };
+            lagged = now + (lagged - now) * (-0.5_f64).exp();
+        }
+        let timed = Samples { start_s: 0.0, sample_time_s: 1e-3, values: &demand, is_held: true };
+        let course = Course { sample_time_s: 4e-3, demand: &value, value: &value, timed_demand: Some(timed) };
+        let own: Own = format!("torque phase at {hz} Hz below 60 deg").parse().unwrap();
+        let scatter = own.scatter(&course).unwrap();
+        held += u32::from((own.judge(&course).value - exact).abs() < scatter);
+        widths.push(scatter.to_degrees());
+    }
+    widths.sort_by(f64::total_cmp);
+    assert!((0.92..=0.98).contains(&(f64::from(held) / f64::from(draws))), "{held} of {draws}, ± {}°", widths[150]);
+    assert!(widths[150] < 5.0, "{}", widths[150]);
+}
+
 #[test]
 fn regress_a_frequency_that_the_test_lacks_is_named() {
     let (demand, value) = sweep();

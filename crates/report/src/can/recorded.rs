@@ -30,7 +30,7 @@ pub struct JudgedOwn {
     pub own: Own,
     /// The number with its limit.
     pub judged: Judged,
-    /// By how much the samples of the recording leave the number open, up or down, in its unit.
+    /// By how much the raster of the recording and what does not follow the demand leave the number open, up or down, in its unit.
     pub uncertain_by: Option<f64>,
 }
 
@@ -186,7 +186,7 @@ fn value(one: &JudgedOwn) -> String {
 
 fn open(one: &JudgedOwn) -> Block {
     let words = format!(
-        "{}: {}. The limit is within what the samples of the recorded demand leave open. Record the demand on a faster raster.",
+        "{}: {}. The limit is within that uncertainty. Record the demand on a faster raster, or longer.",
         words::own(&one.own),
         value(one)
     );

@@ -249,11 +249,13 @@ fn judged(
     own.check(&course).map_err(|error| error.to_string())?;
     let mut judged = own.judge(&course);
     judged.time_s += part.start_s - start_s;
-    let uncertain_by = match (own, &recorded) {
+    let raster = match (own, &recorded) {
         // A demand changed at any time since the sample before.
         (Own::Phase { frequency_hz, .. }, Some(demand)) => Some(0.5 * TAU * frequency_hz * demand.sample_time_s),
         _ => None,
     };
+    let scatter = own.scatter(&course);
+    let uncertain_by = (raster.is_some() || scatter.is_some()).then(|| raster.unwrap_or(0.0) + scatter.unwrap_or(0.0));
     Ok(JudgedOwn { own: *own, judged, uncertain_by })
 }
 
