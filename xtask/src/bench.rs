@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the estimators' times, alone or beside those of other packages.
+//! `cargo xtask bench`: the times of estimators and of whole commands, alone or beside those of other packages.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,6 +12,11 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let arguments = absolute_paths(arguments)?;
     if arguments == ["--mdf"] {
         return mdf();
+    }
+    if let Some((first, others)) = arguments.split_first()
+        && first == "--commands"
+    {
+        return commands(others);
     }
     let Some(position) = arguments.iter().position(|a| a == "--peers") else {
         return ours(&arguments);
@@ -61,6 +66,19 @@ fn mdf() -> Result<(), String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/mdf.py");
     let (files, measure) = (target.join("benchmark/mdf"), target.join("release/examples/measure"));
     succeed("the comparison", Command::new(python).arg(script).arg(files).arg(measure))
+}
+
+/// Whole commands, beside scripts with other packages.
+fn commands(arguments: &[String]) -> Result<(), String> {
+    let python = crate::python::interpreter()?.ok_or("there are no packages to compare with")?;
+    let target = crate::folder::target()?;
+    // As the check builds it: the features of the program alone would build the large libraries again.
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["test", "--workspace", "--release", "--no-run", "--quiet"]);
+    succeed("building the program", &mut build)?;
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/commands.py");
+    let (program, folder) = (target.join("release/dynoid"), target.join("benchmark/commands"));
+    succeed("the comparison", Command::new(python).arg(script).arg(program).arg(folder).args(arguments))
 }
 
 fn ours(arguments: &[String]) -> Result<(), String> {

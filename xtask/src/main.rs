@@ -29,6 +29,7 @@ const USAGE: &str = "usage: cargo xtask <task>
            PATTERN or PATH lists the places; --record lowers the ceilings.
   bench    time the estimators; --peers also times other packages on the same data (see benchmarks/README.md)
            [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME].
+           --commands [--quick] [--growth] [NAME] times whole commands, beside scripts that do the same.
            --mdf alone times the reading of MDF files of a gigabyte, and compares it with asammdf.";
 
 fn main() -> ExitCode {
