@@ -15,7 +15,9 @@ use crate::error::CliError;
 const USUAL_WIDTH: usize = 100;
 /// Lines longer than this are hard to read.
 const WIDEST: usize = 120;
-const NARROWEST: usize = 60;
+const NARROWEST: usize = 40;
+/// Lines of a result on a terminal; `--all` shows the rest.
+const MOST_LINES: usize = 40;
 /// From frame to frame of a display of progress.
 const TICK: Duration = Duration::from_millis(100);
 /// What takes less than this needs no display.
@@ -27,9 +29,13 @@ pub(crate) struct Terminal {
     /// Why standard output takes no more. Of a reader that has gone away nothing is said.
     failure: Option<io::Error>,
     quiet: bool,
+    /// Whether results are shown to the last line.
+    all: bool,
     colour_out: bool,
     colour_err: bool,
     width: usize,
+    /// Columns of a line on standard error; none where messages stay in one line.
+    width_err: Option<usize>,
 }
 
 impl Terminal {
@@ -39,14 +45,17 @@ impl Terminal {
             ColorWhen::Never => false,
             ColorWhen::Auto => is_terminal && colour_is_welcome(),
         };
-        let columns = terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+        let columns = columns();
+        let width = columns.map_or(USUAL_WIDTH, |columns| columns.clamp(NARROWEST, WIDEST));
         Terminal {
             out: BufWriter::new(io::stdout()),
             failure: None,
             quiet: global.quiet,
             colour_out: colour(io::stdout().is_terminal()),
             colour_err: colour(io::stderr().is_terminal()),
-            width: columns.map_or(USUAL_WIDTH, |columns| columns.clamp(NARROWEST, WIDEST)),
+            all: global.all || !io::stdout().is_terminal(),
+            width,
+            width_err: columns.map(|_| width),
         }
     }
 
@@ -57,7 +66,7 @@ impl Terminal {
 
     /// A line.
     pub(crate) fn line(&mut self, text: &str) {
-        self.put(&safe(text));
+        self.put(&page::folded(text, self.width));
     }
 
     /// An empty line.
@@ -68,13 +77,20 @@ impl Terminal {
     /// A page, but for its figures.
     pub(crate) fn page(&mut self, page: &Page) {
         let text = page::terminal(page, self.screen());
-        if !text.is_empty() {
-            self.put(&text);
+        if text.is_empty() {
+            return;
+        }
+        match beginning(&text, MOST_LINES).filter(|_| !self.all) {
+            None => self.put(&text),
+            Some((shown, left)) => {
+                self.put(shown);
+                self.put(&format!("\n{left} more lines: add --all"));
+            }
         }
     }
 
     fn screen(&self) -> Screen {
-        Screen { width: self.width, colour: self.colour_out }
+        Screen { width: self.width, colour: self.colour_out, is_narrow: self.width_err.is_some() }
     }
 
     /// A value as JSON.
@@ -114,7 +130,8 @@ impl Terminal {
     fn bar(&self, steps: u64) -> ProgressBar {
         let bar = ProgressBar::new(steps);
         let colour = if self.colour_err { ".cyan" } else { "" };
-        let template = format!("{{spinner{colour}}} [{{bar:24{colour}}}] {{wide_msg}}");
+        let times = "{elapsed} gone, {eta} to go";
+        let template = format!("{{spinner{colour}}} [{{bar:18{colour}}}] {times}  {{wide_msg}}");
         if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(style.progress_chars("=> "));
         }
@@ -154,11 +171,28 @@ impl Terminal {
 
     fn complain(&mut self, mark: &str, style: Tone, text: &str) {
         self.flush();
+        // The mark counts as a word of the first line.
+        let text = match self.width_err {
+            Some(width) => page::folded(&format!("{mark} {text}"), width).replacen(mark, "", 1),
+            None => format!(" {}", text.lines().map(safe).collect::<Vec<_>>().join("\n")),
+        };
         let mark = if self.colour_err { style.paint(mark) } else { mark.to_owned() };
-        let lines: Vec<String> = text.lines().map(safe).collect();
-        // Nobody is left to be told if standard error is gone.
-        let _ = writeln!(io::stderr(), "{mark} {}", lines.join("\n"));
+        // Nobody is left to read it if standard error is gone.
+        let _ = writeln!(io::stderr(), "{mark}{text}");
     }
+}
+
+/// Columns of the terminal; where there is none, those that the variable COLUMNS states.
+fn columns() -> Option<usize> {
+    let terminal = terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+    terminal.or_else(|| std::env::var("COLUMNS").ok()?.trim().parse().ok().filter(|columns| *columns > 0))
+}
+
+/// The first lines of a text and how many more there are; `None` where they are all of it, or nearly.
+fn beginning(text: &str, most: usize) -> Option<(&str, usize)> {
+    let count = text.lines().count();
+    let end = text.match_indices('\n').nth(most.checked_sub(1)?)?.0;
+    (count > most + 2).then(|| (text[..end].trim_end(), count - most))
 }
 
 /// NO_COLOR (no-color.org) and terminals that know no colour.
@@ -219,5 +253,21 @@ impl Drop for Long {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::beginning;
+
+    #[test]
+    fn exact_a_long_result_is_cut_and_the_rest_counted() {
+        let text = (0..50).map(|n| n.to_string()).collect::<Vec<_>>().join("\n");
+        let (shown, left) = beginning(&text, 40).unwrap();
+        assert_eq!((shown.lines().count(), shown.lines().last(), left), (40, Some("39"), 10));
+        assert!(
+            beginning(&text, 48).is_none() && beginning("", 40).is_none(),
+            "two more lines cost less than a remark"
+        );
     }
 }

@@ -123,10 +123,23 @@ function fillReadout(plot, at, rows) {
     if (entry) row.append(entry.querySelector("svg").cloneNode(true), " ");
     row.append(severalPanels ? `${panel.label}, ${layer.name}` : layer.name);
     const number = document.createElement("b");
-    number.textContent = ` ${plainNumber(value, 4)} ${panel.unit}`;
+    number.textContent = ` ${valueText(panel, value)} ${panel.unit}`;
     row.append(number);
   }
   plot.readout.hidden = false;
+}
+
+/** From a line's point in the drawing, in pixels, to the next one that can be written. */
+const DRAWN_STEP = 0.001;
+
+/** A value with the digits that the drawing carries: its last digit is worth five steps of the drawing or more. */
+function valueText({ sy, top, bottom }, value) {
+  if (sy.kind === "log" || !Number.isFinite(value)) return plainNumber(value, 4);
+  const step = (5 * DRAWN_STEP * (sy.high - sy.low)) / (bottom - top);
+  const place = Math.ceil(Math.log10(step));
+  if (place <= 0) return fixedNumber(value, -place);
+  const unit = Math.pow(10, place);
+  return fixedNumber(unit * Math.round(value / unit), 0);
 }
 
 /** The cursor's x to a thousandth of what is in view. */

@@ -49,7 +49,17 @@ function fitToScreen() {
 }
 
 document.querySelectorAll("figure.plot").forEach(mount);
-window.addEventListener("beforeprint", fitToPaper);
+// What is folded has no width until it is opened.
+document.querySelectorAll("details").forEach((fold) => fold.addEventListener("toggle", fitToScreen));
+const foldedAway = [];
+window.addEventListener("beforeprint", () => {
+  for (const fold of document.querySelectorAll("details:not([open])")) {
+    fold.open = true;
+    foldedAway.push(fold);
+  }
+  fitToPaper();
+});
+window.addEventListener("afterprint", () => foldedAway.splice(0).forEach((fold) => { fold.open = false; }));
 window.addEventListener("afterprint", fitToScreen);
 let pending = 0;
 window.addEventListener("resize", () => {

@@ -20,9 +20,10 @@ mod quantity;
 mod svg;
 mod table;
 mod terminal;
+mod thinned;
 mod tone;
 
-pub use figure::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Scale, Style, drawn_of, rounded};
+pub use figure::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Scale, Style, rounded};
 pub use html::html;
 pub use markdown::markdown;
 pub use model::{Block, Blocks, Card, Finding, Page, Weight};
@@ -31,7 +32,7 @@ pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};
 pub use svg::svg;
 pub use table::{Align, Cell, Column, Content, Row, Table};
-pub use terminal::{Screen, safe, terminal};
+pub use terminal::{Screen, folded, safe, terminal};
 pub use tone::Tone;
 
 /// The page as JSON: its data, as they are.

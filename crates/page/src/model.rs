@@ -15,6 +15,8 @@ pub struct Page {
     pub title: String,
     /// A line below the title; empty for none.
     pub subtitle: Prose,
+    /// A line at the top of each printed page; empty for none.
+    pub running_head: String,
     /// The content.
     pub blocks: Vec<Block>,
 }
@@ -155,7 +157,7 @@ impl Finding {
 impl Page {
     /// A page of blocks.
     pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
-        Page { title: title.into(), subtitle: Prose::default(), blocks }
+        Page { title: title.into(), blocks, ..Page::default() }
     }
 
     /// A page of figures.

@@ -58,6 +58,8 @@ pub struct Digits {
 
 /// Arms of an interval that differ by more than this part of half its width are both shown.
 const LOPSIDED: f64 = 0.2;
+/// Significant digits of a number that is read at a glance.
+const MOST_DIGITS: i32 = 5;
 
 impl Quantity {
     /// A value between two bounds.
@@ -108,6 +110,26 @@ impl Quantity {
         };
         let interval = format!("{} … {}", digits(low), digits(high));
         Some(Digits { value: digits(self.value), spread, interval, unit: scale.suffix() })
+    }
+
+    /// The quantity in pieces for a glance: at most five significant digits, and half of the interval in per cent of the value.
+    pub fn short(&self) -> Option<Digits> {
+        let Uncertainty::Interval(low, high) = self.uncertainty else { return None };
+        let full = self.digits()?;
+        let scale = number::Scale::fitting(self.value.abs().max((high - low) / 2.0), self.unit.as_str());
+        let shown = self.value / scale.divisor;
+        let whole = if shown == 0.0 { 0 } else { shown.abs().log10().floor() as i32 };
+        let decimals = number::decimals_for((high - low) / 2.0 / scale.divisor).min((MOST_DIGITS - 1 - whole).max(0));
+        let digits = |value: f64| number::fixed(value / scale.divisor, decimals);
+        let percent = |width: f64| number::significant(100.0 * width / self.value.abs(), 2);
+        let (below, above) = (self.value - low, high - self.value);
+        let spread = match (above - below).abs() > LOPSIDED * (high - low) / 2.0 {
+            _ if self.value == 0.0 => full.spread,
+            true => format!("+{} −{} %", percent(above), percent(below)),
+            false => format!("± {} %", percent((high - low) / 2.0)),
+        };
+        let interval = format!("{} … {}", digits(low), digits(high));
+        Some(Digits { value: digits(self.value), spread, interval, unit: full.unit })
     }
 
     fn is_exact(&self) -> bool {

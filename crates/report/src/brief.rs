@@ -2,12 +2,13 @@
 
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
 use rig::results::{Parameter, Part, Quantity, Reason};
-use rig::{Diagnostic, Severity};
+use rig::{Diagnostic, Finding, Severity};
 use study::Study;
 
 use crate::sections::diagnostics::{alike, entry};
 use crate::sections::verdict::tone;
-use crate::verdict::{Level, Rule, verdict};
+use crate::summary;
+use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
 
 /// Findings shown before the rest is left to the report.
@@ -18,6 +19,7 @@ pub fn summary(study: &Study) -> Page {
     let used = study.recordings.iter().filter(|recording| !recording.used_for.is_empty()).count();
     let subject = format!("{}: {} recordings, {used} used for estimates", study.bench.name, study.recordings.len());
     let mut all = Blocks::from(Block::paragraph(Prose::verbatim(subject)));
+    all.push(causes(&study.diagnostics));
     all.push(judged(study));
     all.push(estimates(study));
     all.push(missing(study));
@@ -27,7 +29,8 @@ pub fn summary(study: &Study) -> Page {
 
 /// What the study says about itself, without its numbers.
 pub fn judgement(study: &Study) -> Page {
-    let mut all = judged(study);
+    let mut all = causes(&study.diagnostics);
+    all.push(judged(study));
     all.push(missing(study));
     all.push(findings(&study.diagnostics));
     Page::new(study.bench.name.as_str(), all.into_vec())
@@ -46,9 +49,28 @@ fn judged(study: &Study) -> Blocks {
         tone: tone(verdict.level),
         kicker: "Verdict".to_owned(),
         title: format!("Verdict: {}", verdict.level.headline()),
-        blocks: vec![Block::Table(table), count],
+        blocks: [Block::Table(table), count].into_iter().chain(use_of_it(study, &verdict)).collect(),
     }
     .into()
+}
+
+/// Where the model is valid, and what to do next.
+fn use_of_it(study: &Study, verdict: &Verdict) -> Vec<Block> {
+    let range = summary::range(&study.validity).filter(|_| study.whole.estimated().is_some());
+    let valid = range.map(|range| Block::paragraph(format!("Valid for {range}.")));
+    let next = Block::paragraph(Prose::from("Next: ").then(summary::next_step(study, verdict)));
+    valid.into_iter().chain([next]).collect()
+}
+
+/// What explains a bad verdict by itself: a channel that is not in the recordings.
+fn is_cause(diagnostic: &Diagnostic) -> bool {
+    diagnostic.severity > Severity::Note && matches!(diagnostic.finding, Finding::MissingChannel { .. })
+}
+
+/// Findings that explain the verdict, before it.
+fn causes(diagnostics: &[Diagnostic]) -> Blocks {
+    let causes: Vec<&Diagnostic> = diagnostics.iter().filter(|found| is_cause(found)).collect();
+    alike(&causes).iter().map(|same| entry(same)).collect()
 }
 
 fn estimates(study: &Study) -> Blocks {
@@ -108,25 +130,12 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
     numbers
 }
 
-/// Every part that is not estimated, in plain words, with what it needs.
-pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Reason])> {
-    let parts = [
-        (Part::Timing, study.timing.as_ref().err()),
-        (Part::SpeedController, study.speed_controller.as_ref().err()),
-        (Part::FeedForward, study.feed_forward.as_ref().err()),
-        (Part::TorqueControl, study.torque_control.as_ref().err()),
-        (Part::Shaft, study.shaft.as_ref().err()),
-        (Part::Whole, study.whole.as_ref().err()),
-    ];
-    parts.into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
-}
-
 fn missing(study: &Study) -> Blocks {
     let row = |(part, needs): (&str, &[Reason])| -> Vec<Cell> {
         vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
     };
-    let table =
-        Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(not_estimated(study).into_iter().map(row));
+    let table = Table::new(&[("", Align::Left), ("", Align::Left)])
+        .with_rows(summary::not_estimated(study).into_iter().map(row));
     match table.is_empty() {
         true => Blocks::default(),
         false => vec![Block::heading("Not estimated"), Block::Table(table)].into(),
@@ -137,8 +146,12 @@ fn findings(diagnostics: &[Diagnostic]) -> Blocks {
     if diagnostics.is_empty() {
         return Blocks::default();
     }
-    let doubts: Vec<&Diagnostic> = diagnostics.iter().filter(|found| found.severity > Severity::Note).collect();
-    let notes = diagnostics.len() - doubts.len();
+    let above_note = |found: &&Diagnostic| found.severity > Severity::Note;
+    let notes = diagnostics.iter().filter(|found| !above_note(found)).count();
+    let doubts: Vec<&Diagnostic> = diagnostics.iter().filter(above_note).filter(|found| !is_cause(found)).collect();
+    if doubts.is_empty() && notes == 0 {
+        return Blocks::default();
+    }
     let groups = alike(&doubts);
     let mut all = Blocks::from(Block::heading("Findings"));
     groups.iter().take(MOST_FINDINGS).for_each(|same| all.push(entry(same)));

@@ -169,7 +169,7 @@ pub fn figures(friction: &Friction) -> Vec<Figure> {
         let speeds = |values: &[f64]| values.iter().map(|w| w / RPM_RAD_S).collect::<Vec<f64>>();
         let layers = vec![
             measured(&run_out.time_s, &speeds(&run_out.measured_rad_s)),
-            Layer::timed_trace("modelled", Style::Modelled, &run_out.time_s, &speeds(&run_out.modelled_rad_s)),
+            Layer::curve("modelled", Style::Modelled, &run_out.time_s, &speeds(&run_out.modelled_rad_s)),
         ];
         let panel = Panel::new(Axis::linear("N_d", "rpm"), HEIGHT, layers);
         Figure::new(&run_out.stretch.file, Axis::time(), vec![panel]).with_caption(format!(

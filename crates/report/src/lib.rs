@@ -29,6 +29,7 @@ pub mod replayed;
 pub mod safety;
 mod sections;
 pub mod shaft;
+pub mod summary;
 pub mod torque;
 pub mod torque_control;
 pub mod verdict;

@@ -25,7 +25,7 @@ pub fn figures(title: &str, recording: &Recording) -> Vec<Figure> {
         let channels = shown.iter().filter(|channel| channel.raster == number);
         let panel = |channel: &recording::Channel| {
             // Alone in its panel, which bears its name, it needs no place in the legend.
-            let layer = Layer::timed_trace("", Style::Measured, &raster.time_s, &channel.samples);
+            let layer = Layer::curve("", Style::Measured, &raster.time_s, &channel.samples);
             Panel::new(Axis::linear(&channel.name, &channel.unit), 110, vec![layer])
         };
         let panels: Vec<Panel> = channels.map(panel).collect();

@@ -35,6 +35,7 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
             file: source.file.clone(),
             sha256: source.sha256.clone(),
             label: None,
+            recorded_on: source.recording.as_ref().ok().and_then(|one| one.start_time).map(|start| start.day()),
             duration_s: source.recording.as_ref().map_or(0.0, duration_s),
             mean_speed_rad_s: None,
             sample_times_s: Vec::new(),

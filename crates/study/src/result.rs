@@ -5,6 +5,7 @@ use bench_model::document::Validity;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
+use rig::bench_file::ReportIdentity;
 use rig::experiment::Choice;
 use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl, write_status};
@@ -63,6 +64,8 @@ pub struct Provenance {
     pub bench_file_name: String,
     /// Seed, when the recordings were simulated.
     pub seed: Option<u64>,
+    /// What the bench file says of the report.
+    pub report: ReportIdentity,
 }
 
 /// One recording as the study saw it.
@@ -74,6 +77,8 @@ pub struct RecordingSummary {
     pub sha256: String,
     /// Label, if it has one.
     pub label: Option<ExperimentLabel>,
+    /// The day of the recording, as in 2026-05-03, if its file states it.
+    pub recorded_on: Option<String>,
     /// Length, s.
     pub duration_s: f64,
     /// Mean dynamometer speed, rad/s.

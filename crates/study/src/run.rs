@@ -73,6 +73,7 @@ fn studied(
             bench_file: campaign.bench_file.1.to_owned(),
             bench_file_name: campaign.bench_file.0.to_owned(),
             seed: campaign.seed,
+            report: campaign.bench.report.clone(),
         },
         bench: campaign.bench.facts(),
         recordings,

@@ -38,7 +38,7 @@ Examples:
 
 The study writes report.html, one file for any browser, and model.json, the bench model, which other commands take. For programs it writes every number to study.json, and the measured and modelled series to study-series.parquet. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
 
-With --full the report also contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.")]
+With --full the study also writes report-full.html, which contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.")]
 pub(crate) struct StudyArguments {
     /// The bench file: what is known of the bench, its channels, and its recordings
     #[arg(value_name = "BENCH.toml")]
@@ -46,7 +46,7 @@ pub(crate) struct StudyArguments {
     /// Folder for the results [default: study/ next to the bench file]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Add all analyses of single parts to the report
+    /// Write report-full.html too: the report with all analyses of single parts
     #[arg(long)]
     pub(crate) full: bool,
     /// Print verdict, estimates and findings as JSON

@@ -59,7 +59,7 @@ pub(crate) struct CanArguments {
     #[arg(long, value_name = "FILE", help_heading = "Test")]
     pub(crate) engine_map: Option<PathBuf>,
     /// Warm idle speed [default: the lowest speed of the map]
-    #[arg(long, value_name = "RPM", value_parser = number::positive, help_heading = "Test")]
+    #[arg(long, value_name = "RPM", value_parser = number::positive_rpm, help_heading = "Test")]
     pub(crate) idle: Option<f64>,
     /// Vehicle and gears for a cycle of vehicle speed: a TOML file
     #[arg(long, value_name = "FILE", help_heading = "Test")]
@@ -74,7 +74,7 @@ pub(crate) struct CanArguments {
     #[arg(long = "want", value_name = "TEXT", help_heading = "Requirements")]
     pub(crate) want: Vec<String>,
     /// When the test begins in the recording, s [default: found by the speed]
-    #[arg(long, value_name = "SECONDS", value_parser = number::finite, help_heading = "Requirements", requires = "recorded")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::seconds, help_heading = "Requirements", requires = "recorded")]
     pub(crate) start: Option<f64>,
     /// Number of random benches, 72 or more; of fewer, the 95 % interval of a full yes begins below 95 %
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = number::benches)]

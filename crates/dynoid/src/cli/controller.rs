@@ -67,16 +67,16 @@ pub(crate) struct NoiseTestArguments {
     #[arg(long, value_name = "GAIN", value_parser = number::positive, default_value_t = 1.8650)]
     pub(crate) k_i: f64,
     /// Delay of the controller
-    #[arg(long, value_name = "SECONDS", value_parser = number::not_negative, default_value_t = 0.001)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::seconds_from_zero, default_value_t = 0.001)]
     pub(crate) delay: f64,
     /// Corner of the low-pass noise (Butterworth, fourth order)
-    #[arg(long, value_name = "HZ", value_parser = number::positive, default_value_t = 1.0)]
+    #[arg(long, value_name = "HZ", value_parser = number::positive_hertz, default_value_t = 1.0)]
     pub(crate) low_pass: f64,
     /// SNR with low-pass noise
     #[arg(long, value_name = "RATIO", value_parser = number::positive, default_value_t = 13.0)]
     pub(crate) low_pass_snr: f64,
     /// Corners of the band-pass noise
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 1, value_parser = number::positive, default_value = "100,200")]
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 1, value_parser = number::positive_hertz, default_value = "100,200")]
     pub(crate) band_pass: Vec<f64>,
     /// SNR with band-pass noise
     #[arg(long, value_name = "RATIO", value_parser = number::positive, default_value_t = 8.0)]

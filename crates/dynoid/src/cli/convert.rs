@@ -38,16 +38,16 @@ pub(crate) struct ConvertArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) channels: Vec<String>,
     /// Leave out everything before this time
-    #[arg(long, value_name = "SECONDS", value_parser = number::finite)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::seconds)]
     pub(crate) start: Option<f64>,
     /// Leave out everything after this time
-    #[arg(long, value_name = "SECONDS", value_parser = number::finite)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::seconds)]
     pub(crate) end: Option<f64>,
     /// Put all channels on one clock with this sample time. In text without a time column: the time from row to row
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive_seconds)]
     pub(crate) sample_time: Option<f64>,
     /// Put all channels on one clock with this sample rate, also where --sample-time gives the time from row to row
-    #[arg(long, value_name = "HERTZ", value_parser = number::positive)]
+    #[arg(long, value_name = "HERTZ", value_parser = number::positive_hertz)]
     pub(crate) rate: Option<f64>,
     /// How slower channels run between their samples, on another clock [default: held]
     #[arg(long, value_enum, value_name = "HOW")]

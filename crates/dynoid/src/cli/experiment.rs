@@ -54,10 +54,10 @@ pub(crate) struct ListArguments {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct PlanArguments {
     /// Speed, rpm: the constant speed, or the first one
-    #[arg(long, value_name = "RPM", value_parser = number::finite, help_heading = "Experiment")]
+    #[arg(long, value_name = "RPM", value_parser = number::rpm, help_heading = "Experiment")]
     pub(crate) speed: Option<f64>,
     /// Length of the recording
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive, help_heading = "Experiment")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive_seconds, help_heading = "Experiment")]
     pub(crate) duration: Option<f64>,
     /// Another parameter, such as low=35 or low="35 Nm"; repeat it for more. `dynoid experiment list NAME` shows them
     #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Experiment")]
@@ -142,13 +142,13 @@ pub(crate) struct OptimalArguments {
     #[arg(long, value_enum, value_name = "T|N", ignore_case = true, requires = "optimal")]
     pub(crate) excite: Option<Excite>,
     /// Largest deviation of T_shaft from its mean [default: half of the range within the limits; the rest is for firing pulses]
-    #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
+    #[arg(long, value_name = "NM", value_parser = number::positive_nm, requires = "optimal")]
     pub(crate) peak_shaft_torque: Option<f64>,
     /// Largest deviation of T_d from its mean [default: 95 % of the range within the limits]
-    #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
+    #[arg(long, value_name = "NM", value_parser = number::positive_nm, requires = "optimal")]
     pub(crate) peak_torque: Option<f64>,
     /// Largest deviation of N_d from its mean
-    #[arg(long, value_name = "RPM", value_parser = number::positive, default_value_t = 100.0, requires = "optimal")]
+    #[arg(long, value_name = "RPM", value_parser = number::positive_rpm, default_value_t = 100.0, requires = "optimal")]
     pub(crate) peak_speed: f64,
 }
 
@@ -209,13 +209,13 @@ pub(crate) struct NextArguments {
     #[arg(value_name = "BENCH.toml")]
     pub(crate) bench: PathBuf,
     /// Speed of the next experiment, rpm
-    #[arg(long, value_name = "RPM", value_parser = number::positive, default_value_t = 1200.0)]
+    #[arg(long, value_name = "RPM", value_parser = number::positive_rpm, default_value_t = 1200.0)]
     pub(crate) speed: f64,
     /// Length of the recording
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive, default_value_t = 60.0)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive_seconds, default_value_t = 60.0)]
     pub(crate) duration: f64,
     /// A parameter is known well enough if its interval is within this many per cent
-    #[arg(long, value_name = "PERCENT", value_parser = number::positive, default_value_t = 1.0)]
+    #[arg(long, value_name = "PERCENT", value_parser = number::percent, default_value_t = 1.0)]
     pub(crate) enough: f64,
     /// Seed of the simulations
     #[arg(long, value_name = "N", value_parser = number::seed, default_value_t = 1)]

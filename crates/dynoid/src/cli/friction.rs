@@ -21,7 +21,7 @@ pub(crate) struct FrictionArguments {
     #[command(flatten)]
     pub(crate) given: GivenRecordings,
     /// Ignore slower speeds [default: a fiftieth of the highest speed]
-    #[arg(long, value_name = "RPM", value_parser = number::positive)]
+    #[arg(long, value_name = "RPM", value_parser = number::positive_rpm)]
     pub(crate) slowest: Option<f64>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,

@@ -20,6 +20,8 @@ mod suggest;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
 
+use std::ffi::OsString;
+
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 pub(crate) use given::GivenRecordings;
@@ -38,10 +40,21 @@ impl Cli {
     /// The command line this program was started with; on a wrong one, and for help, the program ends here.
     pub(crate) fn read() -> Self {
         let command = overview::grouped(negative_numbers(Cli::command()));
-        let matches =
-            command.clone().try_get_matches().unwrap_or_else(|error| suggest::improved(error, &command).exit());
+        let arguments = json_last(std::env::args_os().collect());
+        let matches = command
+            .clone()
+            .try_get_matches_from(arguments)
+            .unwrap_or_else(|error| suggest::improved(error, &command).exit());
         Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
+}
+
+/// The arguments with `--json` behind all options, so that it may stand anywhere: the command that it belongs to comes first.
+fn json_last(arguments: Vec<OsString>) -> Vec<OsString> {
+    let end = arguments.iter().position(|word| word == "--").unwrap_or(arguments.len());
+    let (options, rest) = arguments.split_at(end);
+    let (json, others): (Vec<&OsString>, Vec<&OsString>) = options.iter().partition(|word| *word == "--json");
+    others.into_iter().chain(json).chain(rest).cloned().collect()
 }
 
 /// Takes what looks like a negative number for a value, not for an option, so that what is said of it makes sense.
@@ -56,6 +69,9 @@ pub(crate) struct Global {
     /// Show no progress and no summary; warnings and errors stay
     #[arg(long, short, global = true, help_heading = "Global options")]
     pub(crate) quiet: bool,
+    /// Show every line of a result on a terminal, not the first 40
+    #[arg(long, global = true, help_heading = "Global options")]
+    pub(crate) all: bool,
     /// Use colour; `auto`: on a terminal, unless NO_COLOR is set
     #[arg(
         long,

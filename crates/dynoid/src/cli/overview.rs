@@ -35,7 +35,7 @@ pub(super) fn grouped(command: Command) -> Command {
         }
     }
     let _ = write!(page, "\n{heading}Examples:{heading:#}\n{EXAMPLES}\n");
-    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Options of all: --quiet, --color WHEN.\n");
+    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Options of all: --quiet, --all, --color WHEN.\n");
     page.push_str(EXIT_CODES);
     command.help_template(page)
 }

@@ -19,6 +19,8 @@ use crate::summary::{self, Written};
 use crate::terminal::{Progress, Terminal};
 
 pub(crate) const REPORT: &str = "report.html";
+/// The report with all analyses, which a study without them leaves alone.
+pub(crate) const FULL_REPORT: &str = "report-full.html";
 pub(crate) const DATA: &str = "study.json";
 /// The measured and modelled series of a study, in a table.
 #[cfg(feature = "parquet")]
@@ -65,10 +67,14 @@ pub(crate) fn study(
     let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS + analyses);
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
-    let (study, html) = studied(campaign, extent, &progress).map_err(|error| no_study(bench, error))?;
+    let origin = origin(&text);
+    let (study, html, full) = studied(campaign, &origin, extent, &progress).map_err(|error| no_study(bench, error))?;
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = bench_model(&study, &text)?;
+    if let Some(full) = &full {
+        folder.write(&[(FULL_REPORT, full.as_bytes())])?;
+    }
     let results = [
         (DATA, Some(json.as_bytes())),
         (REPORT, Some(html.as_bytes())),
@@ -79,7 +85,8 @@ pub(crate) fn study(
         return Err(CliError::internal("results without a path"));
     };
     drop(progress);
-    Ok(Written { study, report, data, series, model })
+    let full_report = full.map(|_| out.join(FULL_REPORT));
+    Ok(Written { study, report, full_report, data, series, model })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
@@ -95,7 +102,11 @@ pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result
 
 /// The bench model of a study, if it has one.
 fn document(study: &Study, bench_file: &str) -> Option<BenchModelDocument> {
-    report::bench_model(study, Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) })
+    report::bench_model(study, origin(bench_file))
+}
+
+fn origin(bench_file: &str) -> Origin {
+    Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) }
 }
 
 /// The bench model of a study as text, if it has one.
@@ -132,23 +143,23 @@ pub(in crate::commands) fn read_sources(
     files.iter().map(read).collect()
 }
 
-/// The study and the report of it.
-fn studied(campaign: Campaign<'_>, extent: Extent, progress: &Progress) -> Result<(Study, String), StudyError> {
+/// The study, the report of it and, if it is wanted, that with all analyses.
+fn studied(
+    campaign: Campaign<'_>,
+    origin: &Origin,
+    extent: Extent,
+    progress: &Progress,
+) -> Result<(Study, String, Option<String>), StudyError> {
     let mut step = |step| show(progress, &step);
-    match extent {
-        Extent::Model => {
-            let study = study::run(campaign, &mut step)?;
-            progress.say("writing the report");
-            let page = report::study(&study);
-            Ok((study, page::html(&page, super::result::PROGRAM)))
-        }
-        Extent::Full => {
-            let (study, analyses) = study::run_full(campaign, &mut step)?;
-            progress.say("writing the report");
-            let page = report::full_study(&study, &analyses);
-            Ok((study, page::html(&page, super::result::PROGRAM)))
-        }
-    }
+    let (study, analyses) = match extent {
+        Extent::Model => (study::run(campaign, &mut step)?, None),
+        Extent::Full => study::run_full(campaign, &mut step).map(|(study, analyses)| (study, Some(analyses)))?,
+    };
+    progress.say("writing the report");
+    let html = |page: &page::Page| page::html(page, super::result::PROGRAM);
+    let full = analyses.map(|analyses| html(&report::full_study(&study, origin, &analyses)));
+    let report = html(&report::study(&study, origin));
+    Ok((study, report, full))
 }
 
 /// A bench file and its text.

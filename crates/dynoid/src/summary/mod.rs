@@ -39,6 +39,9 @@ pub(crate) fn judgement(written: &Written) -> Vec<Block> {
 fn places(written: &Written) -> [Block; 2] {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
+    if let Some(path) = &written.full_report {
+        table.row(["all analyses".into(), shown(path).into()]);
+    }
     table.row(["data".into(), shown(&written.data).into()]);
     let optional = [("series", &written.series), ("model", &written.model)];
     for (what, path) in optional.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))) {

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use report::brief::{key_numbers, not_estimated};
+use report::brief::key_numbers;
+use report::summary::not_estimated;
 use report::verdict::{Rule, verdict};
 use report::wording;
 use rig::results::{Parameter, Part, Reason};
@@ -22,6 +23,8 @@ pub(crate) struct Short<'a> {
     findings: Vec<ShortFinding>,
     recordings: Vec<ShortRecording<'a>>,
     report: &'a Path,
+    /// The report with all analyses; none where they were not wanted.
+    full_report: Option<&'a Path>,
     data: &'a Path,
     /// The table of measured and modelled series; none where nothing was estimated.
     series: Option<&'a Path>,
@@ -93,6 +96,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         findings: study.diagnostics.iter().map(short_finding).collect(),
         recordings: study.recordings.iter().map(short_recording).collect(),
         report: &written.report,
+        full_report: written.full_report.as_deref(),
         data: &written.data,
         series: written.series.as_deref(),
         model: written.model.as_deref(),

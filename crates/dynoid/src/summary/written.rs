@@ -8,6 +8,8 @@ use study::Study;
 pub(crate) struct Written {
     pub(crate) study: Study,
     pub(crate) report: PathBuf,
+    /// The report with all analyses, where they were wanted.
+    pub(crate) full_report: Option<PathBuf>,
     pub(crate) data: PathBuf,
     /// The measured and modelled series, where something was estimated.
     pub(crate) series: Option<PathBuf>,

@@ -54,7 +54,7 @@ fn snap_help_of_recordings_and_models() {
 }
 
 /// Every command, and every command of a group.
-fn commands() -> Vec<Vec<String>> {
+pub(crate) fn commands() -> Vec<Vec<String>> {
     let named_in = |list: &str| -> Vec<String> {
         let lines = list.lines().filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
         lines.map(|line| line.split(' ').next().unwrap_or_default().to_owned()).collect()

@@ -178,3 +178,38 @@ fn a_folder_named_like_a_pattern_is_found() {
     let study = campaign.run(&["study", "cell [4]/bench.toml", "--json"]).study();
     assert_eq!(study["recordings"][0]["file"], "recordings/BS_T_NT.mf4");
 }
+
+#[test]
+fn a_study_states_whose_report_it_is_and_of_which_day() {
+    let campaign = Campaign::whole();
+    let bench = campaign.read("bench.toml");
+    campaign.write("bench.toml", format!("{bench}\n[report]\ntitle = \"Cell 4\"\ntest_id = \"T-17\"\n").as_bytes());
+    assert!(matches!(campaign.run(&["study", "bench.toml", "--quiet"]).code, Some(0 | 1)));
+    let page = campaign.read("study/report.html");
+    for words in ["<h1>Cell 4</h1>", "test T-17", "studied on 20", "SHA-256"] {
+        assert!(page.contains(words), "{words}");
+    }
+    campaign.write("bench.toml", format!("{bench}\n[report]\ncustomr = \"X\"\n").as_bytes());
+    campaign.run(&["study", "bench.toml"]).assert_refused(3, &["report.customr", "customer"]);
+}
+
+#[test]
+fn json_may_stand_anywhere_on_the_line() {
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
+    let behind = campaign.run(&["inspect", "recordings", "--json"]);
+    for line in [["--json", "inspect", "recordings"], ["inspect", "--json", "recordings"]] {
+        assert_eq!(campaign.run(&line).json(), behind.json(), "{line:?}");
+    }
+    assert!(!campaign.run(&["--json", "experiment", "list"]).json().is_null());
+}
+
+#[test]
+fn a_value_that_is_not_filled_in_gets_an_example_of_its_own() {
+    let campaign = Campaign::empty();
+    let empty =
+        |text: &str| text.replace("cylinders = 4", "cylinders = \"FILL IN\"").replace("\"0.28 kg m²\"", "\"FILL IN\"");
+    campaign.write("bench.toml", empty(&campaign.read("bench.toml")).as_bytes());
+    let words =
+        ["bench.cylinders: nothing is filled in yet", "such as 4", "bench.engine_inertia", "such as \"0.2 kg m²\""];
+    campaign.run(&["study", "bench.toml"]).assert_refused(3, &words);
+}

@@ -4,15 +4,15 @@
 //! thinned on the way in, so that a report of many recordings stays small.
 
 mod rounded;
-mod thin;
+pub(crate) mod thin;
 
 use serde::Serialize;
 
 pub use rounded::{Rounded, rounded};
 use thin::kept_indices;
 
-/// Largest number of points drawn of one trace.
-const MAX_POINTS: usize = 4000;
+/// Largest number of points drawn of one line.
+pub(crate) const MAX_POINTS: usize = 4000;
 /// Largest number of points of a trace that is drawn for its course alone.
 const OUTLINE_POINTS: usize = 1000;
 
@@ -180,7 +180,7 @@ pub enum Layer {
 }
 
 /// The x values of a series.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Abscissa {
     #[allow(missing_docs)] // said here
@@ -251,6 +251,16 @@ impl Figure {
     }
 }
 
+impl Figure {
+    /// The number of points of each line.
+    pub(crate) fn line_lengths(&self) -> impl Iterator<Item = usize> {
+        self.panels.iter().flat_map(|panel| &panel.layers).filter_map(|layer| match layer {
+            Layer::Line { y, .. } => Some(y.len()),
+            _ => None,
+        })
+    }
+}
+
 impl Panel {
     /// A panel without remark.
     pub fn new(y: Axis, height: u32, layers: Vec<Layer>) -> Self {
@@ -264,45 +274,33 @@ impl Panel {
 }
 
 impl Layer {
-    /// A uniformly sampled trace, thinned if it is long.
+    /// A uniformly sampled trace. If it is long, not every sample is drawn.
     pub fn trace(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
-        Self::thinned((name, style), clock, values, MAX_POINTS)
+        Self::sampled((name, style), clock, values, None)
     }
 
-    /// A uniformly sampled trace of which the course is to be seen and no detail: thinned to a quarter of the points.
+    /// A uniformly sampled trace of which the course is to be seen and no detail: some of its samples.
     pub fn outline(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
-        Self::thinned((name, style), clock, values, OUTLINE_POINTS)
+        Self::sampled((name, style), clock, values, kept_indices(values, OUTLINE_POINTS).as_deref())
     }
 
-    fn thinned(
+    fn sampled(
         (name, style): (&str, Style),
         (start_s, sample_time_s): (f64, f64),
         values: &[f64],
-        most: usize,
+        kept: Option<&[usize]>,
     ) -> Self {
         let finite_or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let kept = kept_indices(values, most);
-        let y = match &kept {
+        let y = match kept {
             Some(kept) => kept.iter().filter_map(|&index| values.get(index)).copied().map(Rounded).collect(),
             None => rounded(values),
         };
         let x = Abscissa::Uniform {
             start: finite_or_zero(start_s),
             step: finite_or_zero(sample_time_s),
-            skip: kept.map(|kept| thin::steps(&kept)),
+            skip: kept.map(thin::steps),
         };
         Layer::Line { name: name.to_owned(), style, x, y }
-    }
-
-    /// A trace at times of its own, thinned if it is long.
-    pub fn timed_trace(name: &str, style: Style, time_s: &[f64], values: &[f64]) -> Self {
-        match kept_indices(values, MAX_POINTS) {
-            None => Layer::curve(name, style, time_s, values),
-            Some(kept) => {
-                let (time_s, values): (Vec<f64>, Vec<f64>) = kept.iter().map(|&n| (time_s[n], values[n])).unzip();
-                Layer::curve(name, style, &time_s, &values)
-            }
-        }
     }
 
     /// A curve over frequency or the like.
@@ -321,9 +319,4 @@ impl Layer {
             high: None,
         }
     }
-}
-
-/// How many samples of a trace are drawn; `None` if all are.
-pub fn drawn_of(values: &[f64]) -> Option<usize> {
-    kept_indices(values, MAX_POINTS).map(|kept| kept.len())
 }

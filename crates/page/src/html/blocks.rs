@@ -13,12 +13,18 @@ use crate::tone::Tone;
 const UNBROKEN: usize = 22;
 
 /// Puts blocks into HTML; it numbers figures as they come.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Renderer {
     figures: usize,
+    most_points: usize,
 }
 
 impl Renderer {
+    /// Draws at most so many points of a line.
+    pub(super) fn new(most_points: usize) -> Self {
+        Renderer { figures: 0, most_points }
+    }
+
     /// Blocks below each other.
     pub(super) fn blocks(&mut self, blocks: &[Block]) -> Markup {
         let mut all = Markup::default();
@@ -86,7 +92,7 @@ impl Renderer {
 
     fn figure(&mut self, one: &crate::Figure, width: f64) -> Markup {
         self.figures += 1;
-        figure::figure(one, width, self.figures)
+        figure::figure(one, width, self.figures, self.most_points)
     }
 }
 
@@ -124,7 +130,7 @@ fn finding(Finding { tone, severity, text, remedy, places }: &Finding) -> Markup
 fn card(Card { label, value }: &Card) -> Markup {
     let (state, value) = match value {
         Err(why) => (" absent", markup!("<p class=\"value\">not estimated</p><p class=\"range\">{}</p>", prose(why))),
-        Ok(quantity) => match quantity.digits() {
+        Ok(quantity) => match quantity.short() {
             None => ("", markup!("<p class=\"value\">{}</p>", quantity.text())),
             Some(digits) => (
                 "",
@@ -160,7 +166,7 @@ fn heading(column: &Column) -> Markup {
 }
 
 fn write_row(Row { cells, notes }: &Row, columns: &[Column]) -> Markup {
-    let cells: Markup = cells.iter().zip(columns).map(|(one, column)| cell(one, column.align)).collect();
+    let cells: Markup = cells.iter().zip(columns).map(|(one, column)| cell(one, column)).collect();
     let notes: Markup = notes
         .iter()
         .map(|note| {
@@ -175,16 +181,19 @@ fn side(align: Align) -> Markup {
 }
 
 /// What is short does not break across lines.
-fn cell(Cell { content, tone }: &Cell, align: Align) -> Markup {
+fn cell(Cell { content, tone }: &Cell, Column { heading, align, .. }: &Column) -> Markup {
     let (text, is_short) = match content {
         Content::Text(text) => (prose(text), text.plain().chars().count() <= UNBROKEN),
         Content::Quantity(quantity) => (markup!("{}", quantity.text()), true),
         Content::Interval(quantity) => (markup!("{}", quantity.interval()), true),
     };
-    let names = [("n", is_short), ("right", align == Align::Right), (class(*tone), *tone != Tone::Plain)];
+    let names = [("n", is_short), ("right", *align == Align::Right), (class(*tone), *tone != Tone::Plain)];
     let names: Vec<&str> = names.into_iter().filter(|(_, holds)| *holds).map(|(name, _)| name).collect();
-    match names.is_empty() {
-        true => markup!("<td>{}</td>", text),
-        false => markup!("<td class=\"{}\">{}</td>", names.join(" "), text),
-    }
+    let class = if names.is_empty() { Markup::default() } else { markup!(" class=\"{}\"", names.join(" ")) };
+    // On a narrow screen, where cells are below each other, each shows the heading of its column.
+    let label = match heading.is_empty() {
+        true => Markup::default(),
+        false => markup!(" data-label=\"{}\"", heading.plain()),
+    };
+    markup!("<td{}{}>{}</td>", class, label, text)
 }

@@ -52,7 +52,7 @@ const ROUGH: f64 = 20.0;
 fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
     match (style, is_dense) {
         (Style::Measured, false) => (2.0, ""),
-        (Style::Measured, true) => (1.0, ""),
+        (Style::Measured, true) => (1.8, ""),
         (Style::Guide, _) => (0.8, ""),
         (_, false) => (1.2, ""),
         (_, true) => (0.7, "stroke-opacity=\"0.75\""),
@@ -183,22 +183,22 @@ fn place(x: f64, y: f64, frame: &Frame) -> Option<(f64, f64)> {
     (at.0.is_finite() && at.1.is_finite()).then(|| (at.0.clamp(-1e5, 1e5), at.1.clamp(-1e5, 1e5)))
 }
 
-/// A line that is broken where a value is missing: in hundredths of a pixel, each point by its distance from the one
-/// before, so that a long line stays short to write.
+/// A line that is broken where a value is missing: x in hundredths of a pixel and y, from which the page reads values, in
+/// thousandths; each point by its distance from the one before, so that a long line stays short to write.
 fn polyline(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<(i64, i64)> = None;
     for (x, y) in x.iter().zip(y) {
-        let Some(at) = place(*x, y.0, frame).map(|(px, py)| (hundredths(px), hundredths(py))) else {
+        let Some(at) = place(*x, y.0, frame).map(|(px, py)| (parts(px, 2), parts(py, 3))) else {
             pen = None;
             continue;
         };
         match pen {
             None => {
-                let _ = write!(d, "M{} {}l", short(at.0), short(at.1));
+                let _ = write!(d, "M{} {}l", short(at.0, 2), short(at.1, 3));
             }
             Some(before) => {
-                let _ = write!(d, " {} {}", short(at.0 - before.0), short(at.1 - before.1));
+                let _ = write!(d, " {} {}", short(at.0 - before.0, 2), short(at.1 - before.1, 3));
             }
         }
         pen = Some(at);
@@ -206,18 +206,20 @@ fn polyline(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
     d.replace("l ", "l")
 }
 
-fn hundredths(pixels: f64) -> i64 {
-    (100.0 * pixels).round() as i64
+/// A length in whole parts of a pixel, of which one has `10^decimals`.
+fn parts(pixels: f64, decimals: usize) -> i64 {
+    (10_f64.powi(decimals as i32) * pixels).round() as i64
 }
 
-/// Hundredths as a decimal number without zeros that say nothing: `-.5`, `12`, `3.07`.
-fn short(hundredths: i64) -> String {
-    let sign = if hundredths < 0 { "-" } else { "" };
-    let (whole, part) = (hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100);
+/// Such parts as a decimal number without zeros that say nothing: `-.5`, `12`, `3.07`.
+fn short(parts: i64, decimals: usize) -> String {
+    let one = 10_u64.pow(decimals as u32);
+    let sign = if parts < 0 { "-" } else { "" };
+    let (whole, part) = (parts.unsigned_abs() / one, parts.unsigned_abs() % one);
     match (whole, part) {
         (whole, 0) => format!("{sign}{whole}"),
-        (0, part) => format!("{sign}.{part:02}").trim_end_matches('0').to_owned(),
-        (whole, part) => format!("{sign}{whole}.{part:02}").trim_end_matches('0').to_owned(),
+        (0, part) => format!("{sign}.{part:0decimals$}").trim_end_matches('0').to_owned(),
+        (whole, part) => format!("{sign}{whole}.{part:0decimals$}").trim_end_matches('0').to_owned(),
     }
 }
 
@@ -226,7 +228,7 @@ fn each(x: &[f64], y: &[Rounded], frame: &Frame, piece: impl Fn(f64, f64) -> Str
 }
 
 fn dots(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
-    each(x, y, frame, |px, py| format!("M{px:.2} {py:.2}h.01"))
+    each(x, y, frame, |px, py| format!("M{px:.1} {py:.2}h.1"))
 }
 
 fn stems(out: &mut String, x: &[f64], y: &[Rounded], style: Style, frame: &Frame) {

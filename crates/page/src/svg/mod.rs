@@ -7,8 +7,9 @@ mod shared;
 
 use std::fmt::Write as _;
 
-use crate::figure::{Axis, Figure, Layer, Panel};
+use crate::figure::{Axis, Figure, Layer, MAX_POINTS, Panel};
 use crate::markup::escape;
+use crate::thinned::thinned;
 use extent::{equal_ranges, x_extent, y_extent};
 use scale::Mapping;
 use shared::{Frame, INK, LINE, SOFT, WIDE, line, text};
@@ -47,6 +48,7 @@ pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
     let mut body = String::new();
     let mut top = 0.0;
     for (number, figure) in figures.into_iter().enumerate() {
+        let figure = &thinned(figure, MAX_POINTS);
         top = draw(&mut body, figure, number, top);
     }
     let (width, height) = (ALONE.width, top.max(1.0));

@@ -152,3 +152,61 @@ fn regress_names_of_marks_side_by_side_stand_below_each_other_and_inside() {
     assert!(height("upper") > height("resonance"), "the name of the upper limit is cut off: {texts:?}");
     assert_eq!(height("lower"), None, "a limit out of view has no name");
 }
+
+/// The x and y of the points of each line of a drawing, in pixels.
+fn points(text: &str) -> Vec<Vec<(f64, f64)>> {
+    let of_path = |line: &str| {
+        let d = line.split(" d=\"M").nth(1)?.split('"').next()?;
+        let numbers: Vec<f64> = d.split([' ', 'l']).filter_map(|number| number.parse().ok()).collect();
+        let (mut x, mut y) = (0.0, 0.0);
+        let step = |pair: &[f64]| {
+            (x, y) = (x + pair[0], y + pair[1]);
+            (x, y)
+        };
+        Some(numbers.chunks_exact(2).map(step).collect())
+    };
+    let of_layer = |layer: &str| layer.lines().find_map(of_path);
+    text.split("data-type=\"line\"").skip(1).filter_map(of_layer).collect()
+}
+
+#[test]
+fn exact_what_is_drawn_of_a_residual_is_the_difference_of_what_is_drawn_of_its_signals() {
+    let mut random = signal::excitation::Random::new(7);
+    let mut measured: Vec<f64> = (0..20_000).map(|_| random.normal()).collect();
+    measured[12_345] = 30.0;
+    let modelled: Vec<f64> = measured.iter().map(|y| 0.8 * y + 0.1 * random.normal()).collect();
+    let residual: Vec<f64> = measured.iter().zip(&modelled).map(|(y, m)| y - m).collect();
+    let range = |axis: Axis| axis.within(-40.0, 40.0);
+    let trace = |name: &str, values: &[f64]| Layer::trace(name, Style::Measured, (0.0, 0.001), values);
+    let above = vec![trace("measured", &measured), trace("modelled", &modelled)];
+    let figure = Figure::new(
+        "",
+        Axis::time(),
+        vec![
+            Panel::new(range(Axis::linear("T", "Nm")), 200, above),
+            Panel::new(range(Axis::linear("T − model", "Nm")), 200, vec![trace("residual", &residual)]),
+        ],
+    );
+    let text = svg(&[figure]);
+    let [measured, modelled, residual] = points(&text).try_into().unwrap();
+    assert!(measured.len() < 4100 && measured.len() > 1500, "{}", measured.len());
+    assert!(text.contains(&format!("Drawn with {} of 20000 samples", measured.len())), "the caption states it");
+    // 250 pixels for 80 Nm; a panel has its own zero.
+    let value = |(_, y): (f64, f64), zero: f64| (zero - y) / 250.0 * 80.0;
+    let zeros: Vec<f64> = text
+        .split("data-frame=\"")
+        .skip(1)
+        .map(|rest| {
+            let numbers: Vec<f64> = rest.split('"').next().unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
+            f64::midpoint(numbers[2], numbers[3])
+        })
+        .collect();
+    let mut highest = f64::NEG_INFINITY;
+    for ((y, m), r) in measured.iter().zip(&modelled).zip(&residual) {
+        assert!((y.0 - m.0).abs() < 1e-6 && (y.0 - r.0).abs() < 1e-6, "the same samples");
+        let left = value(*y, zeros[0]) - value(*m, zeros[0]) - value(*r, zeros[1]);
+        assert!(left.abs() < 0.001, "{left}");
+        highest = highest.max(value(*y, zeros[0]));
+    }
+    assert!((highest - 30.0).abs() < 0.001, "the peak is kept: {highest}");
+}

@@ -75,7 +75,7 @@ fn page() -> Page {
 
 #[test]
 fn snap_terminal() {
-    insta::assert_snapshot!(terminal(&page(), Screen { width: 72, colour: false }));
+    insta::assert_snapshot!(terminal(&page(), Screen { width: 72, colour: false, is_narrow: true }));
 }
 
 #[test]
@@ -123,12 +123,42 @@ fn exact_outside_text_is_escaped() {
     let hostile = "<script>alert(1)</script>";
     let page = Page::new(hostile, vec![Block::paragraph(hostile), Block::heading(Prose::code(hostile))]);
     assert!(!html(&page, "dynoid").contains("<script>alert"));
-    let screen = terminal(&Page::new("", vec![Block::paragraph("\u{1b}[31mred")]), Screen { width: 80, colour: false });
+    let screen = terminal(
+        &Page::new("", vec![Block::paragraph("\u{1b}[31mred")]),
+        Screen { width: 80, colour: false, is_narrow: true },
+    );
     assert!(!screen.contains('\u{1b}'), "{screen:?}");
 }
 
 #[test]
 fn exact_colour_is_used_where_it_is_welcome() {
-    let shown = |colour| terminal(&page(), Screen { width: 80, colour });
+    let shown = |colour| terminal(&page(), Screen { width: 80, colour, is_narrow: true });
     assert!(shown(true).contains('\u{1b}') && !shown(false).contains('\u{1b}'));
+}
+
+#[test]
+fn a_table_fits_the_terminal_in_columns_or_below_each_other() {
+    let mut table = page::Table::of_text(&["Recording", "Why it was chosen", "Value"]);
+    let text = "a_recording_with_a_long_name_and_a_number_4711.mf4";
+    table.row([
+        text.into(),
+        "because it moves the torque by itself and is long enough".into(),
+        "12.5 Nm/(rad/s²)".into(),
+    ]);
+    for width in [40, 60, 80, 200] {
+        let page = Page::new("", vec![Block::Table(table.clone())]);
+        let shown = terminal(&page, Screen { width, colour: false, is_narrow: true });
+        let widest = shown.lines().map(|line| line.chars().count()).max().unwrap();
+        assert!(widest <= width, "{widest} of {width}: {shown}");
+        let together: String = shown.split_whitespace().collect();
+        for words in ["moves", "12.5", "/(rad/s²)"] {
+            assert!(together.contains(words), "{words} at {width}: {shown}");
+        }
+    }
+}
+
+#[test]
+fn exact_messages_keep_their_lines_and_their_indent() {
+    assert_eq!(page::folded("one two three\n  four five six", 11), "one two\nthree\n  four five\n  six");
+    assert_eq!(page::folded("a/long/path/to", 8), "a/long/\npath/to");
 }

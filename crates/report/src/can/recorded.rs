@@ -197,8 +197,8 @@ fn figure(run: &RecordedRun<'_>) -> Figure {
     let rpm = |values: &[f64]| values.iter().map(|value| value / RPM_RAD_S).collect::<Vec<_>>();
     let panel = |label: &str, unit: &str, (demand, value): (&[f64], &[f64])| {
         let layers = vec![
-            Layer::timed_trace("demanded", Style::Modelled, run.time_s, demand),
-            Layer::timed_trace("measured", Style::Measured, run.time_s, value),
+            Layer::curve("demanded", Style::Modelled, run.time_s, demand),
+            Layer::curve("measured", Style::Measured, run.time_s, value),
         ];
         Panel::new(Axis::linear(label, unit), HEIGHT, layers)
     };

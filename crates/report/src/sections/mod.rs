@@ -6,6 +6,7 @@
 pub(crate) mod analyses;
 pub(crate) mod diagnostics;
 mod diagram;
+mod identity;
 mod known;
 mod methods;
 mod parts;
@@ -18,31 +19,38 @@ mod whole;
 
 use study::{Analyses, Study};
 
-use page::{Block, Blocks, Page, Prose, Tone};
+use page::{Block, Blocks, Page};
+
+use crate::Origin;
 
 /// The report of a study.
-pub fn study(study: &Study) -> Page {
-    page(study, None)
+pub fn study(study: &Study, origin: &Origin) -> Page {
+    page(study, origin, None)
 }
 
 /// The same report with all analyses of the recordings, each at its place.
-pub fn full_study(study: &Study, analyses: &Analyses) -> Page {
-    page(study, Some(analyses))
+pub fn full_study(study: &Study, origin: &Origin, analyses: &Analyses) -> Page {
+    page(study, origin, Some(analyses))
 }
 
-fn page(study: &Study, analyses: Option<&Analyses>) -> Page {
+fn page(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Page {
     let section = |(id, title, content): (&str, &str, Blocks)| Block::section(id, title, content.into_vec());
-    let blocks = sections(study, analyses).into_iter().map(section).collect();
-    Page { subtitle: subtitle(study), ..Page::new(format!("{} – bench model", study.bench.name), blocks) }
+    let blocks = sections(study, origin, analyses).into_iter().map(section).collect();
+    Page {
+        subtitle: identity::subtitle(study, origin),
+        running_head: identity::running_head(study, origin),
+        ..Page::new(identity::title(study), blocks)
+    }
 }
 
 /// The sections in the order in which an engineer asks; those that only analyses fill are left out without them.
-fn sections(study: &Study, analyses: Option<&Analyses>) -> Vec<(&'static str, &'static str, Blocks)> {
+fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<(&'static str, &'static str, Blocks)> {
     let with = |mut own: Blocks, more: &dyn Fn(&Analyses) -> Blocks| {
-        analyses.iter().for_each(|found| own.push(more(found)));
+        analyses.iter().for_each(|found| own.push(folded(more(found))));
         own
     };
-    let only = |id, title, content: &dyn Fn(&Analyses) -> Blocks| analyses.map(|found| (id, title, content(found)));
+    let only =
+        |id, title, content: &dyn Fn(&Analyses) -> Blocks| analyses.map(|found| (id, title, folded(content(found))));
     let all = [
         Some(("verdict", "Verdict", verdict::section(study))),
         Some(("known", "What is known", known::section(study, analyses))),
@@ -75,27 +83,35 @@ fn sections(study: &Study, analyses: Option<&Analyses>) -> Vec<(&'static str, &'
         only("next", "What to record next", &|found| analyses::next(&found.next)),
         Some(("replays", "Replays", replays::section(study))),
         Some(("findings", "Findings", diagnostics::section(study))),
-        Some(("provenance", "Recordings and bench", provenance::section(study))),
-        Some(("methods", "Methods", methods::section())),
+        Some(("provenance", "Recordings and bench", provenance::section(study, origin))),
+        Some(("methods", "Methods", methods_folded())),
     ];
     all.into_iter().flatten().collect()
 }
 
-fn subtitle(study: &Study) -> Prose {
-    let recordings = match study.recordings.len() {
-        1 => "1 recording".to_owned(),
-        n => format!("{n} recordings"),
-    };
-    let text = format!(
-        "{} · {recordings} · dynoid {}",
-        crate::wording::variant(study.bench.variant),
-        study.provenance.version
-    );
-    match study.provenance.seed {
-        Some(seed) => Prose::from(text)
-            .then(" · ")
-            .then(Prose::tag(Tone::Caution, "simulated recordings"))
-            .then(format!(", seed {seed}")),
-        None => text.into(),
+fn methods_folded() -> Blocks {
+    Block::Fold { summary: "Every method, with its source".into(), blocks: methods::section().into_vec() }.into()
+}
+
+/// Text of a section before its figures and tables; what follows is detail.
+fn is_detail(block: &Block) -> bool {
+    !matches!(block, Block::Paragraph { .. } | Block::List { .. } | Block::Finding(_))
+}
+
+/// The first words of an analysis, and its figures and tables on request.
+fn folded(blocks: Blocks) -> Blocks {
+    let mut first = blocks.into_vec();
+    let detail = first.iter().position(is_detail).unwrap_or(first.len());
+    let rest = first.split_off(detail);
+    let count = Page::new("", rest.clone()).figures().len();
+    if rest.is_empty() {
+        return first.into();
     }
+    let summary = match count {
+        0 => "Tables of the analysis".to_owned(),
+        1 => "The analysis, with 1 figure".to_owned(),
+        _ => format!("The analysis, with {count} figures"),
+    };
+    first.push(Block::Fold { summary: summary.into(), blocks: rest });
+    first.into()
 }

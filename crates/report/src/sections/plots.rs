@@ -4,7 +4,7 @@ use rig::results::{ResidualTest, Trace, Validation};
 
 use super::parts::seconds;
 use crate::wording::number;
-use page::{Abscissa, Axis, Block, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
+use page::{Abscissa, Axis, Block, Figure, Layer, Panel, Rounded, Style, rounded};
 
 /// Measured and modelled above, their difference below. `rival` is a second model's curve on the same data.
 pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&str, &Validation)>) -> Figure {
@@ -44,23 +44,7 @@ pub(crate) fn difference(validation: &Validation) -> Trace {
 fn comparison_caption(validation: &Validation) -> String {
     let fit = number::fit(validation.fit_percent);
     let stretch = &validation.stretch;
-    format!(
-        "Fit {fit}. {}, {}–{} s. {}",
-        stretch.file,
-        seconds(stretch.start_s),
-        seconds(stretch.end_s),
-        thinned(&validation.measured)
-    )
-    .trim_end()
-    .to_owned()
-}
-
-/// Says so when not every sample is drawn.
-pub(crate) fn thinned(trace: &Trace) -> String {
-    match drawn_of(&trace.values) {
-        Some(drawn) => format!("Drawn with {drawn} of {} samples; every peak is kept.", trace.values.len()),
-        None => String::new(),
-    }
+    format!("Fit {fit}. {}, {}–{} s.", stretch.file, seconds(stretch.start_s), seconds(stretch.end_s),)
 }
 
 /// Half the height of the two panels of a correlation plot. Tests drawn with the same can be compared by eye.

@@ -6,14 +6,15 @@ use study::{RecordingSummary, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table};
 
+use crate::Origin;
 use crate::wording::{self, number, part, variant};
 
 /// The section on provenance.
-pub(crate) fn section(study: &Study) -> Blocks {
+pub(crate) fn section(study: &Study, origin: &Origin) -> Blocks {
     let provenance = &study.provenance;
     let seed =
         provenance.seed.map(|seed| format!(" The recordings were simulated with seed {seed}.")).unwrap_or_default();
-    let headings = ["Recording", "File", "Length", "Mean speed", "Sample times", "Used for", "SHA-256"];
+    let headings = ["Recording", "File", "Recorded on", "Length", "Mean speed", "Sample times", "Used for", "SHA-256"];
     let mut blocks = vec![
         Block::heading("Recordings"),
         Block::Table(Table::of_text(&headings).with_rows(study.recordings.iter().map(recording))),
@@ -28,9 +29,13 @@ pub(crate) fn section(study: &Study) -> Blocks {
     blocks.extend([
         Block::heading("Bench"),
         Block::Table(facts(&study.bench)),
-        Block::paragraph(format!("Made with dynoid {}.{seed}", provenance.version)),
+        Block::paragraph(format!("Made on {} with dynoid {}.{seed}", origin.date, provenance.version)),
         Block::heading(Prose::from("Bench file ").then(Prose::code(&provenance.bench_file_name))),
-        Block::Preformatted { text: provenance.bench_file.clone() },
+        Block::note(Prose::from("SHA-256: ").then(Prose::code(&origin.bench_file_sha256))),
+        Block::Fold {
+            summary: "The bench file, word for word".into(),
+            blocks: vec![Block::Preformatted { text: provenance.bench_file.clone() }],
+        },
     ]);
     blocks.into()
 }
@@ -42,6 +47,7 @@ fn recording(recording: &RecordingSummary) -> Vec<Cell> {
     vec![
         label.into(),
         Prose::code(&recording.file).into(),
+        recording.recorded_on.clone().unwrap_or_else(|| "–".to_owned()).into(),
         number::duration(recording.duration_s).into(),
         recording.mean_speed_rad_s.map(number::rpm).unwrap_or_else(|| "–".to_owned()).into(),
         rasters(recording).into(),

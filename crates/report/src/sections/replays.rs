@@ -7,7 +7,7 @@ use study::Study;
 use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
 
 use super::parts::stretch;
-use super::plots::{difference, thinned, trace_layer};
+use super::plots::{difference, trace_layer};
 use crate::wording::{capitalised, experiment, mode, number};
 
 /// What a replay is.
@@ -28,7 +28,13 @@ pub(crate) fn section(study: &Study) -> Blocks {
     }
     let mut all = Blocks::from(Block::lead(WHAT));
     all.push(overview(&study.replays));
-    study.replays.iter().for_each(|one| all.push(replay(one)));
+    let fold = |one: &Replay| Block::Fold {
+        summary: Prose::verbatim(format!("{}, {}", one.label, one.stretch.file)),
+        blocks: replay(one).into_vec(),
+    };
+    // The first shows what a replay is; all of them are in the table above.
+    all.push(study.replays.iter().take(1).map(replay).collect::<Blocks>());
+    all.push(study.replays.iter().skip(1).map(fold).map(Blocks::from).collect::<Blocks>());
     all
 }
 
@@ -71,24 +77,31 @@ fn replay(replay: &Replay) -> Blocks {
     .into()
 }
 
+/// Of a replay, the signal with the lowest fit and what is left of it: small enough for a first page.
+pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
+    let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
+    let mut panels = vec![signal(worst)];
+    panels.extend(worst_residual(replay));
+    panels.iter_mut().zip([110, 50]).for_each(|(panel, height)| panel.height = height);
+    let title = format!("Replay of {}: {}, the signal with the lowest fit", replay.label, worst.quantity);
+    let caption = match replay.seen_in_estimation {
+        true => "Part of the model was estimated from this recording.",
+        false => "No part of the model was estimated from this recording.",
+    };
+    Some(Figure { caption: caption.to_owned(), ..Figure::new(&title, Axis::time(), panels) })
+}
+
 /// All signals below each other on one time axis, each with its fit.
 pub(crate) fn signals(replay: &Replay) -> Figure {
     let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
-    let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
     Figure {
         equal_axes: false,
         symbols: true,
         title: "Measured and modelled".to_owned(),
-        caption: format!(
-            "{} {}",
-            if replay.seen_in_estimation {
-                "Part of the model was estimated from this recording."
-            } else {
-                "No part of the model was estimated from this recording."
-            },
-            thinned.unwrap_or_default()
-        )
-        .trim_end()
+        caption: match replay.seen_in_estimation {
+            true => "Part of the model was estimated from this recording.",
+            false => "No part of the model was estimated from this recording.",
+        }
         .to_owned(),
         x: Axis::time(),
         panels,

@@ -1,4 +1,4 @@
-//! The first page: can the model be used, what are its numbers, what is missing, what to look at.
+//! The first page: can the model be used and for what, what are its numbers, how well it replays, what to do next.
 
 use rig::results::{Parameter, Part, Quantity, Reason};
 use rig::{Diagnostic, Severity};
@@ -7,7 +7,9 @@ use study::Study;
 use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
 
 use super::diagnostics::{alike, entry};
-use crate::verdict::{Level, Rule, verdict};
+use super::replays;
+use crate::summary;
+use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
 
 /// Findings shown on the first page.
@@ -20,13 +22,29 @@ pub(crate) fn section(study: &Study) -> Blocks {
         tone: tone(verdict.level),
         kicker: "Verdict".to_owned(),
         title: verdict.level.headline().to_owned(),
-        blocks: because(&verdict.rules),
+        blocks: judged(study, &verdict),
     });
     all.push(key_numbers(study));
+    all.push(replay(study));
     all.push(missing(study));
     all.push(findings(study));
     all.push(rules(&verdict.rules));
     all
+}
+
+/// Why, for what the model is valid, and what to do.
+fn judged(study: &Study, verdict: &Verdict) -> Vec<Block> {
+    let mut blocks = because(&verdict.rules);
+    let range = summary::range(&study.validity).filter(|_| study.whole.estimated().is_some());
+    blocks.extend(range.map(|range| Block::paragraph(Prose::strong("Valid for ").then(range).then("."))));
+    blocks.push(Block::paragraph(Prose::strong("Next: ").then(summary::next_step(study, verdict))));
+    blocks
+}
+
+/// The replay that says most: of a recording that no part was estimated from, if there is one.
+fn replay(study: &Study) -> Blocks {
+    let unseen = study.replays.iter().find(|replay| !replay.seen_in_estimation);
+    unseen.or(study.replays.first()).and_then(replays::headline).map(Blocks::from).unwrap_or_default()
 }
 
 /// What the colour of a level says.
@@ -58,11 +76,13 @@ fn rules(rules: &[Rule]) -> Blocks {
         let outcome = Prose::tag(tone(rule.level), rule.level.outcome());
         vec![outcome.into(), rule.asks.into(), Cell::from(&rule.found)]
     };
-    vec![
-        Block::heading("How the verdict was reached"),
-        Block::paragraph("The verdict is the worst outcome of these rules."),
-        Block::Table(Table::of_text(&["", "Rule", "This study"]).with_rows(rules.iter().map(row))),
-    ]
+    Block::Fold {
+        summary: "How the verdict was reached".into(),
+        blocks: vec![
+            Block::paragraph("The verdict is the worst outcome of these rules."),
+            Block::Table(Table::of_text(&["", "Rule", "This study"]).with_rows(rules.iter().map(row))),
+        ],
+    }
     .into()
 }
 
@@ -76,9 +96,10 @@ struct KeyNumber<'a> {
 
 fn key_numbers(study: &Study) -> Blocks {
     vec![
-        Block::heading("Key numbers"),
         Block::Cards { items: collect_key_numbers(study).iter().map(card).collect() },
-        Block::note("± is half of the 95 % interval, here and everywhere below."),
+        Block::note(
+            "± is half of the 95 % interval, here and everywhere below. All digits are in the sections of the parts.",
+        ),
     ]
     .into()
 }
@@ -97,8 +118,6 @@ fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
         number("K", "shaft stiffness", shaft(Quantity::Stiffness), of_shaft),
         number("B", "shaft damping", shaft(Quantity::Damping), of_shaft),
         number("K_p", "speed control, proportional", controller(Quantity::ProportionalGain), of_controller),
-        number("K_i", "speed control, integral", controller(Quantity::IntegralGain), of_controller),
-        number("τ", "speed control, delay", controller(Quantity::ControllerDelay), of_controller),
         number("τ + 1/a", "torque control, total delay", torque(Quantity::TorqueControlTotalDelay), of_torque),
     ]
 }

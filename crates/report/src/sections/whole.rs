@@ -27,8 +27,15 @@ pub(crate) fn section(study: &Study) -> Blocks {
     let mut all = lead(what, equation);
     all.push(parameter_table(parameters));
     all.push(notes(study, whole));
-    all.push(influences(whole));
-    all.push(bode_figures(whole));
+    let mut figures = bode_figures(whole).into_vec();
+    let rest = figures.split_off(figures.len().min(1));
+    all.push(figures);
+    let mut more = influences(whole);
+    more.push(rest);
+    all.push(Block::Fold {
+        summary: "Further responses, and what each parameter does".into(),
+        blocks: more.into_vec(),
+    });
     all.push(sine_tests(whole));
     all
 }

@@ -33,8 +33,30 @@ pub fn need(reason: &Reason) -> String {
 pub fn needs(needs: &[Reason]) -> String {
     match needs {
         [] => "data that were not stated".to_owned(),
-        _ => needs.iter().map(need).collect::<Vec<_>>().join("; and "),
+        _ => joined(needs).join("; and "),
     }
+}
+
+/// The phrases of all reasons; a channel that several recordings lack is named once.
+fn joined(needs: &[Reason]) -> Vec<String> {
+    let mut phrases = Vec::new();
+    let mut channels = Vec::new();
+    for reason in needs {
+        let Reason::Channel { role: missing, .. } = reason else {
+            phrases.push(need(reason));
+            continue;
+        };
+        if channels.contains(missing) {
+            continue;
+        }
+        channels.push(*missing);
+        let lacks = |other: &&Reason| matches!(other, Reason::Channel { role, .. } if role == missing);
+        match needs.iter().filter(lacks).count() {
+            1 => phrases.push(need(reason)),
+            count => phrases.push(format!("the {} in {count} recordings", role(*missing))),
+        }
+    }
+    phrases
 }
 
 /// Why a recording cannot show something, and what can.

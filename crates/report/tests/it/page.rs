@@ -146,7 +146,10 @@ fn exact_numbers_that_are_not_finite_are_null_or_not_known() {
     let body = page.split("<script>").next().unwrap_or_default();
     assert!(!body.contains("NaN") && !body.contains("inf "));
     assert!(body.contains("not known"));
-    assert!(serde_json::from_str::<serde_json::Value>(&page::json(&report::study(&study)).unwrap()).is_ok());
+    assert!(
+        serde_json::from_str::<serde_json::Value>(&page::json(&report::study(&study, &fixture::origin())).unwrap())
+            .is_ok()
+    );
     let json: serde_json::Value = serde_json::from_str(&report::json(&study, None)).unwrap();
     assert!(json["study"]["shaft"]["validation"]["fit_percent"].is_null());
 }
@@ -164,23 +167,35 @@ fn exact_json_names_its_format_and_keeps_full_precision() {
 }
 
 #[test]
-fn exact_thinned_traces_keep_their_peaks_and_times() {
+fn a_report_states_when_and_from_what_it_was_made_and_whose_it_is() {
     let mut study = fixture::complete();
-    if let Outcome::Estimated(shaft) = &mut study.shaft {
-        shaft.validation.measured.values[12_345] = 4321.0;
+    let page = fixture::html(&study);
+    for words in
+        ["studied on 2018-05-06", "of 2018-05-03 to 2018-05-04", "0123456789abcdef0123", "page \" counter(page)"]
+    {
+        assert!(page.contains(words), "{words}");
     }
-    let page = report::study(&study);
-    let figures = page.figures().into_iter().map(|figure| serde_json::to_string(figure).unwrap());
-    let figure = figures.into_iter().find(|figure| figure.contains(",4321,")).unwrap();
-    let figure: serde_json::Value = serde_json::from_str(&figure).unwrap();
-    let layer = &figure["panels"][0]["layers"][0];
-    let skips: Vec<u64> = layer["x"]["skip"].as_array().unwrap().iter().filter_map(serde_json::Value::as_u64).collect();
-    let values = layer["y"].as_array().unwrap();
-    assert_eq!(skips.len(), values.len());
-    assert!(values.len() <= 4010, "{}", values.len());
-    let peak = values.iter().position(|value| *value == 4321).unwrap();
-    assert_eq!(skips[..=peak].iter().sum::<u64>(), 12_345);
-    assert_eq!(skips.iter().sum::<u64>(), 19_999);
+    study.provenance.report.title = Some("Shaft of the new coupling".into());
+    study.provenance.report.test_id = Some("T-17".into());
+    study.provenance.report.customer = Some("Gearbox team".into());
+    study.provenance.report.confidentiality = Some("internal".into());
+    let page = fixture::html(&study);
+    assert!(page.contains("<h1>Shaft of the new coupling</h1>"));
+    for words in ["test T-17", "for Gearbox team", "internal", "Test cell 4", "coupling · T-17 · 2018-05-06 · internal"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn the_first_section_has_the_verdict_its_range_six_numbers_a_replay_and_what_to_do() {
+    let page = fixture::html(&fixture::complete());
+    let first = page.split("<section id=\"known\">").next().unwrap_or_default();
+    assert_eq!(first.matches("class=\"card").count() - first.matches("class=\"cards\"").count(), 6);
+    for words in ["Valid for", "993.1 to 2005 rpm", "Next:", "Replay of", "How the verdict was reached</summary>"] {
+        assert!(first.contains(words), "{words}: {first}");
+    }
+    assert_eq!(first.matches("<figure class=\"plot\"").count(), 1);
 }
 
 #[test]

@@ -59,7 +59,7 @@ pub enum FaultKind {
         example: String,
     },
     /// A placeholder was left.
-    #[error("this still has to be filled in; write {example}")]
+    #[error("nothing is filled in yet; write the value of your bench, such as {example}")]
     Placeholder {
         /// What to write.
         example: String,

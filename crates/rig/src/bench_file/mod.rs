@@ -31,7 +31,7 @@ use std::str::FromStr;
 pub use crate::channels::ChannelMapping;
 pub use fault::{BenchFileError, Fault, FaultKind};
 pub use stated::PLACEHOLDER;
-pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ShaftPrior};
+pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, ShaftPrior};
 pub use write::Draft;
 
 impl FromStr for BenchFile {

@@ -9,7 +9,7 @@ use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
 use super::virtual_bench;
 use crate::bench_file::stated::{
-    BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior,
+    BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ReportIdentity, ShaftPrior,
 };
 use crate::channels::ChannelMapping;
 use crate::facts::BenchVariant;
@@ -27,7 +27,8 @@ const BENCH_KEYS: &[&str] = &[
     "engine_inertia",
     "engine_inertia_uncertainty_percent",
 ];
-const INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
+const DYNAMOMETER_INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
+const ENGINE_INERTIA_EXAMPLE: &str = "\"0.2 kg m²\"";
 const FRICTION_EXAMPLE: &str = "\"0.01 Nm s/rad\"";
 
 /// Reads a bench file and notes every fault in it.
@@ -49,15 +50,15 @@ pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
 }
 
 fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFile> {
-    root.only(&["bench", "limits", "shaft", "virtual_bench", "channels", "recordings"], faults);
+    root.only(&["bench", "limits", "shaft", "virtual_bench", "channels", "recordings", "report"], faults);
     let bench = root.section("bench", faults);
     bench.only(BENCH_KEYS, faults);
     let name = read_name(&bench, faults);
     let variant = read_variant(&bench, faults);
     let cylinders = read_cylinders(&bench, faults);
     let strokes = read_strokes(&bench, faults);
-    let dynamometer_inertia = read_inertia(&bench, "dynamometer_inertia", faults);
-    let engine_inertia = read_inertia(&bench, "engine_inertia", faults);
+    let dynamometer_inertia = read_inertia(&bench, "dynamometer_inertia", DYNAMOMETER_INERTIA_EXAMPLE, faults);
+    let engine_inertia = read_inertia(&bench, "engine_inertia", ENGINE_INERTIA_EXAMPLE, faults);
     let dynamometer_uncertainty = read_uncertainty(&bench, "dynamometer_inertia", 100.0, faults);
     let engine_uncertainty = read_uncertainty(&bench, "engine_inertia", 100.0, faults);
     let friction = read_limit(&bench, "dynamometer_friction", Quantity::Damping, FRICTION_EXAMPLE, faults);
@@ -74,6 +75,7 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     });
     let channels = read_channels(&root.section("channels", faults), required, faults);
     let recordings = read_recordings(&root.section("recordings", faults), faults);
+    let report = read_report(&root.section("report", faults), faults);
     Some(BenchFile {
         name: name?,
         variant: variant?,
@@ -90,7 +92,25 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         virtual_bench,
         channels,
         recordings,
+        report,
     })
+}
+
+fn read_report(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ReportIdentity {
+    section.only(&["title", "test_id", "customer", "engine", "author", "approved_by", "confidentiality"], faults);
+    let mut text = |key: &str, example: &str| {
+        let place = section.get(key)?;
+        section.text(key, place, example, faults).filter(|text| !text.trim().is_empty())
+    };
+    ReportIdentity {
+        title: text("title", "\"Bench model of cell 4\""),
+        test_id: text("test_id", "\"T-2026-017\""),
+        customer: text("customer", "\"Engine development\""),
+        engine: text("engine", "\"2.0 l, four cylinders\""),
+        author: text("author", "\"A. Meyer\""),
+        approved_by: text("approved_by", "\"B. Schmidt\""),
+        confidentiality: text("confidentiality", "\"confidential\""),
+    }
 }
 
 fn read_name(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<String> {
@@ -176,9 +196,9 @@ fn with_closest_unit(text: &str, error: &UnitError) -> Option<String> {
     closest.first().map(|closest| format!("\"{number} {closest}\""))
 }
 
-fn read_inertia(bench: &Section<'_, '_>, key: &str, faults: &mut Faults<'_>) -> Option<f64> {
-    let place = bench.require(key, INERTIA_EXAMPLE, faults)?;
-    let value = read_value(bench, key, place, Quantity::Inertia, INERTIA_EXAMPLE, faults)?;
+fn read_inertia(bench: &Section<'_, '_>, key: &str, example: &str, faults: &mut Faults<'_>) -> Option<f64> {
+    let place = bench.require(key, example, faults)?;
+    let value = read_value(bench, key, place, Quantity::Inertia, example, faults)?;
     let plausible = PLAUSIBLE_INERTIA_KG_M2;
     if (plausible.0..=plausible.1).contains(&value) {
         return Some(value);

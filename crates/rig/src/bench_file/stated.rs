@@ -43,6 +43,27 @@ pub struct BenchFile {
     pub channels: BTreeMap<Role, ChannelMapping>,
     /// Which recordings belong to the campaign.
     pub recordings: RecordingList,
+    /// Whose report it is.
+    pub report: ReportIdentity,
+}
+
+/// What a report says of itself; what is not stated is not shown.
+#[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
+pub struct ReportIdentity {
+    /// Its title, in place of the bench's name.
+    pub title: Option<String>,
+    /// The number of the test or of the order.
+    pub test_id: Option<String>,
+    /// For whom it is.
+    pub customer: Option<String>,
+    /// The engine on the bench.
+    pub engine: Option<String>,
+    /// Who made it.
+    pub author: Option<String>,
+    /// Who approved it.
+    pub approved_by: Option<String>,
+    /// Who may read it.
+    pub confidentiality: Option<String>,
 }
 
 /// Limits of the bench; what is not stated is not checked.

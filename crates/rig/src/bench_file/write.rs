@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::stated::PLACEHOLDER;
-use crate::bench_file::stated::{BenchFile, Limits, ShaftPrior};
+use crate::bench_file::stated::{BenchFile, Limits, ReportIdentity, ShaftPrior};
 use crate::channels::ChannelMapping;
 use crate::channels::{Ambiguity, Guess};
 use crate::facts::BenchVariant;
@@ -22,6 +22,19 @@ pub struct Draft<'a> {
     /// Recordings whose names hold no label.
     pub unlabelled: &'a [String],
 }
+
+/// What a report can say of itself, to be filled in by whoever wants it.
+const REPORT_HINT: &str = r#"
+# What the report says of itself. Leave out what you do not need.
+# [report]
+# title = "Bench model of cell 4"
+# test_id = "T-2026-017"
+# customer = "Engine development"
+# engine = "2.0 l, four cylinders"
+# author = "A. Meyer"
+# approved_by = "B. Schmidt"
+# confidentiality = "confidential"
+"#;
 
 impl BenchFile {
     /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot show
@@ -82,6 +95,7 @@ engine_inertia = "{PLACEHOLDER}"
             write_role(&mut text, draft.guess, role);
         }
         write_recordings(&mut text, draft);
+        text.push_str(REPORT_HINT);
         text
     }
 
@@ -114,6 +128,7 @@ engine_inertia = "{PLACEHOLDER}"
             let label = quoted(&stated.label.to_string());
             let _ = writeln!(text, "\n[[recordings.label]]\nfile = {}\nlabel = {label}", quoted(&stated.file));
         }
+        write_report(&mut text, &self.report);
         write_virtual_bench(&mut text, &self.virtual_bench);
         text
     }
@@ -147,6 +162,25 @@ fn write_shaft(text: &mut String, shaft: ShaftPrior) {
         ("damping", shaft.damping_nm_s_per_rad, "Nm s/rad"),
     ];
     write_values(text, &values);
+}
+
+fn write_report(text: &mut String, report: &ReportIdentity) {
+    if *report == ReportIdentity::default() {
+        return;
+    }
+    text.push_str("\n[report]\n");
+    let values = [
+        ("title", &report.title),
+        ("test_id", &report.test_id),
+        ("customer", &report.customer),
+        ("engine", &report.engine),
+        ("author", &report.author),
+        ("approved_by", &report.approved_by),
+        ("confidentiality", &report.confidentiality),
+    ];
+    for (key, value) in values.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?))) {
+        let _ = writeln!(text, "{key} = {}", quoted(value));
+    }
 }
 
 fn write_values(text: &mut String, values: &[(&str, Option<f64>, &str)]) {

@@ -39,7 +39,7 @@ fn model(data: &Dataset) -> Vec<Model> {
 }
 
 fn lines(page: &Page) -> String {
-    terminal(page, Screen { width: 100, colour: false })
+    terminal(page, Screen { width: 100, colour: false, is_narrow: false })
 }
 
 fn assert_says(page: &Page, words: &[&str]) {

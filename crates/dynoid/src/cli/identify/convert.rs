@@ -53,7 +53,7 @@ pub(crate) struct ModelConvertArguments {
     #[arg(long, value_enum, value_name = "FORM", default_value_t = Representation::Tf)]
     pub(crate) to: Representation,
     /// Make the model discrete, or discrete on another clock
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive, conflicts_with = "continuous")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive_seconds, conflicts_with = "continuous")]
     pub(crate) sample_time: Option<f64>,
     /// Make a discrete model continuous
     #[arg(long)]
@@ -65,7 +65,7 @@ pub(crate) struct ModelConvertArguments {
     #[arg(long, short, value_name = "MODEL.json")]
     pub(crate) out: Option<PathBuf>,
     /// The frequency at which Tustin's rule is exact [default: 0]
-    #[arg(long = "prewarp", value_name = "HERTZ", value_parser = number::positive)]
+    #[arg(long = "prewarp", value_name = "HERTZ", value_parser = number::positive_hertz)]
     pub(crate) prewarp_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,

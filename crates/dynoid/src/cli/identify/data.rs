@@ -10,10 +10,10 @@ use crate::cli::number;
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Window {
     /// Leave out everything before this time
-    #[arg(long = "from", value_name = "SECONDS", value_parser = number::finite, help_heading = "Data")]
+    #[arg(long = "from", value_name = "SECONDS", value_parser = number::seconds, help_heading = "Data")]
     pub(crate) from_s: Option<f64>,
     /// Leave out everything after this time
-    #[arg(long = "to", value_name = "SECONDS", value_parser = number::finite, help_heading = "Data")]
+    #[arg(long = "to", value_name = "SECONDS", value_parser = number::seconds, help_heading = "Data")]
     pub(crate) to_s: Option<f64>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct DataArguments {
     pub(crate) window: Window,
     /// Sample time of the data. In text without a time column: the time from row to row [default: that of the slowest
     /// channel; for delay, oe, tf, process and greybox that of the fastest]
-    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive, help_heading = "Data")]
+    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive_seconds, help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What to subtract from every channel first
     #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]

@@ -27,7 +27,7 @@ pub(crate) enum Period {
 }
 
 fn period(text: &str) -> Result<Period, String> {
-    if text == "none" { Ok(Period::None) } else { number::positive(text).map(Period::Seconds) }
+    if text == "none" { Ok(Period::None) } else { number::positive_seconds(text).map(Period::Seconds) }
 }
 
 #[derive(Debug, Args)]

@@ -17,7 +17,7 @@ pub(crate) struct MeetArguments {
     pub(crate) window: Window,
     /// Sample time for a continuous model. In text without a time column: the time from row to row [default: the model's
     /// sample time]
-    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive, help_heading = "Data")]
+    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive_seconds, help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What to subtract from every channel first, and to add to the results again
     #[arg(long, value_enum, default_value_t = MeetDetrend::Model, value_name = "WHAT", help_heading = "Data")]

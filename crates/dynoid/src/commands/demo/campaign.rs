@@ -2,7 +2,7 @@
 
 use numerics::parallel;
 use recording::encode_mdf4;
-use rig::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
+use rig::bench_file::{ChannelMapping, Limits, RecordingList, ReportIdentity, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
@@ -82,5 +82,6 @@ pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> Benc
             .map(|(role, name)| (*role, ChannelMapping::named(*name)))
             .collect(),
         recordings: RecordingList { files: vec![recordings.to_owned()], labels: Vec::new() },
+        report: ReportIdentity::default(),
     }
 }

@@ -80,7 +80,8 @@ fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
         return Err(refuse(out.join(BENCH_FILE)));
     }
     let own = |name: &str| {
-        [RECORDINGS, BENCH_FILE, EFFECTS, study::REPORT, study::DATA, study::SERIES, MODEL, "study"].contains(&name)
+        [RECORDINGS, BENCH_FILE, EFFECTS, study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"]
+            .contains(&name)
     };
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));

@@ -1,0 +1,68 @@
+//! Whose report it is, and of when.
+
+use page::{Prose, Tone};
+use study::Study;
+
+use crate::Origin;
+use crate::wording;
+
+/// What stands at the top: the title that the bench file states, or the bench.
+pub(super) fn title(study: &Study) -> String {
+    study.provenance.report.title.clone().unwrap_or_else(|| format!("{} – bench model", study.bench.name))
+}
+
+/// What is stated of the report, and always when and with what it was made.
+pub(super) fn subtitle(study: &Study, origin: &Origin) -> Prose {
+    let report = &study.provenance.report;
+    let mut all = Prose::default();
+    if let Some(confidentiality) = &report.confidentiality {
+        all = all.then(Prose::tag(Tone::Bad, confidentiality.clone())).then(" ");
+    }
+    let stated = [
+        ("test", &report.test_id),
+        ("for", &report.customer),
+        ("engine:", &report.engine),
+        ("by", &report.author),
+        ("approved by", &report.approved_by),
+    ];
+    for (word, value) in stated.into_iter().filter_map(|(word, value)| Some((word, value.as_ref()?))) {
+        all = all.then(Prose::verbatim(format!("{word} {value}"))).then(" · ");
+    }
+    if report.title.is_some() {
+        all = all.then(Prose::verbatim(study.bench.name.clone())).then(" · ");
+    }
+    all = all.then(format!(
+        "{} · {} · studied on {} with dynoid {}",
+        wording::variant(study.bench.variant),
+        recordings(study),
+        origin.date,
+        study.provenance.version
+    ));
+    match study.provenance.seed {
+        Some(seed) => {
+            all.then(" · ").then(Prose::tag(Tone::Caution, "simulated recordings")).then(format!(", seed {seed}"))
+        }
+        None => all,
+    }
+}
+
+/// How many recordings there are, and from when.
+fn recordings(study: &Study) -> String {
+    let count = match study.recordings.len() {
+        1 => "1 recording".to_owned(),
+        n => format!("{n} recordings"),
+    };
+    let days = || study.recordings.iter().filter_map(|recording| recording.recorded_on.as_deref());
+    match (days().min(), days().max()) {
+        (Some(first), Some(last)) if first == last => format!("{count} of {first}"),
+        (Some(first), Some(last)) => format!("{count} of {first} to {last}"),
+        _ => count,
+    }
+}
+
+/// The line at the top of each printed page.
+pub(super) fn running_head(study: &Study, origin: &Origin) -> String {
+    let report = &study.provenance.report;
+    let parts = [Some(title(study)), report.test_id.clone(), Some(origin.date.clone()), report.confidentiality.clone()];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+}
