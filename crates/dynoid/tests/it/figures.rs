@@ -53,8 +53,8 @@ fn row<'a>(text: &'a str, series: &str) -> Option<(&'a str, (f64, f64))> {
 
 #[test]
 fn at_every_position_of_the_cursor_measured_less_modelled_is_the_residual() {
-    // Without a browser nobody reads; `exact_what_is_drawn_of_a_residual_…` of `page` proves the same of the drawing.
-    let Some(browser) = browser() else { return };
+    // `exact_what_is_drawn_of_a_residual_…` of `page` proves the same of the drawing.
+    let Some(browser) = browser() else { return testdata::skip("no browser (Chromium) to read figures with") };
     let campaign = Campaign::whole();
     assert!(matches!(campaign.run(&["study", "bench.toml", "--quiet"]).code, Some(0 | 1)));
     let page = campaign.read("study/report.html");

@@ -23,14 +23,14 @@ const RUNS: [&str; 43] = [
     "shaft bench.toml",
     "engine bench.toml",
     "friction bench.toml",
-    "can bench.toml tip-in --samples 2",
-    "can bench.toml map --samples 2",
+    "can bench.toml tip-in --samples 72",
+    "can bench.toml map --samples 72",
     "can bench.toml map --want 100rpm",
     "experiment list",
     "experiment list BS_T_NT",
     "experiment design bench.toml BS_T_NT --duration 4s",
     "experiment design bench.toml BS_T_NT --duration 4s --out a_rather_long_name_of_a_file_for_the_demands_of_a_bench.csv",
-    "experiment check bench.toml BS_T_NT --duration 4s --samples 2",
+    "experiment check bench.toml BS_T_NT --duration 4s --samples 72",
     "experiment simulate bench.toml BS_T_NT --duration 1s --out run.mf4",
     "experiment next nowhere.toml",
     "diff study/model.json study/model.json",
@@ -56,6 +56,9 @@ const RUNS: [&str; 43] = [
     "demo --out recordings",
 ];
 
+/// Commands that think for long: every day they are left to the tests of their own numbers.
+const SLOW: [&str; 5] = ["torque-control ", "shaft ", "engine ", "lines ", "torque-signals "];
+
 /// The lines that are wider than the terminal, in columns.
 fn too_wide(text: &str, columns: usize) -> Vec<String> {
     text.lines().filter(|line| line.width() > columns).map(str::to_owned).collect()
@@ -67,11 +70,11 @@ fn run(campaign: &Campaign, arguments: &[&str], columns: usize) -> (Option<i32>,
     (output.status.code(), text(&output.stdout) + &text(&output.stderr))
 }
 
-fn check_all(columns: usize) {
+fn check_all(columns: usize, is_run: impl Fn(&str) -> bool) {
     let campaign = Campaign::whole();
     let bench = campaign.read("bench.toml");
     campaign.write("mistyped.toml", bench.replace("DynoTorqueCalc", "DynoTorqeCalc").as_bytes());
-    for line in RUNS {
+    for line in RUNS.into_iter().filter(|line| is_run(line)) {
         let arguments: Vec<&str> = line.split(' ').collect();
         let (code, text) = run(&campaign, &arguments, columns);
         assert!(matches!(code, Some(0 | 1 | 3 | 4)), "dynoid {line}: {code:?}\n{text}");
@@ -82,13 +85,13 @@ fn check_all(columns: usize) {
 
 #[test]
 fn no_line_of_a_result_or_a_message_is_wider_than_the_narrowest_terminal() {
-    check_all(WIDTHS[0]);
+    check_all(WIDTHS[0], |line| !SLOW.iter().any(|slow| line.starts_with(slow)));
 }
 
 #[test]
 #[ignore = "slow"]
-fn no_line_of_a_result_or_a_message_is_wider_than_other_terminals() {
-    WIDTHS[1..].iter().for_each(|columns| check_all(*columns));
+fn no_line_of_any_command_is_wider_than_any_terminal() {
+    WIDTHS.iter().for_each(|columns| check_all(*columns, |_| true));
 }
 
 #[test]
