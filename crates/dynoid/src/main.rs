@@ -21,6 +21,7 @@ use std::process::ExitCode;
 
 use crate::cli::experiment::ExperimentCommand;
 use crate::cli::identify::{DataCommand, ModelCommand};
+use crate::cli::shell::ShellCommand;
 use crate::cli::{Cli, Command};
 use crate::commands::{experiment, identify};
 use crate::error::{CliError, Outcome};
@@ -62,6 +63,10 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             ExperimentCommand::Check(arguments) => experiment::check::run(arguments, terminal),
             ExperimentCommand::Simulate(arguments) => experiment::simulate::run(arguments, terminal),
             ExperimentCommand::Next(arguments) => experiment::next::run(arguments, terminal),
+        },
+        Command::Shell { command } => match command {
+            ShellCommand::Completions(arguments) => commands::shell::completions(arguments, terminal),
+            ShellCommand::Manual(arguments) => commands::shell::manual(arguments, terminal),
         },
         Command::Diff(arguments) => commands::diff::run(arguments, terminal),
         Command::Export(arguments) => commands::export::run(arguments, terminal),

@@ -100,6 +100,11 @@ impl Terminal {
         Ok(())
     }
 
+    /// Text for another program, as it is.
+    pub(crate) fn script(&mut self, text: &str) {
+        self.put(text.trim_end());
+    }
+
     /// What was done on the way, on standard error.
     pub(crate) fn note(&mut self, text: &str) {
         if !self.quiet {

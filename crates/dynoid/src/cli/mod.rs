@@ -16,6 +16,7 @@ pub(crate) mod lines;
 mod number;
 mod overview;
 pub(crate) mod shaft;
+pub(crate) mod shell;
 mod suggest;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
@@ -147,5 +148,11 @@ pub(crate) enum Command {
     Model {
         #[command(subcommand)]
         command: identify::ModelCommand,
+    },
+    /// Set up your shell: completions, manual
+    #[command(after_help = shell::EXAMPLES)]
+    Shell {
+        #[command(subcommand)]
+        command: shell::ShellCommand,
     },
 }

@@ -11,7 +11,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
     ),
-    ("Recordings", &["inspect", "convert"]),
+    ("Recordings, and your shell", &["inspect", "convert", "shell"]),
     ("Linear models of any channels", &["data", "fit", "model"]),
 ];
 
@@ -35,7 +35,7 @@ pub(super) fn grouped(command: Command) -> Command {
         }
     }
     let _ = write!(page, "\n{heading}Examples:{heading:#}\n{EXAMPLES}\n");
-    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Options of all: --quiet, --all, --color WHEN.\n");
+    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Always: --quiet, --all, --color WHEN.\n");
     page.push_str(EXIT_CODES);
     command.help_template(page)
 }

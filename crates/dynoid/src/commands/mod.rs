@@ -18,6 +18,7 @@ pub(crate) mod lines;
 mod rebuilt;
 mod result;
 pub(crate) mod shaft;
+pub(crate) mod shell;
 pub(crate) mod study;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;

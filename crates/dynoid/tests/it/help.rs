@@ -1,6 +1,6 @@
 //! The help texts.
 
-use crate::support::dynoid;
+use crate::support::{Campaign, dynoid};
 
 fn help(arguments: &[&str]) -> String {
     let ran = dynoid(&std::env::temp_dir(), arguments);
@@ -80,6 +80,22 @@ fn exact_every_command_has_examples() {
         let page = format!("{} ", help(&words).replace('\n', " \n"));
         assert!(page.contains(&example), "{command:?}: {page}");
     }
+}
+
+#[test]
+fn every_shell_completes_and_every_command_has_a_manual_page() {
+    let campaign = Campaign::empty();
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        let ran = campaign.run(&["shell", "completions", shell]);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        assert!(["torque-signals", "noise-test", "allow-unchecked"].iter().all(|word| ran.stdout.contains(word)));
+    }
+    assert_eq!(campaign.run(&["shell", "manual", "man1"]).code, Some(0));
+    for command in commands() {
+        let page = campaign.read(&format!("man1/dynoid-{}.1", command.join("-")));
+        assert!(page.contains("SYNOPSIS") && page.contains("Examples:"), "{command:?}: {page}");
+    }
+    assert_ne!(campaign.run(&["shell", "completions", "cobol"]).code, Some(0));
 }
 
 #[test]
