@@ -100,7 +100,7 @@ class Task:
         self.name, self.ours, self.error, self.peers = name, ours, error, peers
 
 
-def tasks(dynoid, folder, stem, campaign):
+def tasks(dynoid, folder, stem, campaign, seconds):
     csv, parquet, mdf = (stem.with_suffix(end) for end in (".csv", ".parquet", ".mf4"))
     script = HERE / "commands_peer.py"
     octave = shutil.which("octave-cli")
@@ -155,7 +155,7 @@ def tasks(dynoid, folder, stem, campaign):
         Task("convert CSV to Parquet", [dynoid, "convert", csv, "--out", folder / "converted.parquet", "--overwrite", "--quiet"], None, [
             ("pyarrow", python("convert", csv), None, "no check of the time column"),
         ]),
-        Task("study, 4 × 10 min", [dynoid, "study", campaign, "--out", folder / "study", "--quiet"], None, []),
+        Task(f"study, 4 × {seconds // 60} min", [dynoid, "study", campaign, "--out", folder / "study", "--quiet"], None, []),
         Task("simulate 1 h", [dynoid, "experiment", "simulate", campaign, "BS_T_NT", "--duration", "3600", "--out", folder / "hour.mf4", "--overwrite", "--quiet"], None, []),
     ]
 
@@ -206,7 +206,7 @@ def growth(dynoid, folder, sizes, chosen):
     print("| --- | --- | --- | --- | --- | --- |")
     for samples in sizes:
         stem = data(dynoid, folder, samples)
-        for task in tasks(dynoid, folder, stem, folder / "bench.toml"):
+        for task in tasks(dynoid, folder, stem, folder / "bench.toml", 0):
             if chosen not in task.name or task.name.startswith(("study", "simulate")):
                 continue
             try:
@@ -240,9 +240,10 @@ def main(arguments):
         return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7], chosen)
     samples = 10**5 if quick else 10**6
     stem = data(dynoid, folder, samples)
-    campaign = make_campaign(dynoid, folder / "campaign", 60 if quick else 600)
+    seconds = 60 if quick else 600
+    campaign = make_campaign(dynoid, folder / f"campaign-{seconds}", seconds)
     print(f"{samples} samples, {os.cpu_count()} cores; medians of {TURNS} turns\n")
-    table([task for task in tasks(dynoid, folder, stem, campaign) if chosen in task.name])
+    table([task for task in tasks(dynoid, folder, stem, campaign, seconds) if chosen in task.name])
 
 
 main(sys.argv[1:])
