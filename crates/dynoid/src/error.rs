@@ -25,6 +25,8 @@ pub(crate) enum Outcome {
     NotSafe,
     /// The bench is not the same any more.
     Changed,
+    /// The model explains next to nothing of an output.
+    ExplainsLittle,
     /// Some inputs could not be read; each was named.
     SomeUnreadable,
     /// No recording gave a result; the reasons were named.
@@ -44,7 +46,7 @@ impl Outcome {
     pub(crate) fn code(self) -> u8 {
         match self {
             Outcome::Done => 0,
-            Outcome::Insufficient | Outcome::NotSafe | Outcome::Changed => 1,
+            Outcome::Insufficient | Outcome::NotSafe | Outcome::Changed | Outcome::ExplainsLittle => 1,
             Outcome::SomeUnreadable | Outcome::NothingFound => INPUT,
         }
     }

@@ -1,7 +1,7 @@
 //! All that is printed: results on standard output, warnings, errors and progress on standard error.
 
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
-use std::sync::Once;
+use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -125,11 +125,11 @@ impl Terminal {
     /// A display of progress over a number of steps, on standard error; nothing where that is no terminal.
     pub(crate) fn progress(&self, steps: u64) -> Progress {
         if self.quiet || !io::stderr().is_terminal() {
-            return Progress(None);
+            return Progress { bar: None, before_last: OnceLock::new() };
         }
         let bar = self.bar(steps);
         bar.enable_steady_tick(TICK);
-        Progress(Some(bar))
+        Progress { bar: Some(bar), before_last: OnceLock::new() }
     }
 
     fn bar(&self, steps: u64) -> ProgressBar {
@@ -207,19 +207,39 @@ fn colour_is_welcome() -> bool {
 }
 
 /// A display of progress, gone when dropped.
-pub(crate) struct Progress(Option<ProgressBar>);
+pub(crate) struct Progress {
+    bar: Option<ProgressBar>,
+    /// Steps before its last part, where that counts by itself.
+    before_last: OnceLock<u64>,
+}
 
 impl Progress {
     /// Says what is being done.
     pub(crate) fn say(&self, what: &str) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.set_message(safe(what));
+        }
+    }
+
+    /// There are more steps than was known at first.
+    pub(crate) fn more(&self, steps: u64) {
+        if let Some(bar) = &self.bar {
+            bar.inc_length(steps);
+        }
+    }
+
+    /// Of the last part, `done` of `all` is done. Any thread may call it.
+    pub(crate) fn of_last(&self, done: u64, all: u64) {
+        if let Some(bar) = &self.bar {
+            let before = *self.before_last.get_or_init(|| bar.position());
+            bar.set_length(before + all);
+            bar.set_position(before + done);
         }
     }
 
     /// One step is done.
     pub(crate) fn step(&self) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.inc(1);
         }
     }
@@ -227,7 +247,7 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

@@ -4,10 +4,11 @@ use bench_model::document::{
     BenchFileOrigin, BenchModelDocument, DescribedParameter, NotEstimated, Provenance, StudyVerdict, UsedRecording,
 };
 use bench_model::model::ModelParameter;
-use rig::results::Part;
+use rig::results::Parameter;
 use study::{RecordingSummary, Study};
 
-use crate::verdict::{Level, part_states, verdict};
+use crate::estimated;
+use crate::verdict::{Level, verdict};
 use crate::wording;
 
 /// What a study does not know of itself.
@@ -40,6 +41,17 @@ pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> 
     Some(document)
 }
 
+/// The numbers of a document with their 95 % intervals, as a part shows its own.
+pub(crate) fn parameters(document: &BenchModelDocument) -> Vec<Parameter> {
+    let shown = |one: &DescribedParameter| {
+        let degrees_of_freedom = one.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        let standard_error = one.standard_error.unwrap_or(0.0);
+        let own = Parameter::new(one.parameter.quantity(), one.value, standard_error, degrees_of_freedom);
+        Parameter { interval: one.interval_95.unwrap_or(own.interval), ..own }
+    };
+    document.parameters().iter().map(shown).collect()
+}
+
 /// The interval of an estimate that the model takes as it is.
 fn interval(study: &Study, of: &DescribedParameter) -> Option<(f64, f64)> {
     let estimate = match of.parameter {
@@ -56,10 +68,16 @@ fn interval(study: &Study, of: &DescribedParameter) -> Option<(f64, f64)> {
             &study.torque_control.estimated()?.delay_and_lag
         }
         // J_e is what the bench file and the recordings give together.
-        ModelParameter::EngineInertia => return None,
+        ModelParameter::EngineInertia => return standard_interval(of),
     };
     let found = estimate.parameter(of.parameter.quantity())?;
     (found.value == of.value).then_some(found.interval)
+}
+
+/// The interval that the standard error gives.
+fn standard_interval(of: &DescribedParameter) -> Option<(f64, f64)> {
+    let degrees_of_freedom = of.degrees_of_freedom.unwrap_or(f64::INFINITY);
+    Some(Parameter::new(of.parameter.quantity(), of.value, of.standard_error?, degrees_of_freedom).interval)
 }
 
 fn used(recording: &RecordingSummary) -> UsedRecording {
@@ -82,14 +100,6 @@ fn judged(study: &Study) -> StudyVerdict {
 }
 
 fn not_estimated(study: &Study) -> Vec<NotEstimated> {
-    let needs = |part: Part| match part {
-        Part::Timing => study.timing.needs(),
-        Part::SpeedController => study.speed_controller.needs(),
-        Part::FeedForward => study.feed_forward.needs(),
-        Part::TorqueControl => study.torque_control.needs(),
-        Part::Shaft => study.shaft.needs(),
-        Part::Whole => study.whole.needs(),
-    };
-    let missing = part_states(study).into_iter().filter(|(_, there)| !there);
-    missing.map(|(part, _)| NotEstimated { part, needs: wording::needs(needs(part)) }).collect()
+    let missing = estimated::parts(study).into_iter().filter_map(|(part, needs)| Some((part, needs?)));
+    missing.map(|(part, needs)| NotEstimated { part, needs: wording::needs(needs) }).collect()
 }

@@ -5,6 +5,7 @@ use rig::results::{Parameter, Part, Quantity, Reason};
 use rig::{Diagnostic, Finding, Severity};
 use study::Study;
 
+use crate::estimated::not_estimated;
 use crate::sections::diagnostics::{alike, entry};
 use crate::sections::verdict::tone;
 use crate::summary;
@@ -14,13 +15,14 @@ use crate::wording::{self, number};
 /// Findings shown before the rest is left to the report.
 const MOST_FINDINGS: usize = 20;
 
-/// The study in short.
-pub fn summary(study: &Study) -> Page {
+/// The study in short; `since` says what has changed since an earlier one.
+pub fn summary(study: &Study, since: Option<String>) -> Page {
     let used = study.recordings.iter().filter(|recording| !recording.used_for.is_empty()).count();
     let subject = format!("{}: {} recordings, {used} used for estimates", study.bench.name, study.recordings.len());
     let mut all = Blocks::from(Block::paragraph(Prose::verbatim(subject)));
     all.push(causes(&study.diagnostics));
     all.push(judged(study));
+    all.push(since.map(Block::paragraph).into_iter().collect::<Blocks>());
     all.push(estimates(study));
     all.push(missing(study));
     all.push(findings(&study.diagnostics));
@@ -134,8 +136,8 @@ fn missing(study: &Study) -> Blocks {
     let row = |(part, needs): (&str, &[Reason])| -> Vec<Cell> {
         vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
     };
-    let table = Table::new(&[("", Align::Left), ("", Align::Left)])
-        .with_rows(summary::not_estimated(study).into_iter().map(row));
+    let table =
+        Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(not_estimated(study).into_iter().map(row));
     match table.is_empty() {
         true => Blocks::default(),
         false => vec![Block::heading("Not estimated"), Block::Table(table)].into(),

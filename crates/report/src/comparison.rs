@@ -3,7 +3,7 @@
 use bench_model::document::BenchModelDocument;
 use bench_model::model::ModelParameter;
 use page::{Align, Block, Blocks, Cell, Finding, Page, Prose, Quantity, Table, Tone};
-use study::{CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison};
+use study::{CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges};
 
 use crate::wording::{self, number};
 
@@ -23,6 +23,7 @@ pub fn page(comparison: &ModelComparison, [first, second]: [(&str, &BenchModelDo
         first.0, first.1.bench.name, first.1.provenance.date, second.0, second.1.bench.name, second.1.provenance.date
     )));
     all.push(findings(comparison));
+    all.push(Block::paragraph(explanation(comparison)));
     for part in &comparison.parts {
         all.push(Block::heading(wording::capitalised(words(part.part))));
         all.push(Block::Table(parameters(part)));
@@ -63,6 +64,72 @@ fn chance(p_value: Option<f64>) -> String {
         None => "–".to_owned(),
         Some(p) if p < 1e-4 => "below 0.01 %".to_owned(),
         Some(p) => format!("{} %", number::significant(100.0 * p, 2)),
+    }
+}
+
+/// What has changed since an earlier study, of this day, in a line; `None` compares with a study that has no model.
+pub fn since(date: &str, comparison: Option<&ModelComparison>) -> String {
+    let Some(found) = comparison else {
+        return format!("The study of {date} in this folder had a model, and this one has none.");
+    };
+    let changed: Vec<&PartComparison> = found.parts.iter().filter(|part| part.has_changed()).collect();
+    let names: Vec<&str> = changed.iter().map(|part| words(part.part)).collect();
+    let counted = if changed.is_empty() { found.parts.iter().collect() } else { changed };
+    let largest = counted.iter().flat_map(|part| &part.parameters).max_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let largest = largest.filter(|one| one.first != one.second).and_then(in_percent);
+    let what = match (names.is_empty(), largest) {
+        (true, None) => "every number is the same.".to_owned(),
+        (true, Some(largest)) => format!("no part has changed beyond chance. The largest difference: {largest}."),
+        (false, largest) => {
+            let most = largest.map(|largest| format!(" Most of all: {largest}.")).unwrap_or_default();
+            format!("changed beyond chance: {}.{most}", wording::join(&names, "and"))
+        }
+    };
+    format!("Since the study of {date}: {what} {}", explanation(found))
+}
+
+/// A difference in standard errors, by which those of one comparison are ranked.
+fn distance(one: &ParameterComparison) -> f64 {
+    match (one.second - one.first).abs() {
+        0.0 => 0.0,
+        difference => difference / one.standard_error,
+    }
+}
+
+/// A difference as a part of the first value; of zero there is no part.
+fn in_percent(one: &ParameterComparison) -> Option<String> {
+    let (symbol, _, _) = wording::model_parameter(one.parameter);
+    let percent = |width: f64| 100.0 * width / one.first.abs();
+    let shown = percent(one.second - one.first);
+    let sign = if shown < 0.0 { "−" } else { "+" };
+    let text = format!("{} {sign}{} %", short(one.parameter, symbol), number::significant(shown.abs(), 2));
+    (one.first != 0.0).then(|| match one.standard_error > 0.0 {
+        true => {
+            let half = percent(one.difference.1 - one.difference.0) / 2.0;
+            format!("{text} (± {} %)", number::significant(half, 2))
+        }
+        false => text,
+    })
+}
+
+/// In what the sources of two models differ, which may explain a difference.
+fn explanation(ModelComparison { sources, shared_recordings, .. }: &ModelComparison) -> String {
+    let SourceChanges { only_first, only_second, bench_file, dynoid_versions } = sources;
+    let files = |files: &[String], what: &str| (!files.is_empty()).then(|| format!("{} {what}", files.join(", ")));
+    let mut all: Vec<String> = [files(only_first, "in the first alone"), files(only_second, "in the second alone")]
+        .into_iter()
+        .flatten()
+        .collect();
+    if *bench_file {
+        all.push("another bench file".to_owned());
+    }
+    if let Some((first, second)) = dynoid_versions {
+        all.push(format!("dynoid {first} and {second}"));
+    }
+    match (all.is_empty(), shared_recordings.is_empty()) {
+        (true, true) => "Neither model names recordings.".to_owned(),
+        (true, false) => "Recordings, bench file and dynoid are the same.".to_owned(),
+        (false, _) => format!("The sources differ: {}.", all.join("; ")),
     }
 }
 

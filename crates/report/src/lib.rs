@@ -16,6 +16,7 @@ pub mod controller;
 pub mod design;
 mod effects;
 pub mod engine;
+pub mod estimated;
 pub mod friction;
 pub mod inspection;
 mod json;

@@ -42,9 +42,12 @@ pub fn term_value(test: &TermTest) -> String {
     test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::parameter(shown(test.term, value)))
 }
 
-/// A term's 95 % interval.
+/// A term's interval at the level of the joint test.
 pub fn term_interval(test: &TermTest) -> String {
-    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::interval(shown(test.term, value)))
+    let within = |(value, interval): (&Parameter, (f64, f64))| {
+        number::interval(shown(test.term, &Parameter { interval, ..value.clone() }))
+    };
+    test.value.as_ref().zip(test.joint_interval).map_or_else(|| "–".to_owned(), within)
 }
 
 fn shown(term: Term, value: &Parameter) -> WrittenParameter {

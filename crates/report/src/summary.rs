@@ -3,10 +3,11 @@
 use bench_model::document::{Range, Validity};
 use page::Prose;
 use rig::Severity;
-use rig::results::{Part, Reason};
+use rig::results::Reason;
 use study::Study;
 use units::RPM_RAD_S;
 
+use crate::estimated::not_estimated;
 use crate::verdict::{Level, Verdict};
 use crate::wording::{self, number};
 
@@ -51,17 +52,4 @@ pub fn next_step(study: &Study, verdict: &Verdict) -> Prose {
             .into(),
         _ => "“dynoid experiment next” names the recording that improves the model most.".into(),
     }
-}
-
-/// Every part that is not estimated, in plain words, with what it needs.
-pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Reason])> {
-    let parts = [
-        (Part::Timing, study.timing.as_ref().err()),
-        (Part::SpeedController, study.speed_controller.as_ref().err()),
-        (Part::FeedForward, study.feed_forward.as_ref().err()),
-        (Part::TorqueControl, study.torque_control.as_ref().err()),
-        (Part::Shaft, study.shaft.as_ref().err()),
-        (Part::Whole, study.whole.as_ref().err()),
-    ];
-    parts.into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
 }

@@ -7,6 +7,7 @@ use rig::results::{Outcome, Parameter, Part, Quantity, Validation};
 use rig::{Diagnostic, Finding, Severity};
 use study::Study;
 
+use crate::estimated;
 use crate::wording::{self, number};
 
 /// How far the model can be trusted.
@@ -77,24 +78,11 @@ pub fn verdict(study: &Study) -> Verdict {
     Verdict { level, rules }
 }
 
-/// Every part of the study with whether it was estimated, in the order of the report.
-pub(crate) fn part_states(study: &Study) -> [(Part, bool); 6] {
-    [
-        (Part::Timing, study.timing.estimated().is_some()),
-        (Part::SpeedController, study.speed_controller.estimated().is_some()),
-        (Part::FeedForward, study.feed_forward.estimated().is_some()),
-        (Part::TorqueControl, study.torque_control.estimated().is_some()),
-        (Part::Shaft, study.shaft.estimated().is_some()),
-        (Part::Whole, study.whole.estimated().is_some()),
-    ]
-}
-
 fn parts(study: &Study) -> Rule {
-    let states = part_states(study);
-    let missing: Vec<String> =
-        states.iter().filter(|(_, there)| !there).map(|(name, _)| wording::part(*name).to_owned()).collect();
-    let core_missing =
-        states.iter().any(|(name, there)| !there && matches!(name, Part::Shaft | Part::TorqueControl | Part::Whole));
+    let missing: Vec<Part> =
+        estimated::parts(study).iter().filter(|(_, needs)| needs.is_some()).map(|(part, _)| *part).collect();
+    let core_missing = missing.iter().any(|part| matches!(part, Part::Shaft | Part::TorqueControl | Part::Whole));
+    let missing: Vec<&str> = missing.into_iter().map(wording::part).collect();
     let level = match (core_missing, missing.is_empty()) {
         (true, _) => Level::Insufficient,
         (false, false) => Level::Reservations,

@@ -1,6 +1,6 @@
 //! Whether a bench is still the same: two bench models from different recordings, compared by a test.
 
-use bench_model::document::BenchModelDocument;
+use bench_model::document::{BenchModelDocument, Provenance, UsedRecording};
 use bench_model::model::{BenchModel, ModelParameter, PartCovariance};
 use faer::Mat;
 use numerics::linalg::least_norm;
@@ -57,6 +57,21 @@ pub struct ModelComparison {
     pub shared_recordings: Vec<String>,
     /// Numbers that are no estimates, and differ.
     pub different_constants: Vec<&'static str>,
+    /// In what the models were made from, they differ so.
+    pub sources: SourceChanges,
+}
+
+/// What may explain that two models differ, beside the bench itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SourceChanges {
+    /// Recordings that only the first model comes from.
+    pub only_first: Vec<String>,
+    /// Recordings that only the second model comes from.
+    pub only_second: Vec<String>,
+    /// Whether the bench files have different contents.
+    pub bench_file: bool,
+    /// The versions of dynoid, first and second, where they differ.
+    pub dynoid_versions: Option<(String, String)>,
 }
 
 /// One part, compared.
@@ -138,14 +153,30 @@ pub fn compare_models(first: &BenchModelDocument, second: &BenchModelDocument) -
     }
     let is_in = |of: &BenchModelDocument, which| of.model.value(which).is_some();
     let only = |which: &ModelParameter| is_in(first, *which) != is_in(second, *which);
-    let hashes: Vec<&str> = first.provenance.recordings.iter().map(|one| one.sha256.as_str()).collect();
-    let shared = second.provenance.recordings.iter().filter(|one| hashes.contains(&one.sha256.as_str()));
+    let (shared, sources) = sources(&first.provenance, &second.provenance);
     ModelComparison {
         parts,
         only_in_one: ModelParameter::ALL.into_iter().filter(only).collect(),
-        shared_recordings: shared.map(|one| one.file.clone()).collect(),
+        shared_recordings: shared,
         different_constants: constants(&first.model, &second.model),
+        sources,
     }
+}
+
+/// The recordings that both come from, and in what their sources differ. Recordings are the same if their contents are.
+fn sources(first: &Provenance, second: &Provenance) -> (Vec<String>, SourceChanges) {
+    let of = |one: &Provenance, other: &Provenance, shared: bool| -> Vec<String> {
+        let is_in_other = |file: &UsedRecording| other.recordings.iter().any(|other| other.sha256 == file.sha256);
+        one.recordings.iter().filter(|file| is_in_other(file) == shared).map(|file| file.file.clone()).collect()
+    };
+    let versions = (first.dynoid_version.clone(), second.dynoid_version.clone());
+    let changes = SourceChanges {
+        only_first: of(first, second, false),
+        only_second: of(second, first, false),
+        bench_file: first.bench_file.sha256 != second.bench_file.sha256,
+        dynoid_versions: Some(versions).filter(|(first, second)| first != second),
+    };
+    (of(second, first, true), changes)
 }
 
 /// A model with the parts of its covariance.

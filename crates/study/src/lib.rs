@@ -22,7 +22,8 @@ mod whole;
 pub use analyses::Analyses;
 pub use assemble::{StudyParts, assemble};
 pub use comparison::{
-    CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, WaldTest, compare_models,
+    CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges, WaldTest,
+    compare_models,
 };
 pub use gather::StudyError;
 pub use gather::{Source, experiment_of};

@@ -32,13 +32,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         Doubt::CovarianceIsLowerBound => {
             "the intervals are the narrowest that any method could reach; the true ones are wider".into()
         }
-        Doubt::ExplainsLittle { output, simulated } => {
-            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
-            let how = if *simulated { "simulated" } else { "even one step ahead" };
-            format!(
-                "the model explains next to nothing of {name}, {how} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
-            )
-        }
+        Doubt::ExplainsLittle { output, simulated } => explains_little(*output, *simulated, outputs, "its own"),
         Doubt::DependentInputs { input } => format!(
             "input {} is a linear combination of the inputs before it, so the data cannot separate their effects; leave it out",
             input + 1
@@ -165,4 +159,13 @@ pub fn pair(root: Complex64) -> String {
         0.0 => significant(root.re),
         im => format!("{} ± {}i", significant(root.re), significant(im)),
     }
+}
+
+/// That a model explains next to nothing of an output of some data.
+pub(crate) fn explains_little(output: usize, simulated: bool, outputs: &[Label], whose: &str) -> String {
+    let name = outputs.get(output).map_or("an output", |label| label.name.as_str());
+    let how = if simulated { "simulated" } else { "even one step ahead" };
+    format!(
+        "the model explains next to nothing of {name}, {how} (a fit below 5 % on {whose} data); check the channels, the delay, the orders and the detrending before using it"
+    )
 }

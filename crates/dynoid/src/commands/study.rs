@@ -15,7 +15,7 @@ use crate::formats;
 use crate::input;
 use crate::output::OutputFolder;
 use crate::paths;
-use crate::summary::{self, Written};
+use crate::summary::{self, Earlier, Written};
 use crate::terminal::{Progress, Terminal};
 
 pub(crate) const REPORT: &str = "report.html";
@@ -61,17 +61,19 @@ pub(crate) fn study(
 ) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
     let folder = OutputFolder::check(out)?;
-    check_model(&out.join(MODEL))?;
-    let sources = read_sources(bench, &file, terminal)?;
+    let earlier = earlier_model(&out.join(MODEL), terminal)?;
     let analyses = if extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
-    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS + analyses);
+    let progress = terminal.progress(PARTS + REPLAYS + analyses);
+    let sources = read_sources(bench, &file, &progress)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
     let origin = origin(&text);
     let (study, html, full) = studied(campaign, &origin, extent, &progress).map_err(|error| no_study(bench, error))?;
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
-    let model = bench_model(&study, &text)?;
+    let model = document(&study, &text);
+    let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
+    let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
     if let Some(full) = &full {
         folder.write(&[(FULL_REPORT, full.as_bytes())])?;
     }
@@ -86,14 +88,14 @@ pub(crate) fn study(
     };
     drop(progress);
     let full_report = full.map(|_| out.join(FULL_REPORT));
-    Ok(Written { study, report, full_report, data, series, model })
+    Ok(Written { study, report, full_report, data, series, model, earlier })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
 pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
     let (file, text) = read_bench(bench)?;
-    let sources = read_sources(bench, &file, terminal)?;
-    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS);
+    let progress = terminal.progress(PARTS + REPLAYS);
+    let sources = read_sources(bench, &file, &progress)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed: None };
     let study = study::run(campaign, &mut |step| show(&progress, &step)).map_err(|error| no_study(bench, error))?;
@@ -109,31 +111,30 @@ fn origin(bench_file: &str) -> Origin {
     Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) }
 }
 
-/// The bench model of a study as text, if it has one.
-fn bench_model(study: &Study, bench_file: &str) -> Result<Option<String>, CliError> {
-    document(study, bench_file).map(|document| document.to_json().map_err(CliError::internal)).transpose()
-}
-
-/// Refuses to replace a file that is no bench model.
-fn check_model(path: &Path) -> Result<(), CliError> {
-    let is_own = || {
-        let format = std::fs::read_to_string(path).ok().and_then(|text| format_of(&text));
-        format.is_some_and(|format| BenchModelDocument::is_format(&format))
-    };
-    match path.is_file() && !is_own() {
-        true => Err(CliError::NotABenchModel { path: path.to_owned() }),
-        false => Ok(()),
+/// The bench model that an earlier study wrote here. A file that is no bench model is not replaced.
+fn earlier_model(path: &Path, terminal: &mut Terminal) -> Result<Option<BenchModelDocument>, CliError> {
+    if !path.is_file() {
+        return Ok(None);
     }
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    if !format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
+        return Err(CliError::NotABenchModel { path: path.to_owned() });
+    }
+    let read = BenchModelDocument::from_json(&text);
+    if let Err(fault) = &read {
+        terminal.note(&format!("{}: {fault}; this study is not compared with it", path.display()));
+    }
+    Ok(read.ok())
 }
 
-/// The recordings that a bench file lists.
+/// The recordings that a bench file lists. Each is read here, and checked by the study: two steps.
 pub(in crate::commands) fn read_sources(
     bench: &Path,
     file: &BenchFile,
-    terminal: &Terminal,
+    progress: &Progress,
 ) -> Result<Vec<Source>, CliError> {
     let files = input::listed(bench, &file.recordings.files)?;
-    let progress = terminal.progress(files.len() as u64);
+    progress.more(2 * files.len() as u64);
     let read = |file: &input::InputFile| {
         progress.say(&format!("reading {}", file.name));
         let source = input::read_source(file);

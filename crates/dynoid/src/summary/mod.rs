@@ -12,7 +12,7 @@ use study::Study;
 use crate::error::Outcome;
 
 pub(crate) use short::{Short, short};
-pub(crate) use written::Written;
+pub(crate) use written::{Earlier, Written};
 
 /// How the command ends.
 pub(crate) fn outcome(study: &Study) -> Outcome {
@@ -24,7 +24,8 @@ pub(crate) fn outcome(study: &Study) -> Outcome {
 
 /// A study on a screen, and where its files are.
 pub(crate) fn page(written: &Written) -> Page {
-    let mut page = report::brief::summary(&written.study);
+    let since = |earlier: &Earlier| report::comparison::since(&earlier.date, earlier.comparison.as_ref());
+    let mut page = report::brief::summary(&written.study, written.earlier.as_ref().map(since));
     page.blocks.extend(places(written));
     page
 }

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use report::brief::key_numbers;
-use report::summary::not_estimated;
+use report::estimated::not_estimated;
 use report::verdict::{Rule, verdict};
 use report::wording;
 use rig::results::{Parameter, Part, Reason};
 use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
-use study::RecordingSummary;
+use study::{ModelComparison, RecordingSummary};
 
 use super::written::Written;
 
@@ -30,6 +30,15 @@ pub(crate) struct Short<'a> {
     series: Option<&'a Path>,
     /// The bench model; none where the study has none.
     model: Option<&'a Path>,
+    /// What has changed since the study that was in the folder before; none where it had no model.
+    earlier: Option<ShortEarlier<'a>>,
+}
+
+#[derive(Serialize)]
+struct ShortEarlier<'a> {
+    date: &'a str,
+    changed: Option<bool>,
+    comparison: Option<&'a ModelComparison>,
 }
 
 #[derive(Serialize)]
@@ -100,6 +109,11 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         data: &written.data,
         series: written.series.as_deref(),
         model: written.model.as_deref(),
+        earlier: written.earlier.as_ref().map(|earlier| ShortEarlier {
+            date: &earlier.date,
+            changed: earlier.comparison.as_ref().map(ModelComparison::has_changed),
+            comparison: earlier.comparison.as_ref(),
+        }),
     }
 }
 

@@ -149,17 +149,24 @@ fn a_model_that_explains_nothing_is_doubted() {
     let mut random = signal::excitation::Random::new(8);
     let rows = (0..600).map(|n| format!("{},{},{}\n", 0.1 * f64::from(n), random.normal(), random.normal()));
     std::fs::write(folder.path().join("run.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
-    let result = fitted(&folder, "fit oe --out m.json");
+    let ran = run(&folder, "fit oe run.csv -u valve -y speed --json --out m.json");
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    let result = ran.json();
     let doubts = result["doubts"].to_string();
     assert!(doubts.contains("the model explains next to nothing of speed"), "{doubts}");
     let kinds = &result["model"]["estimate"]["doubts"];
     assert!(kinds.as_array().unwrap().iter().any(|d| d["kind"] == "explains_little"), "{kinds}");
-    let text = done(&folder, "fit oe run.csv -u valve -y speed").stdout;
+    let text = run(&folder, "fit oe run.csv -u valve -y speed").stdout;
     assert_eq!(text.matches("next to nothing").count(), 1, "{text}");
     assert!(text.contains("doubt:"), "{text}");
     done(&folder, "model poles m.json");
     let good = crate::identify::folder();
     assert!(!fitted(&good, "fit oe")["doubts"].to_string().contains("next to nothing"));
+    let noise = std::fs::read(folder.path().join("run.csv")).unwrap();
+    std::fs::write(good.path().join("noise.csv"), noise).unwrap();
+    let unseen = run(&good, "fit oe run.csv -u valve -y speed --validate noise.csv");
+    assert_eq!(unseen.code, Some(1), "{}", unseen.stderr);
+    assert!(unseen.stdout.contains("(a fit below 5 % on"), "{}", unseen.stdout);
 }
 
 /// `run.csv` without some inputs, and without one output.
@@ -346,7 +353,8 @@ fn written_times_are_short_decimals() {
     let mut random = signal::excitation::Random::new(2);
     let rows = (0..400).map(|n| format!("{},{},{}\n", 2.5 + 0.01 * f64::from(n), random.normal(), random.normal()));
     std::fs::write(folder.path().join("run.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
-    fitted(&folder, "fit arx --out m.json");
+    let explains_nothing = run(&folder, "fit arx run.csv -u valve -y speed --out m.json");
+    assert_eq!(explains_nothing.code, Some(1), "{}", explains_nothing.stderr);
     done(&folder, "model simulate m.json --on run.csv --out s.csv");
     let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let times: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
@@ -367,7 +375,8 @@ fn an_integrator_and_a_trend_taken_off_are_noticed() {
     });
     std::fs::write(folder.path().join("run.csv"), format!("time,torque,speed\n{}", rows.collect::<String>())).unwrap();
     let line = "fit arx run.csv -u torque -y speed";
-    let ran = done(&folder, line);
+    let ran = run(&folder, line);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
     assert!(ran.stderr.contains("\"speed\" seems to integrate \"torque\""), "{}", ran.stderr);
     assert!(!done(&folder, &format!("{line} --detrend none")).stderr.contains("integrate"));
     let settling = crate::identify::folder();

@@ -57,3 +57,30 @@ fn regress_what_is_no_bench_model_is_refused() {
     std::fs::remove_file(campaign.path("model.json")).unwrap();
     campaign.run(&["diff", "study.json", "model.json"]).assert_refused(3, &["study.json", "model.json beside it"]);
 }
+
+#[test]
+fn a_study_says_what_has_changed_since_the_earlier_one_in_its_folder() {
+    let campaign = Campaign::whole();
+    let first = campaign.run(&["study", "bench.toml"]);
+    assert!(!first.stdout.contains("Since the study of"), "{}", first.stdout);
+    let words = |ran: &crate::support::Ran| ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let again = words(&campaign.run(&["study", "bench.toml"]));
+    assert!(again.contains("every number is the same. Recordings, bench file and dynoid are the same."), "{again}");
+    campaign.write("bench.toml", crate::support::BENCH.replace("0.28 kg m²", "0.283 kg m²").as_bytes());
+    let other_file = words(&campaign.run(&["study", "bench.toml"]));
+    assert!(other_file.contains("no part has changed beyond chance. The largest difference: J_e +"), "{other_file}");
+    assert!(other_file.contains("The sources differ: another bench file."), "{other_file}");
+    let mut softer = BenchParameters::default();
+    softer.mechanics.shaft_stiffness_nm_per_rad *= 0.9;
+    let new = other(&softer);
+    for name in ["BS_T_NT_1200.mf4", "WhiteNoise_T_TN_1200.mf4"] {
+        let name = format!("recordings/{name}");
+        std::fs::copy(new.path(&name), campaign.path(&name)).unwrap();
+    }
+    let json = campaign.run(&["study", "bench.toml", "--json"]).study();
+    assert_eq!(json["earlier"]["changed"], true, "{}", json["earlier"]);
+    assert_eq!(json["earlier"]["comparison"]["sources"]["bench_file"], false);
+    campaign.write("study/model.json", b"{\"format\": \"dynoid bench model\", \"version\": 99}");
+    let later = campaign.run(&["study", "bench.toml"]);
+    assert!(later.stderr.contains("this study is not compared with it"), "{}", later.stderr);
+}

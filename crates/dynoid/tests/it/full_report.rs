@@ -1,5 +1,7 @@
 //! `dynoid study --full`: one report of all analyses.
 
+use std::sync::OnceLock;
+
 use crate::support::{Campaign, dynoid, white_noise};
 
 /// Figure or table of the thesis, the section that has its counterpart, and words of it. What needs no analysis is looked for by the
@@ -58,11 +60,20 @@ fn exact_every_figure_of_the_thesis_has_its_counterpart() {
     assert!(page.len() < 4_500_000, "{} bytes", page.len());
 }
 
+/// The full study of one recording.
+pub(crate) fn white_noise_alone() -> &'static Campaign {
+    static CAMPAIGN: OnceLock<Campaign> = OnceLock::new();
+    CAMPAIGN.get_or_init(|| {
+        let campaign = Campaign::empty().with("WhiteNoise_T_TN_1200.mf4", &white_noise());
+        let ran = campaign.run(&["study", "bench.toml", "--full", "--quiet"]);
+        assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
+        campaign
+    })
+}
+
 #[test]
 fn an_analysis_without_its_recording_costs_no_other() {
-    let campaign = Campaign::empty().with("WhiteNoise_T_TN_1200.mf4", &white_noise());
-    let ran = campaign.run(&["study", "bench.toml", "--full", "--quiet"]);
-    assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
+    let campaign = white_noise_alone();
     let page = campaign.read("study/report-full.html");
     for (id, words) in [
         ("known", "run NoShaft_N_NT"),

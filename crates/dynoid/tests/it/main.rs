@@ -24,6 +24,7 @@ mod inspect;
 mod levels;
 mod lines;
 mod look;
+mod numbers;
 mod operating_point;
 mod published;
 mod shaft;

@@ -8,7 +8,7 @@
 //! Loss factor: Den Hartog, *Mechanical Vibrations*, 1956, §8.2 (structural damping); score and Wald tests: Ljung 1999,
 //! §16.4; several tests at once: Holm, *A simple sequentially rejective multiple test procedure*, 1979.
 
-use ident::distributions::f_tail;
+use ident::distributions::{f_tail, interval};
 use ident::frequency::FrequencyFit;
 use rig::results::{Parameter, Quantity};
 use serde::Serialize;
@@ -95,6 +95,8 @@ pub struct TermTest {
     pub misfit: Option<f64>,
     /// Whether it is there at [`Beyond::LEVEL`], all terms tested at once (Holm).
     pub found: bool,
+    /// The value's interval at the level of that test: it contains zero if, and only if, the term is not found.
+    pub joint_interval: Option<(f64, f64)>,
 }
 
 impl TermTest {
@@ -109,6 +111,7 @@ impl TermTest {
                 stiffness_nm_per_rad: nothing,
                 misfit: nothing,
                 found: false,
+                joint_interval: None,
             };
         };
         let (value, freedom) = (fit.fit.parameters[places::TERM], fit.degrees_of_freedom);
@@ -119,6 +122,7 @@ impl TermTest {
             stiffness_nm_per_rad: Some(fit.fit.parameters[places::K]),
             misfit: Some(fit.scale),
             found: false,
+            joint_interval: None,
         }
     }
 }
@@ -132,11 +136,16 @@ impl Beyond {
         let mut order: Vec<usize> = (0..tests.len()).filter(|i| tests[*i].p_value.is_some()).collect();
         let p_value = |test: &TermTest| test.p_value.unwrap_or(1.0);
         order.sort_by(|a, b| p_value(&tests[*a]).total_cmp(&p_value(&tests[*b])));
+        let level = |rank: usize| Self::LEVEL / (order.len() - rank) as f64;
+        let count = (0..order.len()).find(|rank| p_value(&tests[order[*rank]]) > level(*rank)).unwrap_or(order.len());
         for (rank, test) in order.iter().enumerate() {
-            if p_value(&tests[*test]) > Self::LEVEL / (order.len() - rank) as f64 {
-                break;
-            }
-            tests[*test].found = true;
+            let test = &mut tests[*test];
+            test.found = rank < count;
+            let of_value = |value: &Parameter| {
+                let confidence = 1.0 - level(rank.min(count));
+                interval(value.value, value.standard_error, value.degrees_of_freedom, confidence)
+            };
+            test.joint_interval = test.value.as_ref().map(of_value);
         }
         Beyond { simple_misfit, tests }
     }

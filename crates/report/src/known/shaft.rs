@@ -155,7 +155,8 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, quantity: Quantity, kg_m2
     let words: Vec<String> = words.collect();
     let verdict = if agree { "which agrees, within 1 % or its interval, with" } else { "which does not hold" };
     let why = vec![format!("{}, {verdict} the {stated} of the bench file.", wording::join(&words, "and"))];
-    Known::new(symbol, name, if agree { by_width } else { by_width.contradicted() }, number::parameter(*best), why)
+    let name = format!("{name}, by the recordings alone");
+    Known::new(symbol, &name, if agree { by_width } else { by_width.contradicted() }, number::parameter(*best), why)
 }
 
 /// J_d from recordings without shaft.

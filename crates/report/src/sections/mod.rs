@@ -79,7 +79,7 @@ fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<
         only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
         Some(("shaft", "Shaft", with(submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
         only("engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
-        Some(("whole", "Whole model", whole::section(study))),
+        Some(("whole", "Whole model", whole::section(study, origin))),
         only("next", "What to record next", &|found| analyses::next(&found.next)),
         Some(("replays", "Replays", replays::section(study))),
         Some(("findings", "Findings", diagnostics::section(study))),

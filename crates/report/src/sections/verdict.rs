@@ -1,6 +1,6 @@
 //! The first page: can the model be used and for what, what are its numbers, how well it replays, what to do next.
 
-use rig::results::{Parameter, Part, Quantity, Reason};
+use rig::results::{Parameter, Quantity, Reason};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -8,6 +8,7 @@ use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
 
 use super::diagnostics::{alike, entry};
 use super::replays;
+use crate::estimated::not_estimated;
 use crate::summary;
 use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
@@ -143,18 +144,9 @@ fn short_needs(needs: &[Reason]) -> String {
 }
 
 fn missing(study: &Study) -> Blocks {
-    let parts = [
-        (Part::Timing, study.timing.needs(), study.timing.estimated().is_some()),
-        (Part::SpeedController, study.speed_controller.needs(), study.speed_controller.estimated().is_some()),
-        (Part::FeedForward, study.feed_forward.needs(), study.feed_forward.estimated().is_some()),
-        (Part::TorqueControl, study.torque_control.needs(), study.torque_control.estimated().is_some()),
-        (Part::Shaft, study.shaft.needs(), study.shaft.estimated().is_some()),
-        (Part::Whole, study.whole.needs(), study.whole.estimated().is_some()),
-    ];
-    let rows: Vec<Vec<Cell>> = parts
-        .iter()
-        .filter(|(_, _, there)| !there)
-        .map(|(name, needs, _)| vec![Prose::strong(wording::part(*name)).into(), wording::needs(needs).into()])
+    let rows: Vec<Vec<Cell>> = not_estimated(study)
+        .into_iter()
+        .map(|(part, needs)| vec![Prose::strong(part).into(), wording::needs(needs).into()])
         .collect();
     if rows.is_empty() {
         return Blocks::default();

@@ -3,19 +3,21 @@
 use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
 use rig::ControlMode;
 use rig::facts::BenchFacts;
-use rig::results::{Outcome, Parameter};
+use rig::results::{Outcome, Parameter, Quantity};
 use study::Study;
 
 use page::{Abscissa, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 
 use super::parts::{lead, not_estimated, parameter_table};
+use crate::Origin;
+use crate::bench_model::{bench_model, parameters};
 use crate::wording::{mode_short, number};
 
 /// Normal quantile of the error bars.
 const QUANTILE_95: f64 = 1.96;
 
 /// The section on the whole model.
-pub(crate) fn section(study: &Study) -> Blocks {
+pub(crate) fn section(study: &Study, origin: &Origin) -> Blocks {
     let what = "All parts connected: how the bench responds to a demand, and where it resonates.";
     let whole = match &study.whole {
         Outcome::Estimated(whole) => whole,
@@ -23,9 +25,9 @@ pub(crate) fn section(study: &Study) -> Blocks {
     };
     let equation =
         "{T_shaft}/{T_d} = {H_d H_s}/{1 + H_s (H_d + H_e)}, H_d = 1/(J_d s), H_e = 1/(J_e s), H_s = (K + B s)/s";
-    let parameters = [&whole.resonance_hz, &whole.firing_meets_resonance, &whole.resonance_gain, &whole.damping_ratio];
+    let results = [&whole.resonance_hz, &whole.firing_meets_resonance, &whole.resonance_gain, &whole.damping_ratio];
     let mut all = lead(what, equation);
-    all.push(parameter_table(parameters));
+    all.push(parameter_table(results));
     all.push(notes(study, whole));
     let mut figures = bode_figures(whole).into_vec();
     let rest = figures.split_off(figures.len().min(1));
@@ -37,15 +39,37 @@ pub(crate) fn section(study: &Study) -> Blocks {
         blocks: more.into_vec(),
     });
     all.push(sine_tests(whole));
+    all.push(numbers(study, origin));
     all
+}
+
+/// The numbers that model.json has, in one table.
+fn numbers(study: &Study, origin: &Origin) -> Blocks {
+    let Some(document) = bench_model(study, origin.clone()) else { return Blocks::default() };
+    vec![
+        Block::heading("The numbers of the model"),
+        Block::paragraph("These are the numbers that model.json has, and that simulations and exports use."),
+        Block::Table(parameter_table(&parameters(&document))),
+    ]
+    .into()
+}
+
+/// Where J_e of the model comes from.
+fn engine_inertia(study: &Study) -> &'static str {
+    let has_seen = study.shaft.estimated().and_then(|shaft| shaft.inertias.as_ref());
+    match has_seen.is_some_and(|(_, both)| both.parameter(Quantity::EngineInertia).is_some()) {
+        true => "J_e is what the bench file and the recordings give together",
+        false => "J_e is taken from the bench file",
+    }
 }
 
 fn notes(study: &Study, whole: &WholeModel) -> Blocks {
     let gain = format!(
-        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. J_e is taken \
-         from the bench file. Resonance and static gain depend on it. Neither replays nor sine tests can show that \
+        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. {}. \
+         Resonance and static gain depend on it. Neither replays nor sine tests can show that \
          it is wrong, since the engine’s torque is reconstructed with it.",
-        number::significant(whole.static_gain, 3)
+        number::significant(whole.static_gain, 3),
+        engine_inertia(study)
     );
     vec![Block::paragraph(format!("{gain} {}", firing(study, whole))), margins(whole.speed_loop_margins.as_ref())]
         .into()

@@ -114,10 +114,11 @@ pub fn capitalised(text: &str) -> String {
 }
 
 /// Joins words as a sentence does: `a`, `a or b`, `a, b or c`.
-pub fn join(words: &[String], last: &str) -> String {
-    match words {
+pub fn join(words: &[impl AsRef<str>], last: &str) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
         [] => String::new(),
-        [only] => only.clone(),
+        [only] => (*only).to_owned(),
         [rest @ .., end] => format!("{} {last} {end}", rest.join(", ")),
     }
 }

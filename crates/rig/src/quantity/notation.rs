@@ -119,7 +119,7 @@ impl Quantity {
             Q::ViscousFrictionOverInertia => si("c_1/J", "viscous friction over inertia", "1/s"),
             Q::QuadraticFrictionOverInertia => si("c_2/J", "quadratic friction over inertia", "1/rad"),
             Q::CubicFrictionOverInertia => si("c_3/J", "cubic friction over inertia", "s/rad²"),
-            Q::TorqueLateness => si("δ_T", "how late T_d is against N_d", "s"),
+            Q::TorqueLateness => si("δ_T", "how late the T_d used here is against N_d", "s"),
 
             Q::ResonanceFrequency => si("f_r", "resonance of T_d → T_shaft", "Hz"),
             Q::ResonanceGain => si("g_r", "gain at the resonance", "Nm/Nm"),

@@ -16,6 +16,10 @@ fn terms_of(bench: &Drawn, mean_nm: f64, seed: u64) -> Beyond {
     for test in beyond.tests.iter().filter(|test| test.found) {
         println!("{:?}: {:?} misfit {:?} of {}", test.term, test.value, test.misfit, beyond.simple_misfit);
     }
+    for test in &beyond.tests {
+        let (low, high) = test.joint_interval.unwrap_or((0.0, 0.0));
+        assert_eq!(test.found, low > 0.0 || high < 0.0, "{test:?}");
+    }
     beyond
 }
 

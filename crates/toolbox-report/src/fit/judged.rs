@@ -38,14 +38,17 @@ pub(super) struct Judged {
     pub(super) repeated: Vec<Repeated>,
     /// Whether the model is not stable, so that its simulation says nothing of it.
     pub(super) diverges: bool,
+    /// Outputs of which the model explains next to nothing, each with whether it is the simulation alone that does.
+    pub(super) little: Vec<(usize, bool)>,
 }
 
 impl Judged {
     fn new(name: &'static str, fit: &Fit<AnyModel>, data: &Dataset) -> Self {
         let diverges = fit.model.system().and_then(|system| system.growing_mode()).is_ok_and(|mode| mode.is_some());
         let simulated = judge(&fit.model, data, None, &InitialState::Estimated);
-        Judged {
+        let mut judged = Judged {
             diverges,
+            little: Vec::new(),
             name,
             experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
             predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
@@ -54,7 +57,25 @@ impl Judged {
                 _ => Vec::new(),
             },
             simulated,
+        };
+        judged.little =
+            (0..data.outputs()).filter_map(|output| Some((output, judged.is_little(data, output)?))).collect();
+        judged
+    }
+
+    /// Of an output of which next to nothing is explained: whether it is the simulation alone that does not.
+    fn is_little(&self, data: &Dataset, output: usize) -> Option<bool> {
+        // Noise that does not repeat with the inputs hides no model.
+        let repeats = self.repeated.len() == data.experiments().len();
+        if repeats && self.repeated.iter().all(|one| one.explains(output)) {
+            return None;
         }
+        let is_little = |judged: &Result<Judgement, IdentError>| {
+            judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
+        };
+        // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
+        let predicted = is_little(&self.predicted);
+        (predicted || (data.inputs() > 0 && !self.diverges && is_little(&self.simulated))).then_some(!predicted)
     }
 }
 
@@ -76,24 +97,19 @@ impl Verdict {
     }
 
     /// Outputs of the estimation data of which the model explains next to nothing.
-    pub fn doubts(&self, data: &Dataset) -> Vec<Doubt> {
-        let Some(own) = self.judged.first() else { return Vec::new() };
-        let mut doubts = Vec::new();
-        for output in 0..data.outputs() {
-            let is_little = |judged: &Result<Judgement, IdentError>| {
-                judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
-            };
-            // Noise that does not repeat with the inputs hides no model.
-            if own.repeated.len() == data.experiments().len() && own.repeated.iter().all(|one| one.explains(output)) {
-                continue;
-            }
-            // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
-            let predicted = is_little(&own.predicted);
-            if predicted || (data.inputs() > 0 && !own.diverges && is_little(&own.simulated)) {
-                doubts.push(Doubt::ExplainsLittle { output, simulated: !predicted });
-            }
-        }
-        doubts
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let own = self.judged.first().into_iter().flat_map(|own| &own.little);
+        own.map(|(output, simulated)| Doubt::ExplainsLittle { output: *output, simulated: *simulated }).collect()
+    }
+
+    /// Outputs of unseen data of which the model explains next to nothing, each with whether it is the simulation alone that does.
+    pub(super) fn little_of_unseen(&self) -> &[(usize, bool)] {
+        self.judged.get(1).map_or(&[], |unseen| &unseen.little)
+    }
+
+    /// Whether the model explains next to nothing of an output, of the estimation data or of unseen ones.
+    pub fn explains_little(&self) -> bool {
+        self.judged.iter().any(|judged| !judged.little.is_empty())
     }
 
     /// Whether the prediction explains most of every output of the estimation data.

@@ -213,6 +213,11 @@ impl Estimated {
         let repeated = self.verdict.judged.first().into_iter().flat_map(|own| &own.repeated);
         let missed = repeated.flat_map(|one| one.doubts(&self.document.outputs));
         all.extend(missed.map(|text| (Weight::Grave, text)));
+        let of_unseen =
+            self.verdict.little_of_unseen().iter().map(|(output, simulated)| {
+                words::explains_little(*output, *simulated, &self.document.outputs, "unseen")
+            });
+        all.extend(of_unseen.map(|text| (Weight::Grave, text)));
         all.sort_by_key(|(weight, _)| *weight);
         all
     }

@@ -18,15 +18,14 @@ const PARTS: u64 = 5;
 
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let (file, _) = read_bench(&arguments.bench)?;
-    let sources = match read_sources(&arguments.bench, &file, terminal) {
+    let progress = terminal.progress(PARTS);
+    let sources = match read_sources(&arguments.bench, &file, &progress) {
         Err(none @ (CliError::NothingMatches { .. } | CliError::NoRecordingsListed { .. })) => {
             terminal.note(&format!("{none}; what follows is for a bench without recordings"));
             Vec::new()
         }
         read => read?,
     };
-    let progress = terminal.progress(sources.len() as u64 + PARTS);
-    let trying = terminal.long("trying experiments on a bench like this one");
     let options = NextOptions {
         speed_rpm: arguments.speed,
         duration_s: arguments.duration,
@@ -34,10 +33,14 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
         seed: arguments.seed,
     };
     let found = {
-        let (mut show, at) = (|step| show(&progress, &step), |done, all| trying.at(done, all));
+        let at = |done, all| {
+            progress.say("trying experiments on a bench like this one");
+            progress.of_last(done, all);
+        };
+        let mut show = |step| show(&progress, &step);
         next_experiments(&file, sources, options, &mut show, &at)
     };
-    drop((progress, trying));
+    drop(progress);
     let found = found.map_err(|error| refused(&arguments.bench, error))?;
     if arguments.json {
         terminal.json(&found)?;

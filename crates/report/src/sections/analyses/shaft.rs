@@ -70,7 +70,8 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
                     words::term_verdict(test).to_owned(),
                 ]
             };
-            all.push(plain_table(&["Beyond K and B", "Estimate", "95 % interval", ""], found.tests.iter().map(row)));
+            let heads = ["Beyond K and B", "Estimate, ± 95 %", "99 % interval, all together", ""];
+            all.push(plain_table(&heads, found.tests.iter().map(row)));
             all.push(sentence(&words::beyond(found)));
         }
         Outcome::NotEstimated { needs: why } => all.push(no_result("Beyond K and B", &wording::reasons(why))),

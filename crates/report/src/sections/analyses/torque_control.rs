@@ -44,6 +44,9 @@ fn one(studied: &ModelComparison, recording: &ComparedRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     all.push(sentence(&stretches(recording)));
     all.push(estimates(recording));
+    all.push(sentence(
+        "These delays contain the skew of T_d,calc. The estimate of the study is without it, where the shaft shows it",
+    ));
     words::early(recording).iter().for_each(|text| all.push(sentence(text)));
     all.push(judgements(studied, recording));
     all.push(sentence(&words::against_bar(studied, recording)));

@@ -135,7 +135,15 @@ fn cross_checks(part: &Shaft) -> Blocks {
     let this = row(Prose::strong("this estimate").into(), &part.estimate);
     let others = part.cross_checks.iter().map(|(name, estimate)| row(name.into(), estimate));
     let table = Table::of_text(&["Route", "K", "B"]).with_rows(std::iter::once(this).chain(others));
-    vec![Block::heading("Other recordings and routes"), Block::Table(table)].into()
+    vec![
+        Block::heading("Other recordings and routes"),
+        Block::note(
+            "The others are estimated from whole recordings. An analysis of one recording keeps a part of it for the test of the \
+             estimate, and so has slightly other values.",
+        ),
+        Block::Table(table),
+    ]
+    .into()
 }
 
 /// The inertias of the bench file beside what the data see.

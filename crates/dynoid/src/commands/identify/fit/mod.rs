@@ -47,7 +47,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     if let FitCommand::Greybox(arguments) = command {
         greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
     }
-    fit.doubts.extend(verdict.doubts(&estimation.data));
+    fit.doubts.extend(verdict.doubts());
     let document = document(&fit, method::fitted(wanted, &fit.model), &estimation);
     let estimated = Estimated { document, fit, verdict, experiments: estimation.data.experiments().len() };
     if let Some(path) = &common.out {
@@ -60,7 +60,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     estimated.verdict.failures().iter().for_each(|text| terminal.warning(text));
     let hint = unseen.as_ref().and_then(|unseen| hint_of(&estimated, &unseen.data));
     hint.iter().for_each(|text| terminal.warning(text));
-    Ok(Outcome::Done)
+    Ok(if estimated.verdict.explains_little() { Outcome::ExplainsLittle } else { Outcome::Done })
 }
 
 /// Whether unseen data rest elsewhere than those of the estimate.
