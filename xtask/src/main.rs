@@ -8,6 +8,7 @@ mod dependencies;
 mod fmu;
 mod folder;
 mod layers;
+mod profile;
 mod python;
 mod release;
 mod skipped;
@@ -30,7 +31,8 @@ const USAGE: &str = "usage: cargo xtask <task>
   bench    time the estimators; --peers also times other packages on the same data (see benchmarks/README.md)
            [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME].
            --commands [--quick] [--growth] [NAME] times whole commands, beside scripts that do the same.
-           --mdf alone times the reading of MDF files of a gigabyte, and compares it with asammdf.";
+           --mdf alone times the reading of MDF files of a gigabyte, and compares it with asammdf.
+  profile  draw where the time of a command goes: profile study dynoid-demo/bench.toml writes target/profile.svg (perf, inferno)";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
             Some(filter) => wording::list(filter),
             None => wording::check(),
         },
+        "profile" => profile::make(&arguments.collect::<Vec<_>>()),
         "bench" => bench::run(&arguments.collect::<Vec<_>>()),
         _ => Err(USAGE.to_owned()),
     };

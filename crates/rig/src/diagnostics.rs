@@ -20,6 +20,16 @@ pub enum Severity {
     Error,
 }
 
+/// What concerns fewer than this part of the samples costs no estimate anything that a user would see.
+const FEW: f64 = 0.01;
+
+impl Severity {
+    /// Of what concerns this part of the samples.
+    pub(crate) fn of_share(share: f64) -> Self {
+        if share < FEW { Severity::Note } else { Severity::Warning }
+    }
+}
+
 /// Where a finding was made; what does not apply is `None`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Place {

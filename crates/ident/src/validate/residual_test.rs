@@ -40,12 +40,17 @@ pub struct ResidualTest {
     /// The initial state of each experiment.
     pub initial: InitialState,
     /// Of longer data, as many samples as this, in stretches spread evenly over them, or from the start of each experiment
-    /// where its initial state is known; never fewer than forty times the lags.
+    /// where its initial state is known; never fewer than forty times the lags. Of an estimate with many parameters fewer: time and
+    /// memory are in proportion to the samples times the parameters.
     pub most_samples: usize,
 }
 
 /// Of so many samples a correlation of 0.006 is already outside its region at 99 %. What is smaller changes no model.
 const MOST_SAMPLES: usize = 200_000;
+/// Sensitivities that are held at once: samples times outputs times parameters.
+const MOST_SENSITIVITIES: usize = 6_000_000;
+/// As many samples as are tested whatever they cost. Of these a correlation of 0.012 is outside its region at 99 %.
+const ENOUGH_SAMPLES: usize = 50_000;
 /// Least samples for each lag.
 const SAMPLES_PER_LAG: usize = 40;
 
@@ -170,7 +175,7 @@ impl ResidualTest {
         which: TestData,
     ) -> Result<ResidualReport, IdentError> {
         check_channels(&fit.model, data)?;
-        let (whole, part) = (data, self.part(data)?);
+        let (whole, part) = (data, self.part(data, fit.free_parameters * data.outputs())?);
         let data = part.as_ref();
         let predicted = residuals(&fit.model, data, &self.initial)?;
         let parameters = sensitivity::to_parameters(fit, data, &self.initial, &predicted)?;
@@ -191,7 +196,7 @@ impl ResidualTest {
     /// As [`ResidualTest::run`].
     pub fn run_known<M: LinearModel + ?Sized>(&self, model: &M, data: &Dataset) -> Result<ResidualReport, IdentError> {
         check_channels(model, data)?;
-        let part = self.part(data)?;
+        let part = self.part(data, 0)?;
         let errors = residuals(model, &part, &self.initial)?.outputs;
         let states = sensitivity::to_states(model, &part, &self.initial)?;
         let report = self.report(&part, &errors, &Columns { states, ..Columns::default() }, None)?;
@@ -204,19 +209,21 @@ impl ResidualTest {
     /// # Errors
     /// [`IdentError::TooFewSamples`], [`IdentError::Constant`] as [`ResidualTest::run`].
     pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
-        let part = data.excerpts(self.most());
+        let part = data.excerpts(self.most(0));
         let errors: Vec<Mat<f64>> = part.experiments().iter().map(|e| e.outputs.clone()).collect();
         let report = self.report(&part, &errors, &Columns::default(), None)?;
         Ok(ResidualReport { samples_given: data.samples(), ..report })
     }
 
-    fn most(&self) -> usize {
-        self.most_samples.max(SAMPLES_PER_LAG.saturating_mul(self.lags))
+    /// Most samples that are tested, where each has so many sensitivities.
+    fn most(&self, sensitivities: usize) -> usize {
+        let affordable = (MOST_SENSITIVITIES / sensitivities.max(1)).max(ENOUGH_SAMPLES);
+        self.most_samples.min(affordable).max(SAMPLES_PER_LAG.saturating_mul(self.lags))
     }
 
-    /// What is tested of the data.
-    fn part<'d>(&self, data: &'d Dataset) -> Result<Cow<'d, Dataset>, IdentError> {
-        let (most, all) = (self.most(), data.samples());
+    /// What is tested of the data, where each sample has so many sensitivities.
+    fn part<'d>(&self, data: &'d Dataset, sensitivities: usize) -> Result<Cow<'d, Dataset>, IdentError> {
+        let (most, all) = (self.most(sensitivities), data.samples());
         match self.initial {
             InitialState::Estimated => Ok(data.excerpts(most)),
             InitialState::Zero | InitialState::Given(_) if all <= most => Ok(Cow::Borrowed(data)),

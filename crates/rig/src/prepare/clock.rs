@@ -84,7 +84,7 @@ fn numbers(source: &Source<'_>, left_out: &[bool], log: &mut Log) -> Option<(Vec
         0 => Finding::TooShort { duration_s: 0.0, needed_s: 0.0 },
         count => Finding::NotANumber { count, mended },
     };
-    let severity = if mended { Severity::Warning } else { Severity::Error };
+    let severity = if mended { Severity::of_share(count as f64 / total as f64) } else { Severity::Error };
     log.channel(severity, source.channel, when, finding);
     mended.then_some((time_s, values))
 }
@@ -156,7 +156,7 @@ fn report_gaps(
         [first, ..] => {
             let missing: usize = short.iter().map(|gap| gap.missing).sum();
             let share = missing as f64 / (missing + time_s.len()) as f64;
-            let severity = if share > 0.01 { Severity::Warning } else { Severity::Note };
+            let severity = Severity::of_share(share);
             let finding = Finding::ShortGaps { count: short.len(), longest_s, share };
             log.channel(severity, source.channel, time_s.get(first.between.start).copied(), finding);
         }

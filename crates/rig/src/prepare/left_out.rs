@@ -47,7 +47,7 @@ fn stale_samples(source: &Source<'_>, stale: Stale, log: &mut Log) -> Vec<bool> 
         Staleness::Repeated { longest: Range { start, end } } => {
             let time_s = |i: usize| source.time_s.get(i).copied().unwrap_or(f64::NAN);
             let longest_s = time_s(end - 1) - time_s(start.saturating_sub(1));
-            (Finding::SamplesRepeated { share, longest_s }, Severity::Warning)
+            (Finding::SamplesRepeated { share, longest_s }, Severity::of_share(share))
         }
     };
     let is_lost = matches!(finding, Finding::SamplesStraightened { .. });
@@ -68,7 +68,8 @@ fn spikes(source: &Source<'_>, all: &[Source<'_>], log: &mut Log) -> Vec<bool> {
     let from_usual = |i: &usize| (source.samples[*i] - usual.unwrap_or(0.0)).abs();
     let farthest = found.iter().max_by(|a, b| from_usual(a).total_cmp(&from_usual(b))).map_or(0.0, si);
     let time_s = source.time_s.get(*first).copied();
-    log.channel(Severity::Warning, source.channel, time_s, Finding::Spikes { count: found.len(), farthest });
+    let severity = Severity::of_share(found.len() as f64 / source.samples.len() as f64);
+    log.channel(severity, source.channel, time_s, Finding::Spikes { count: found.len(), farthest });
     let mut left_out = vec![false; source.samples.len()];
     found.into_iter().for_each(|i| left_out[i] = true);
     left_out

@@ -16,8 +16,6 @@ const STANDSTILL_RAD_S: f64 = 1.0;
 const AT_LIMIT: f64 = 0.001;
 /// The same of a measured torque, which has noise.
 const AT_LIMIT_MEASURED: f64 = 0.01;
-/// Samples at the limit are left out; fewer than this part of all cost no estimate anything.
-const FEW: f64 = 0.01;
 /// Saturated stretches closer than this are one, s.
 const JOINED_S: f64 = 0.02;
 
@@ -58,7 +56,7 @@ fn check_saturation(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
     let share = signal.samples.iter().filter(at_limit).count() as f64 / signal.len() as f64;
     let first = signal.samples.iter().position(|value| value.abs() >= threshold);
     if let Some(first) = first {
-        let severity = if share < FEW { Severity::Note } else { Severity::Warning };
+        let severity = Severity::of_share(share);
         log.file(severity, Some(signal.time_s(first)), Finding::Saturated { share, limit_nm });
     }
 }

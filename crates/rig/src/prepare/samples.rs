@@ -46,7 +46,7 @@ pub(super) fn are_usable(
         let share = count as f64 / signal.len() as f64;
         let first = runs.first().and_then(|run| Some((signal.time_s(run.start), *signal.samples.get(run.start)?)));
         if let Some((time_s, value)) = first.filter(|_| share > CLIPPED_SHARE && is_measured(source.role)) {
-            log.channel(Severity::Warning, source.channel, Some(time_s), Finding::Clipped { value, share });
+            log.channel(Severity::of_share(share), source.channel, Some(time_s), Finding::Clipped { value, share });
         }
     }
     true
