@@ -18,6 +18,9 @@ pub const PYTHON: &str = "DYNOID_PYTHON";
 /// Names a GNU Octave that has the package control.
 pub const OCTAVE: &str = "DYNOID_OCTAVE";
 
+/// Names the script of axe-core, which checks pages for accessibility.
+pub const AXE: &str = "DYNOID_AXE";
+
 /// Names the file that gets a line for each skipped test.
 pub const SKIPPED: &str = "DYNOID_SKIPPED";
 
@@ -48,6 +51,15 @@ pub fn octave() -> Option<OsString> {
         skip("no Octave to compare with");
     }
     octave
+}
+
+/// The script of axe-core; where none is named, `None`, and the running test counts as skipped.
+pub fn axe() -> Option<PathBuf> {
+    let axe = std::env::var_os(AXE).map(PathBuf::from);
+    if axe.is_none() {
+        skip("no axe-core to check accessibility with");
+    }
+    axe
 }
 
 /// Counts the running test as skipped, for `reason`. The test returns after it.

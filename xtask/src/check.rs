@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, run, step};
-use crate::{dependencies, fmu, folder, layers, python, wording};
+use crate::{axe, dependencies, fmu, folder, layers, python, wording};
 
 /// Format, rules of the source, lints, all fast tests, docs, and the fuzz targets. The slow tests are `cargo xtask deep`.
 pub(crate) fn all() -> Result<(), String> {
@@ -17,9 +17,10 @@ pub(crate) fn all() -> Result<(), String> {
     let advisories = step("dependencies", dependencies::check)?;
     let binaries = step("binary of the FMUs", fmu::check_one)?;
     let python = step("packages to compare with", python::interpreter)?;
+    let axe = step("checker of accessibility", axe::script)?;
     // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
     cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
-    let skipped = step("tests", || tests(python.as_deref()))?;
+    let skipped = step("tests", || tests(python.as_deref(), axe.as_deref()))?;
     cargo("docs", &["doc", "--workspace", "--release", "--no-deps", "--quiet"])?;
     step("fuzz targets", fuzz_targets)?;
     println!("all checks passed in {:.0} s", start.elapsed().as_secs_f64());
@@ -35,9 +36,10 @@ pub(crate) fn all() -> Result<(), String> {
 }
 
 /// All tests but the ignored ones, and the examples in the documentation.
-fn tests(python: Option<&Path>) -> Result<Skipped, String> {
+fn tests(python: Option<&Path>, axe: Option<&Path>) -> Result<Skipped, String> {
     let skipped = Skipped::start()?;
     let mut cargo = cargo_command(&["test", "--workspace", "--release", "--quiet"], python);
+    cargo.envs(axe.map(|script| (axe::VARIABLE, script)));
     run("the tests", skipped.gather(&mut cargo))?;
     Ok(skipped)
 }

@@ -2,31 +2,43 @@
 
 const plots = [];
 
+/** What a reader comes near is drawn from its samples. */
+const comesIntoView = new IntersectionObserver((entries) => {
+  const near = entries.filter((entry) => entry.isIntersecting).map((entry) => entry.target);
+  plots.filter((plot) => near.includes(plot.box)).forEach(unpack);
+}, { rootMargin: "300px" });
+
 function mount(box) {
   const stage = box.querySelector(".stage");
   const root = stage.querySelector("svg");
-  const readout = document.createElement("output");
-  readout.className = "readout";
-  readout.hidden = true;
-  stage.append(readout);
-  root.setAttribute("tabindex", 0);
-  root.setAttribute("aria-label", `${root.getAttribute("aria-label")}. Arrow keys read values, plus zooms, Escape resets.`);
-  root.querySelector("title").remove(); // it would cover the read-out
   const panels = [...root.querySelectorAll(".panel")].map(readPanel);
   if (panels.length === 0) return;
+  const overlay = (tag, name) => {
+    const element = document.createElement(tag);
+    element.className = name;
+    element.hidden = true;
+    stage.append(element);
+    return element;
+  };
+  const [readout, state] = [overlay("output", "readout"), overlay("p", "state")];
+  root.setAttribute("tabindex", 0);
+  const title = root.querySelector("title");
   const [, , width, height] = root.getAttribute("viewBox").split(" ").map(Number);
   const entries = new Map([...box.querySelectorAll(".legend .entry")].map((entry) => [entry.dataset.name, entry]));
-  const { xLabel: label, xUnit: unit } = root.dataset;
+  const { xLabel: label, xUnit: unit, recording } = root.dataset;
   const plot = {
-    box, stage, root, readout, panels, height, entries, label, unit,
-    equalAxes: "equalAxes" in root.dataset, drawnWidth: width, width,
+    box, stage, root, readout, state, panels, height, entries, label, unit, recording, title: title.textContent,
+    equalAxes: "equalAxes" in root.dataset, drawnWidth: width, width, groups: readHeader(box), unpacking: null,
     hidden: new Set(), cursor: null, domain: null, focus: null, cursorLayer: svg(root, "g", { class: "cursor" }),
   };
+  title.remove(); // it would cover the read-out
   listenToLegend(plot);
+  addTools(plot);
   fit(plot, stage.clientWidth);
   listenToPointer(plot);
   listenToKeys(plot);
   plots.push(plot);
+  comesIntoView.observe(box);
 }
 
 /** Shows a figure at a width. */
@@ -34,14 +46,12 @@ function fit(plot, width) {
   if (width < 50) return;
   plot.width = plot.equalAxes ? plot.drawnWidth : width;
   show(plot);
+  if (plot.cursor !== null) hideCursor(plot);
 }
 
-/** On paper a figure is as it was drawn. */
+/** On paper a figure is as wide as it was drawn. */
 function fitToPaper() {
-  for (const plot of plots) {
-    hideCursor(plot);
-    fit(plot, plot.drawnWidth);
-  }
+  plots.forEach((plot) => fit(plot, plot.drawnWidth));
 }
 
 function fitToScreen() {
@@ -49,6 +59,7 @@ function fitToScreen() {
 }
 
 document.querySelectorAll("figure.plot").forEach(mount);
+plots.forEach(showLink);
 // What is folded has no width until it is opened.
 document.querySelectorAll("details").forEach((fold) => fold.addEventListener("toggle", fitToScreen));
 const foldedAway = [];

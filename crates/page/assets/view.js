@@ -32,32 +32,36 @@ function readPanel(group) {
 }
 
 function readLayer(group) {
-  const { type, moves, name, style } = group.dataset;
+  const { type, moves = "xy", name, style } = group.dataset;
   const children = [...group.children].map((element) => {
     const at = element.dataset.at && element.dataset.at.split(" ").map(Number);
     const own = ["x", "y"].map((key) => Number(element.getAttribute(key)));
-    return { element, at, own, isText: element.tagName === "text", isShown: !element.hasAttribute("display") };
+    return { element, at, own, scale: Number(element.dataset.scale || 1), isText: element.tagName === "text" };
   });
-  return { group, type, moves, name, style, children, points: null };
+  const layer = { group, type, moves, name, style, children, points: null, samples: null };
+  layer.isCoarse = children.some((child) => child.scale < 1);
+  // From a point, in pixels, to the next one that can be written.
+  layer.finest = layer.isCoarse ? 0.1 : type === "line" ? 0.001 : 0.01;
+  return layer;
 }
 
 /** The points of a series in pixels of the drawing, read from its path when they are first needed, and which of them begin a stretch. */
 function pointsOf(layer) {
   if (layer.points) return layer.points;
   const [x, y, begins] = [[], [], new Set()];
-  const path = layer.children.length > 0 ? layer.children[0].element.getAttribute("d") || "" : "";
-  for (const [, at, way] of path.matchAll(/M([^Mlhv]*)(?:l([^Mlhv]*))?/g)) {
-    let [px, py] = numbers(at);
-    begins.add(x.length);
-    x.push(px);
-    y.push(py);
-    const steps = way ? numbers(way) : [];
-    for (let n = 0; n + 1 < steps.length; n += 2) {
-      px += steps[n];
-      py += steps[n + 1];
-      x.push(px);
-      y.push(py);
-    }
+  const [{ element, scale }] = layer.children.length > 0 ? layer.children : [{ element: layer.group, scale: 1 }];
+  let pen = [0, 0];
+  const add = ([px, py]) => {
+    pen = [px, py];
+    x.push(scale * px);
+    y.push(scale * py);
+  };
+  for (const [, letter, text] of (element.getAttribute("d") || "").matchAll(/([MmlhV])([^MmlhV]*)/g)) {
+    const all = numbers(text);
+    if (letter === "h") pen[0] += all[0];
+    if (letter === "V" || letter === "h") continue;
+    if (letter !== "l") begins.add(x.length);
+    for (let n = 0; n + 1 < all.length; n += 2) add(letter === "M" ? [all[n], all[n + 1]] : [pen[0] + all[n], pen[1] + all[n + 1]]);
   }
   layer.points = { x, y, begins };
   return layer.points;
@@ -116,16 +120,38 @@ function show(plot) {
     }
     panel.view = view;
     panel.clip.setAttribute("width", right - left);
-    panel.layers.forEach((layer) => move(layer, panel, right, hidden));
+    panel.layers.forEach((layer) => move(layer, panel, right, { hidden, isWhole: whole }));
     markAxes(panel, right, whole && width === plot.drawnWidth);
   }
   root.setAttribute("viewBox", `0 0 ${width} ${plot.height}`);
   root.setAttribute("width", width);
+  stateView(plot);
+}
+
+/** Strokes of lines whose points are further apart than pixels. */
+const WIDTHS = { measured: 2, residual: 1, guide: 0.8 };
+
+/** Draws the samples in view in place of the line as it was drawn; a dense one with the stroke that it was drawn with. */
+function drawSamples(layer, panel, right) {
+  if (layer.children.length === 0) return;
+  const [{ element }] = layer.children;
+  const names = ["stroke-width", "stroke-opacity"];
+  layer.dense = layer.dense || names.map((name) => [name, element.getAttribute(name)]);
+  const { d, count } = pathInView(layer, panel.view, panel.left, right);
+  element.setAttribute("d", d);
+  element.removeAttribute("transform");
+  const sparse = [["stroke-width", WIDTHS[layer.style] || 1.2], ["stroke-opacity", null]];
+  for (const [name, value] of count > right - panel.left ? layer.dense : sparse) {
+    if (value === null) element.removeAttribute(name);
+    else element.setAttribute(name, value);
+  }
 }
 
 /** Moves and stretches what a layer holds; texts and markers move and keep their size. */
-function move(layer, panel, right, hidden) {
+function move(layer, panel, right, { hidden, isWhole }) {
   layer.group.style.display = layer.name && hidden.has(layer.name) ? "none" : "";
+  if (layer.type === "outside") layer.group.style.display = isWhole ? "" : "none";
+  if (layer.samples) return drawSamples(layer, panel, right);
   const { ax, bx, ay, by } = panel.view;
   const toX = (x) => (layer.moves.includes("x") ? ax * x + bx : x);
   const toY = (y) => (layer.moves.includes("y") ? ay * y + by : y);
@@ -134,10 +160,10 @@ function move(layer, panel, right, hidden) {
   const shiftX = layer.moves.includes("x") ? cx : panel.left * (1 - mx);
   const taken = [];
   for (const child of layer.children) {
-    const { element, at, own, isText } = child;
+    const { element, at, own, scale, isText } = child;
     if (layer.type === "words") placeWord(child, [toX(at[0]), toY(at[1])], panel, right, taken);
     else if (at) element.setAttribute("transform", `translate(${toX(at[0])} ${toY(at[1])})`);
-    else if (!isText) element.setAttribute("transform", `matrix(${mx} 0 0 ${my} ${shiftX} ${cy})`);
+    else if (!isText) element.setAttribute("transform", `matrix(${scale * mx} 0 0 ${scale * my} ${shiftX} ${cy})`);
     else {
       element.setAttribute("x", toX(own[0]));
       element.setAttribute("y", toY(own[1]));
@@ -175,17 +201,17 @@ function markAxes(panel, right, asDrawn) {
   const sy = part(panel.sy, [bottom, top], [view.ay, view.by]);
   const sx = part(panel.sx, [left, right], [view.ax, view.bx]);
   const vertical = makeTicks(sy, (bottom - top) / 30);
-  for (const value of vertical.ticks) {
-    const y = sy.toPixel(value);
-    svg(axes, "line", { class: "grid", x1: left, x2: right, y1: y, y2: y });
-    svg(axes, "text", { class: "tick", x: left - 7, y: y + 4, "text-anchor": "end" }).textContent = vertical.format(value);
-  }
   const horizontal = makeTicks(sx, (right - left) / 75);
-  for (const value of horizontal.ticks) {
-    const x = sx.toPixel(value);
-    svg(axes, "line", { class: "grid", x1: x, x2: x, y1: top, y2: bottom });
-    if (panel.last) svg(axes, "text", { class: "tick", x, y: bottom + 17, "text-anchor": "middle" }).textContent = horizontal.format(value);
-  }
+  const lines = [
+    ...vertical.ticks.map((value) => `M${left} ${sy.toPixel(value)}H${right}`),
+    ...horizontal.ticks.map((value) => `M${sx.toPixel(value)} ${top}V${bottom}`),
+  ];
+  svg(axes, "path", { class: "grid", d: lines.join("") });
+  const mark = (group, x, y, text) => { svg(group, "text", { x, y }).textContent = text; };
+  const beside = svg(axes, "g", { class: "tick", "text-anchor": "end" });
+  for (const value of vertical.ticks) mark(beside, left - 7, sy.toPixel(value) + 4, vertical.format(value));
+  const below = svg(axes, "g", { class: "tick", "text-anchor": "middle" });
+  if (panel.last) horizontal.ticks.forEach((value) => mark(below, sx.toPixel(value), bottom + 17, horizontal.format(value)));
   svg(axes, "line", { class: "axis", x1: left, x2: right, y1: bottom, y2: bottom });
   old.replaceWith(axes);
 }

@@ -6,6 +6,7 @@ use crate::figure::Figure;
 use crate::prose::Prose;
 use crate::quantity::Quantity;
 use crate::table::Table;
+use crate::thinned::{HELD_SAMPLES, thin};
 use crate::tone::Tone;
 
 /// A page: a title, and blocks below it.
@@ -162,7 +163,7 @@ impl Page {
 
     /// A page of figures.
     pub fn of_figures(title: impl Into<String>, figures: Vec<Figure>) -> Self {
-        Page::new(title, figures.into_iter().map(Block::Figure).collect())
+        Page::new(title, figures.into_iter().map(Block::figure).collect())
     }
 
     /// Every figure of the page, in reading order.
@@ -216,7 +217,7 @@ impl From<Vec<Block>> for Blocks {
 
 impl From<Figure> for Blocks {
     fn from(figure: Figure) -> Self {
-        Block::Figure(figure).into()
+        Block::figure(figure).into()
     }
 }
 
@@ -233,6 +234,12 @@ impl<B: Into<Blocks>> FromIterator<B> for Blocks {
 }
 
 impl Block {
+    /// A figure with no more samples of a line than a page can use, so that hours of recordings need little memory.
+    pub fn figure(mut figure: Figure) -> Self {
+        thin(&mut figure, HELD_SAMPLES);
+        Block::Figure(figure)
+    }
+
     /// A heading inside a section.
     pub fn heading(text: impl Into<Prose>) -> Self {
         Block::Heading { text: text.into() }

@@ -12,7 +12,7 @@ const MOST_CHANNELS: usize = 24;
 
 /// A recording of a virtual bench.
 pub fn simulated(label: &ExperimentLabel, recording: &Recording, assumed: &[Assumption]) -> Page {
-    let figures = figures(&label.to_string(), recording).into_iter().map(Block::Figure);
+    let figures = figures(&label.to_string(), recording).into_iter().map(Block::figure);
     Page::new(format!("{label}, simulated"), assumptions(assumed).chain(figures).collect())
 }
 
@@ -31,7 +31,8 @@ pub fn figures(title: &str, recording: &Recording) -> Vec<Figure> {
         let panels: Vec<Panel> = channels.map(panel).collect();
         if !panels.is_empty() {
             let name = raster.name.as_ref().filter(|_| count > 1).map_or(String::new(), |name| format!(", {name}"));
-            let figure = Figure::new(&format!("{title}{name}"), Axis::time(), panels).with_plain_text();
+            let figure =
+                Figure::new(&format!("{title}{name}"), Axis::time(), panels).with_plain_text().of_recording(title);
             let left_out = left_out(recording).filter(|_| all.is_empty());
             all.push(left_out.into_iter().fold(figure, Figure::with_caption));
         }

@@ -24,7 +24,7 @@ pub fn page(title: &str, all: &[Replayed]) -> Page {
     for one in all {
         let replay = &one.replay;
         let title = format!("{} on {}", one.model, replay.stretch.file);
-        blocks.push(Block::Figure(Figure { title, ..replays::signals(replay) }));
+        blocks.push(Block::figure(Figure { title, ..replays::signals(replay) }));
     }
     Page::new(title, blocks.into_vec())
 }

@@ -22,7 +22,7 @@ pub struct Met {
 /// How well each model describes each recording.
 pub fn page(all: &[Met]) -> Page {
     let figures = comparison(&all.iter().filter_map(shown).collect::<Vec<_>>());
-    let blocks = std::iter::once(Block::Table(table(all))).chain(figures.into_iter().map(Block::Figure));
+    let blocks = std::iter::once(Block::Table(table(all))).chain(figures.into_iter().map(Block::figure));
     Page::new("Models compared", blocks.collect())
 }
 

@@ -28,7 +28,7 @@ impl Orders {
         let mut all = vec![Block::Table(best(table, &criteria)), line(scanned)];
         let edges = edges(table, &criteria, &self.ranges);
         all.extend(edges.iter().map(|edge| finding(Tone::Caution, "doubt", &edge.words())));
-        all.push(Block::Figure(loss_figure(table)));
+        all.push(Block::figure(loss_figure(table)));
         Page::new("Order", all)
     }
 

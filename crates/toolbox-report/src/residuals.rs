@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-12;
 /// What the tests found on data.
 pub fn page(report: &ResidualReport, data: &Dataset) -> Page {
     let mut blocks = findings(report, (data.input_labels(), data.output_labels()));
-    blocks.extend(figures(report, data).into_iter().map(Block::Figure));
+    blocks.extend(figures(report, data).into_iter().map(Block::figure));
     Page::new("Residuals", blocks)
 }
 

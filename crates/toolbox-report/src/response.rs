@@ -32,7 +32,7 @@ impl Responded<'_> {
             line(format!("{recording}: {output} {}, fit {}", self.what, percent(self.judged.fit_percent[n][o])))
         };
         let shown = Shown { name: self.what, data: self.data, response: &self.judged.response };
-        let figures = comparison(&[shown]).into_iter().map(Block::Figure);
+        let figures = comparison(&[shown]).into_iter().map(Block::figure);
         Page::new(format!("{}, {}", self.model, self.what), self.pairs().map(sentence).chain(figures).collect())
     }
 

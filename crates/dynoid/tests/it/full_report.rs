@@ -57,7 +57,7 @@ fn exact_every_figure_of_the_thesis_has_its_counterpart() {
         assert!(section(&page, id).contains(words), "{figure}: `{words}` is not in section {id}");
     }
     assert!(section(&page, "shaft").contains("A comparison of whole recordings gives values"));
-    assert!(page.len() < 4_500_000, "{} bytes", page.len());
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
 }
 
 /// The full study of one recording.

@@ -9,13 +9,9 @@ pub(crate) mod thin;
 use serde::Serialize;
 
 pub use rounded::{Rounded, rounded};
-use thin::kept_indices;
 
 /// Largest number of points drawn of one line.
 pub(crate) const MAX_POINTS: usize = 4000;
-/// Largest number of points of a trace that is drawn for its course alone.
-const OUTLINE_POINTS: usize = 1000;
-
 /// Panels on one x-axis, with a title above and a caption below.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
@@ -29,6 +25,8 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Whether a length means the same along both axes, as in a complex plane.
     pub equal_axes: bool,
+    /// The recording that is shown over time, whose figures a page zooms together; empty for none.
+    pub recording: String,
     /// Whether words such as `T_d` are symbols, to be set with an index; otherwise they are names.
     pub symbols: bool,
 }
@@ -87,7 +85,7 @@ pub enum Style {
     Fourth,
     /// A fifth model.
     Fifth,
-    /// A sixth model; from here on lines are dashed.
+    /// A sixth model.
     Sixth,
     /// A seventh model.
     Seventh,
@@ -102,7 +100,7 @@ pub enum Style {
 }
 
 impl Style {
-    /// Those of models, in the order of the plotting script's colours.
+    /// Those of models, in the order in which models get them.
     pub(crate) const MODELS: [Style; 10] = [
         Style::Modelled,
         Style::Other,
@@ -119,11 +117,6 @@ impl Style {
     /// The style of model number `index`, counted from zero; styles come back after ten.
     pub fn of_model(index: usize) -> Style {
         Self::MODELS[index % Self::MODELS.len()]
-    }
-
-    /// Whether lines are dashed: there are more models than colours that can be distinguished.
-    pub(crate) fn is_dashed(self) -> bool {
-        Self::MODELS[5..].contains(&self)
     }
 }
 
@@ -232,12 +225,18 @@ impl Axis {
 impl Figure {
     /// A figure without caption.
     pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
-        Figure { title: title.to_owned(), caption: String::new(), x, panels, equal_axes: false, symbols: true }
+        let (title, caption, recording) = (title.to_owned(), String::new(), String::new());
+        Figure { title, caption, x, panels, equal_axes: false, recording, symbols: true }
     }
 
     /// The same figure with a caption.
     pub fn with_caption(self, caption: impl Into<String>) -> Self {
         Figure { caption: caption.into(), ..self }
+    }
+
+    /// The same figure as one of those of a recording.
+    pub fn of_recording(self, recording: impl Into<String>) -> Self {
+        Figure { recording: recording.into(), ..self }
     }
 
     /// The same figure with its texts as they are: names of channels and files are no symbols.
@@ -275,32 +274,11 @@ impl Panel {
 
 impl Layer {
     /// A uniformly sampled trace. If it is long, not every sample is drawn.
-    pub fn trace(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
-        Self::sampled((name, style), clock, values, None)
-    }
-
-    /// A uniformly sampled trace of which the course is to be seen and no detail: some of its samples.
-    pub fn outline(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
-        Self::sampled((name, style), clock, values, kept_indices(values, OUTLINE_POINTS).as_deref())
-    }
-
-    fn sampled(
-        (name, style): (&str, Style),
-        (start_s, sample_time_s): (f64, f64),
-        values: &[f64],
-        kept: Option<&[usize]>,
-    ) -> Self {
+    pub fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Self {
         let finite_or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let y = match kept {
-            Some(kept) => kept.iter().filter_map(|&index| values.get(index)).copied().map(Rounded).collect(),
-            None => rounded(values),
-        };
-        let x = Abscissa::Uniform {
-            start: finite_or_zero(start_s),
-            step: finite_or_zero(sample_time_s),
-            skip: kept.map(thin::steps),
-        };
-        Layer::Line { name: name.to_owned(), style, x, y }
+        let (start, step) = (finite_or_zero(start_s), finite_or_zero(sample_time_s));
+        let x = Abscissa::Uniform { start, step, skip: None };
+        Layer::Line { name: name.to_owned(), style, x, y: rounded(values) }
     }
 
     /// A curve over frequency or the like.

@@ -1,6 +1,7 @@
 //! Blocks of a page as HTML.
 
 use super::figure;
+use super::figure::Points;
 use super::text::{class, formula, prose};
 use crate::markup;
 use crate::markup::Markup;
@@ -16,13 +17,14 @@ const UNBROKEN: usize = 22;
 #[derive(Debug)]
 pub(super) struct Renderer {
     figures: usize,
-    most_points: usize,
+    points: Points,
+    in_section: bool,
 }
 
 impl Renderer {
-    /// Draws at most so many points of a line.
-    pub(super) fn new(most_points: usize) -> Self {
-        Renderer { figures: 0, most_points }
+    /// Has at most so many points of a line.
+    pub(super) fn new(points: Points) -> Self {
+        Renderer { figures: 0, points, in_section: false }
     }
 
     /// Blocks below each other.
@@ -45,9 +47,14 @@ impl Renderer {
     fn block(&mut self, block: &Block) -> Markup {
         match block {
             Block::Section { id, title, blocks } => {
-                markup!("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, title, self.blocks(blocks))
+                self.in_section = true;
+                let content = self.blocks(blocks);
+                self.in_section = false;
+                markup!("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, title, content)
             }
-            Block::Heading { text } => markup!("<h3>{}</h3>\n", prose(text)),
+            // No level of headings is left out, so that readers of the screen know what belongs to what.
+            Block::Heading { text } if self.in_section => markup!("<h3>{}</h3>\n", prose(text)),
+            Block::Heading { text } => markup!("<h2 class=\"minor\">{}</h2>\n", prose(text)),
             Block::Paragraph { text, weight } => paragraph(text, *weight),
             Block::Equation { formula: text } => markup!("<p class=\"equation\">{}</p>\n", formula(text)),
             Block::List { items } => {
@@ -70,7 +77,7 @@ impl Renderer {
                 markup!("<div class=\"pair\">{}</div>\n", figures)
             }
             Block::Drawing { svg, description, caption } => markup!(
-                "<figure class=\"diagram\" role=\"group\" aria-label=\"{}\">{}<figcaption>{}</figcaption></figure>\n",
+                "<figure class=\"diagram\" aria-label=\"{}\">{}<figcaption>{}</figcaption></figure>\n",
                 description,
                 Markup::raw(svg.as_str()),
                 prose(caption)
@@ -92,7 +99,7 @@ impl Renderer {
 
     fn figure(&mut self, one: &crate::Figure, width: f64) -> Markup {
         self.figures += 1;
-        figure::figure(one, width, self.figures, self.most_points)
+        figure::figure(one, width, self.figures, self.points)
     }
 }
 

@@ -3,34 +3,44 @@
 
 mod blocks;
 mod figure;
+mod samples;
 mod text;
 
-use crate::figure::MAX_POINTS;
 use crate::markup;
 use crate::markup::Markup;
 use crate::model::{Block, Page};
 
 use blocks::Renderer;
+use figure::Points;
+use samples::Storage;
 use text::prose;
 
 const STYLE: &str = concat!(include_str!("../../assets/page.css"), include_str!("../../assets/plot.css"));
 
+/// Characters of all samples in a page, and of all of the page where that leaves fewer samples.
+const SAMPLES_ROOM: usize = 1_300_000;
+const PAGE_ROOM: usize = 2_850_000;
 /// Points of all lines of a page.
-const PAGE_POINTS: usize = 130_000;
-/// Points of a line in a page of very many figures.
-const FEWEST_POINTS: usize = 350;
+const PAGE_POINTS: usize = 100_000;
+/// Points of a line: two a pixel of a wide figure, and fewer in a page of very many figures.
+const MOST_POINTS: usize = 1500;
+const FEWEST_POINTS: usize = 260;
 
 /// What makes figures interactive; it stands once in a page, after them.
 const SCRIPT: &str = concat!(
     include_str!("../../assets/scale.js"),
     include_str!("../../assets/view.js"),
+    include_str!("../../assets/samples.js"),
+    include_str!("../../assets/zoom.js"),
     include_str!("../../assets/interact.js"),
+    include_str!("../../assets/save.js"),
+    include_str!("../../assets/tools.js"),
     include_str!("../../assets/mount.js"),
 );
 
 /// The page as one HTML file. `generator` names the program and its version.
 pub fn html(page: &Page, generator: &str) -> String {
-    let body = Renderer::new(most_points(page)).blocks(&page.blocks);
+    let body = body(page);
     let contents = contents(&page.blocks);
     let (class, nav) = match contents.is_empty() {
         true => ("plain", Markup::default()),
@@ -61,11 +71,25 @@ pub fn html(page: &Page, generator: &str) -> String {
     .into_string()
 }
 
-/// Points of a line, so that a page of many figures stays small: about ten bytes are written for each.
+/// What is below the title, with as many samples as have room.
+fn body(page: &Page) -> Markup {
+    let (figures, drawn) = (page.figures(), most_points(page));
+    let within = |room: usize| {
+        let stored = Storage::within(room, &figures, drawn);
+        Renderer::new(Points { drawn, stored }).blocks(&page.blocks)
+    };
+    let body = within(SAMPLES_ROOM);
+    match body.as_str().len().saturating_sub(PAGE_ROOM) {
+        0 => body,
+        excess => within(SAMPLES_ROOM.saturating_sub(excess)),
+    }
+}
+
+/// Points of a line, so that a page of many figures stays small: about five bytes are written for each.
 fn most_points(page: &Page) -> usize {
     let lengths: Vec<usize> = page.figures().iter().flat_map(|figure| figure.line_lengths()).collect();
     let total = |most: usize| lengths.iter().map(|length| (*length).min(most)).sum::<usize>();
-    [MAX_POINTS, 3000, 2000, 1500, 1000, 700, 500]
+    [MOST_POINTS, 1200, 1000, 800, 650, 500, 400, 320]
         .into_iter()
         .find(|most| total(*most) <= PAGE_POINTS)
         .unwrap_or(FEWEST_POINTS)

@@ -91,14 +91,46 @@ pub(crate) fn x_extent(figure: &Figure) -> (f64, f64) {
     }
 }
 
+/// The range of a y-axis, and the samples outside it, by x.
+#[derive(Debug, Clone)]
+pub(crate) struct Extent {
+    pub(crate) range: (f64, f64),
+    pub(crate) outside: Vec<(f64, f64)>,
+}
+
+impl From<(f64, f64)> for Extent {
+    fn from(range: (f64, f64)) -> Self {
+        Extent { range, outside: Vec::new() }
+    }
+}
+
 /// Range of y for what is in view, with a little air.
-pub(crate) fn y_extent(panel: &Panel, (from, to): (f64, f64)) -> (f64, f64) {
+pub(crate) fn y_extent(panel: &Panel, domain: (f64, f64)) -> Extent {
     if let Some([low, high]) = panel.y.range {
-        return (low.0, high.0);
+        return (low.0, high.0).into();
     }
     let log = is_log(&panel.y);
+    let whole = range(panel, domain, log, |_, _| true);
+    if log {
+        let Range(low, high) = whole;
+        return (if low > high { (1.0, 10.0) } else { (low / 1.2, high * 1.2) }).into();
+    }
+    let limits: Vec<Option<Range>> = panel.layers.iter().map(usual).collect();
+    let is_usual = |layer: usize, y: f64| {
+        limits.get(layer).and_then(Option::as_ref).is_none_or(|usual| (usual.0..=usual.1).contains(&y))
+    };
+    let inner = range(panel, domain, log, is_usual);
+    if inner.1 - inner.0 > SHRUNK * (whole.1 - whole.0) || inner.0 >= inner.1 {
+        return aired(whole).into();
+    }
+    let range = aired(inner);
+    Extent { range, outside: outside(panel, range) }
+}
+
+/// The range of what is in view and taken, by number of layer and y.
+fn range(panel: &Panel, (from, to): (f64, f64), log: bool, takes: impl Fn(usize, f64) -> bool) -> Range {
     let (mut range, mut bands) = (Range::EMPTY, Range::EMPTY);
-    for layer in &panel.layers {
+    for (number, layer) in panel.layers.iter().enumerate() {
         match layer {
             Layer::YRegion { low, high, .. } => [low, high].into_iter().for_each(|v| range.take(v.0)),
             Layer::Stems { .. } => range.take(0.0),
@@ -108,19 +140,57 @@ pub(crate) fn y_extent(panel: &Panel, (from, to): (f64, f64)) -> (f64, f64) {
         for y in ys {
             let in_view = x.iter().zip(y).filter(|(x, y)| (from..=to).contains(*x) && (!log || y.0 > 0.0));
             let range = if matches!(layer, Layer::Band { .. }) { &mut bands } else { &mut range };
-            in_view.for_each(|(_, y)| range.take(y.0));
+            in_view.filter(|(_, y)| takes(number, y.0)).for_each(|(_, y)| range.take(y.0));
         }
     }
-    let Range(low, high) = range.widened(bands, log);
+    range.widened(bands, log)
+}
+
+fn aired(Range(low, high): Range) -> (f64, f64) {
     if low > high {
-        return if log { (1.0, 10.0) } else { (0.0, 1.0) };
-    }
-    if log {
-        return (low / 1.2, high * 1.2);
+        return (0.0, 1.0);
     }
     let spread = 0.07 * (high - low);
     let air = if spread > 0.0 { spread } else { (0.1 * high.abs()).max(if high == 0.0 { 1.0 } else { 0.0 }) };
     (low - air, high + air)
+}
+
+/// Samples of a trace so many interquartile ranges from its quartiles are unusual where they are this share of it or less,
+const FAR: f64 = 5.0;
+const FEW: f64 = 0.01;
+/// and traces have at least so many samples.
+const TRACE: usize = 200;
+/// Unusual samples are left outside an axis only where it shrinks to this share.
+const SHRUNK: f64 = 0.5;
+
+/// From where to where the samples of a trace usually lie, where few of them lie elsewhere.
+fn usual(layer: &Layer) -> Option<Range> {
+    let Layer::Line { y, .. } = layer else { return None };
+    let mut values: Vec<f64> = y.iter().map(|y| y.0).filter(|y| y.is_finite()).collect();
+    if values.len() < TRACE {
+        return None;
+    }
+    let mut quantile = |share: f64| {
+        let at = (share * (values.len() - 1) as f64) as usize;
+        *values.select_nth_unstable_by(at, f64::total_cmp).1
+    };
+    let (lower, upper) = (quantile(0.25), quantile(0.75));
+    let reach = FAR * (upper - lower);
+    let usual = Range(lower - reach, upper + reach);
+    let unusual = values.iter().filter(|y| !(usual.0..=usual.1).contains(*y)).count();
+    (reach > 0.0 && unusual > 0 && unusual as f64 <= FEW * values.len() as f64).then_some(usual)
+}
+
+/// The samples of traces outside a range, by x.
+fn outside(panel: &Panel, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
+    let mut all = Vec::new();
+    for layer in panel.layers.iter().filter(|layer| matches!(layer, Layer::Line { .. })) {
+        let (x, ys) = points(layer);
+        let of = |y: &[Rounded]| x.iter().copied().zip(y.iter().map(|y| y.0)).collect::<Vec<_>>();
+        all.extend(ys.into_iter().flat_map(of).filter(|(_, y)| *y < low || *y > high));
+    }
+    all.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
+    all
 }
 
 /// Widens the shorter of two ranges so that a pixel is worth the same along both.

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::coarse;
+use super::coarse::COARSE;
 use super::extent::values;
 use super::shared::{Frame, INK, REGION, WIDE, line, text};
 use crate::figure::{Layer, Marker, Rounded, Scale, Style};
@@ -10,17 +12,17 @@ use crate::markup::escape;
 /// The colour of a style.
 pub(crate) fn colour(style: Style) -> &'static str {
     match style {
-        Style::Measured => "#8a949e",
-        Style::Modelled => "#0b5fa5",
-        Style::Other => "#d0590b",
-        Style::Residual => "#7a4f96",
-        Style::Fourth => "#1b7a55",
-        Style::Fifth => "#a8324a",
-        Style::Sixth => "#1295a8",
-        Style::Seventh => "#a37a00",
-        Style::Eighth => "#cf5a9f",
-        Style::Ninth => "#39424c",
-        Style::Tenth => "#6d9420",
+        Style::Measured => "#a09189",
+        Style::Modelled => "#155596",
+        Style::Other => "#b74400",
+        Style::Residual => "#9a6ec5",
+        Style::Fourth => "#00623f",
+        Style::Fifth => "#bb425a",
+        Style::Sixth => "#2a97a9",
+        Style::Seventh => "#b48b00",
+        Style::Eighth => "#bd4484",
+        Style::Ninth => "#373c44",
+        Style::Tenth => "#678d37",
         Style::Guide => "#c9d0d7",
     }
 }
@@ -54,6 +56,7 @@ fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
         (Style::Measured, false) => (2.0, ""),
         (Style::Measured, true) => (1.8, ""),
         (Style::Guide, _) => (0.8, ""),
+        (Style::Residual, false) => (1.0, ""),
         (_, false) => (1.2, ""),
         (_, true) => (0.7, "stroke-opacity=\"0.75\""),
     }
@@ -66,6 +69,9 @@ fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
     travel.sum::<f64>() > ROUGH * (frame.bottom - frame.top)
 }
 
+/// Dots of which each is not read alone.
+const MANY: usize = 300;
+
 /// The darkest shade, and how much of ink a shade adds.
 const DARKEST: usize = 9;
 const SHADE: f64 = 0.085;
@@ -75,8 +81,30 @@ const MARK: &str = "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\" class=\"mark
 /// From the name of a mark to one below it.
 const NAME_HEIGHT: f64 = 15.0;
 
-fn dashes(style: Style) -> &'static str {
-    if style.is_dashed() { "stroke-dasharray=\"7 3\"" } else { "" }
+/// Dashes by which lines differ without colour. A line that goes up and down has none: its gaps would hide its course.
+fn dashes(style: Style, y: &[Rounded]) -> String {
+    let pattern = match style {
+        Style::Other => "10 3",
+        Style::Fourth => "5 2",
+        Style::Fifth => "10 3 2 3",
+        Style::Sixth => "2 2",
+        Style::Seventh => "14 3 5 3",
+        Style::Eighth => "7 3 2 3 2 3",
+        Style::Ninth => "16 5",
+        Style::Tenth => "3 5",
+        Style::Measured | Style::Modelled | Style::Residual | Style::Guide => return String::new(),
+    };
+    if is_smooth(y) { format!("stroke-dasharray=\"{pattern}\"") } else { String::new() }
+}
+
+/// A line that travels so many times its own height goes up and down.
+const RESTLESS: f64 = 8.0;
+
+fn is_smooth(y: &[Rounded]) -> bool {
+    let finite = || y.iter().map(|y| y.0).filter(|y| y.is_finite());
+    let travel: f64 = finite().zip(finite().skip(1)).map(|(a, b)| (b - a).abs()).sum();
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
+    high <= low || travel <= RESTLESS * (high - low)
 }
 
 /// Names of vertical marks along the top of a panel: by row, from where to where each reaches.
@@ -96,7 +124,7 @@ impl MarkNames {
     }
 }
 
-/// What the page's script has to know of a layer: what it is, along which axes it moves, and the series it belongs to.
+/// What the page's script has to know of a layer: what it is, along which axes it moves unless along both, and the series it belongs to.
 fn attributes(layer: &Layer) -> String {
     let (kind, moves) = match layer {
         Layer::Line { .. } => ("line", "xy"),
@@ -123,25 +151,34 @@ fn attributes(layer: &Layer) -> String {
         }
         _ => String::new(),
     };
-    format!("data-type=\"{kind}\" data-moves=\"{moves}\"{series}")
+    let moves = if moves == "xy" { String::new() } else { format!(" data-moves=\"{moves}\"") };
+    format!("data-type=\"{kind}\"{moves}{series}")
 }
 
-/// Draws a layer as a group.
-pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame) {
+/// Draws a layer as a group; one that is packed, no finer than can be seen.
+pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame, is_packed: bool) {
     let _ = writeln!(out, "<g class=\"layer\" {}>", attributes(layer));
-    contents(out, layer, names, frame);
+    match layer {
+        Layer::Line { style, x, y, .. } => trace(out, *style, &values(x, y.len()), y, frame, is_packed),
+        _ => contents(out, layer, names, frame),
+    }
     out.push_str("</g>\n");
+}
+
+fn trace(out: &mut String, style: Style, x: &[f64], y: &[Rounded], frame: &Frame, is_packed: bool) {
+    let is_dense = y.len() as f64 > frame.right - frame.left && is_rough(y, frame);
+    let (width, attributes) = stroke(style, is_dense);
+    // Dashes of what has become an area would be no line but holes.
+    let attributes = if is_dense { attributes.to_owned() } else { dashes(style, y) };
+    match is_packed {
+        false => path(out, &polyline(x, y, frame), style, width, &attributes),
+        true => path(out, &coarse::line(&pixels(x, y, frame)), style, width, &format!("{COARSE} {attributes}")),
+    }
 }
 
 fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame) {
     match layer {
-        Layer::Line { style, x, y, .. } => {
-            let d = polyline(&values(x, y.len()), y, frame);
-            let is_dense = y.len() as f64 > frame.right - frame.left && is_rough(y, frame);
-            let (width, attributes) = stroke(*style, is_dense);
-            // Dashes of what has become an area would be no line but holes.
-            path(out, &d, *style, width, if is_dense { attributes } else { dashes(*style) });
-        }
+        Layer::Line { .. } => {}
         Layer::Points { style, x, y, low, high, .. } => {
             let x = values(x, y.len());
             let size = match low {
@@ -149,7 +186,13 @@ fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Fram
                 None if y.len() as f64 > frame.right - frame.left => 2.0,
                 None => 4.0,
             };
-            path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\"");
+            match y.len() > MANY {
+                false => path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\""),
+                true => {
+                    let attributes = format!("{COARSE} stroke-linecap=\"round\"");
+                    path(out, &coarse::dots(&pixels(&x, y, frame)), *style, size, &attributes);
+                }
+            }
             if let (Some(low), Some(high)) = (low, high) {
                 bars(out, &x, low, high, frame);
             }
@@ -158,7 +201,7 @@ fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Fram
         Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-            path(out, &polyline(&x, y, frame), *style, stroke(*style, false).0, dashes(*style));
+            path(out, &polyline(&x, y, frame), *style, stroke(*style, false).0, &dashes(*style, &[]));
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::Shades { x, y, columns } => shades(out, (x, y), columns, frame),
@@ -181,6 +224,11 @@ fn place(x: f64, y: f64, frame: &Frame) -> Option<(f64, f64)> {
     let at = (frame.x.pixel(x), frame.y.pixel(y));
     // Far outside the frame a renderer may overflow.
     (at.0.is_finite() && at.1.is_finite()).then(|| (at.0.clamp(-1e5, 1e5), at.1.clamp(-1e5, 1e5)))
+}
+
+/// Every point in pixels, where it has a place.
+fn pixels(x: &[f64], y: &[Rounded], frame: &Frame) -> Vec<Option<(f64, f64)>> {
+    x.iter().zip(y).map(|(x, y)| place(*x, y.0, frame)).collect()
 }
 
 /// A line that is broken where a value is missing: x in hundredths of a pixel and y, from which the page reads values, in
@@ -257,8 +305,11 @@ pub(crate) fn key(out: &mut String, layer: &Layer, (x, y): (f64, f64)) {
     match layer {
         Layer::Markers { style, marker, .. } => path(out, &shape(*marker, x + 9.0, y - 4.0), *style, 1.7, ""),
         Layer::YRegion { .. } | Layer::XRegion { .. } => region(out, (x, y - 9.0), (x + 18.0, y + 1.0)),
-        Layer::Line { style, .. } | Layer::Path { style, .. } => {
-            path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, dashes(*style));
+        Layer::Line { style, y: values, .. } => {
+            path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, &dashes(*style, values));
+        }
+        Layer::Path { style, .. } => {
+            path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, &dashes(*style, &[]));
         }
         Layer::Points { style, .. } | Layer::Stems { style, .. } => {
             path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, "");
@@ -276,7 +327,7 @@ fn shades(out: &mut String, (x, y): (&[Rounded; 2], &[Rounded; 2]), columns: &[S
     let edge = |[low, high]: &[Rounded; 2], index: usize, count: usize| {
         low.0 + (high.0 - low.0) * index as f64 / count.max(1) as f64
     };
-    let mut paths = vec![String::new(); DARKEST + 1];
+    let mut cells_of = vec![Vec::new(); DARKEST + 1];
     for (at, column) in columns.iter().enumerate() {
         let (left, right) = (edge(x, at, columns.len()), edge(x, at + 1, columns.len()));
         let cells = column.as_bytes();
@@ -285,14 +336,16 @@ fn shades(out: &mut String, (x, y): (&[Rounded; 2], &[Rounded; 2]), columns: &[S
             let (low, high) = (edge(y, from, cells.len()), edge(y, from + run.len(), cells.len()));
             from += run.len();
             let shade = usize::from(run[0].saturating_sub(b'0')).min(DARKEST);
-            if let (Some((px, py)), Some((end, top))) = (place(left, low, frame), place(right, high, frame)) {
-                let _ = write!(paths[shade], "M{px:.1} {py:.1}H{end:.1}V{top:.1}H{px:.1}Z");
+            if let (Some(corner), Some(opposite)) = (place(left, low, frame), place(right, high, frame)) {
+                cells_of[shade].push((corner, opposite));
             }
         }
     }
+    let paths: Vec<String> = cells_of.iter().map(|cells| coarse::rectangles(cells)).collect();
     for (shade, d) in paths.iter().enumerate().skip(1).filter(|(_, d)| !d.is_empty()) {
         let opacity = SHADE * shade as f64;
-        let _ = writeln!(out, "<path d=\"{d}\" fill=\"{INK}\" fill-opacity=\"{opacity:.3}\" class=\"shade\"/>");
+        let _ =
+            writeln!(out, "<path d=\"{d}\" {COARSE} fill=\"{INK}\" fill-opacity=\"{opacity:.3}\" class=\"shade\"/>");
     }
 }
 
@@ -344,20 +397,30 @@ fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: S
         Some((place(*x, above(low.0), frame)?, place(*x, above(high.0), frame)?))
     };
     let corners: Vec<_> = x.iter().zip(low).zip(high).filter_map(whole).collect();
-    let forth = corners.iter().map(|(_, high)| high);
-    let back = corners.iter().rev().map(|(low, _)| low);
-    let mut d = String::new();
-    for (n, (px, py)) in forth.chain(back).enumerate() {
-        let _ = write!(d, "{}{px:.1} {py:.1}", if n == 0 { 'M' } else { 'L' });
-    }
+    let forth: Vec<_> = corners.iter().map(|(_, high)| Some(*high)).collect();
+    let back: Vec<_> = corners.iter().rev().map(|(low, _)| Some(*low)).collect();
+    let d = coarse::line(&forth) + &coarse::line(&back).replacen('M', "L", 1);
     if !d.is_empty() {
         let _ = writeln!(
             out,
-            "<path d=\"{d}Z\" fill=\"{}\" fill-opacity=\"0.18\" class=\"b-{}\"/>",
+            "<path d=\"{d}Z\" {COARSE} fill=\"{}\" fill-opacity=\"0.18\" class=\"b-{}\"/>",
             colour(style),
             class(style)
         );
     }
+}
+
+/// A band thinner than this, in pixels, lies under its line.
+const HIDDEN: f64 = 2.5;
+
+/// Whether the larger part of a band cannot be seen beside its line.
+pub(crate) fn is_hidden(layer: &Layer, frame: &Frame) -> bool {
+    let Layer::Band { low, high, .. } = layer else { return false };
+    let pairs = low.iter().zip(high);
+    let width = pairs.map(|(low, high)| (frame.y.pixel(high.0) - frame.y.pixel(low.0)).abs());
+    let (hidden, seen): (Vec<f64>, Vec<f64>) =
+        width.filter(|width| width.is_finite()).partition(|width| *width < HIDDEN);
+    hidden.len() > seen.len()
 }
 
 fn horizontal_mark(out: &mut String, value: f64, label: &str, frame: &Frame) {

@@ -1,5 +1,7 @@
 //! A figure as SVG: on its own with title, legend and caption, or inside a page, where a script shows other parts of it.
 
+mod alt;
+mod coarse;
 mod extent;
 mod layers;
 mod scale;
@@ -7,10 +9,11 @@ mod shared;
 
 use std::fmt::Write as _;
 
-use crate::figure::{Axis, Figure, Layer, MAX_POINTS, Panel};
+use crate::figure::{Figure, Layer, MAX_POINTS, Panel};
 use crate::markup::escape;
-use crate::thinned::thinned;
-use extent::{equal_ranges, x_extent, y_extent};
+use crate::thinned::{Place, thinned};
+use alt::axis_name;
+use extent::{Extent, equal_ranges, x_extent, y_extent};
 use scale::Mapping;
 use shared::{Frame, INK, LINE, SOFT, WIDE, line, text};
 
@@ -29,6 +32,9 @@ const BELOW: f64 = 52.0;
 /// Below the panels of a drawing in a page.
 const FOOT: f64 = 44.0;
 const LINE_HEIGHT: f64 = 17.0;
+/// From an arrow at the edge of a panel to the next one.
+const ARROWS_APART: f64 = 12.0;
+
 /// How wide a drawing is, where its axes begin, and how much higher panels are than they say.
 #[derive(Debug, Clone, Copy)]
 struct Canvas {
@@ -43,13 +49,26 @@ impl Canvas {
     }
 }
 
+/// A figure as it is drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Drawing<'a> {
+    /// With all of its samples, from which the axes take their ranges.
+    pub(crate) whole: &'a Figure,
+    /// With those that are drawn.
+    pub(crate) drawn: &'a Figure,
+    /// Lines that need not be drawn finer than can be seen, since the page has their samples.
+    pub(crate) packed: &'a [Place],
+    /// Its number in the document.
+    pub(crate) number: usize,
+}
+
 /// The figures below each other as one SVG document, with titles, legends and captions.
 pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
     let mut body = String::new();
     let mut top = 0.0;
-    for (number, figure) in figures.into_iter().enumerate() {
-        let figure = &thinned(figure, MAX_POINTS);
-        top = draw(&mut body, figure, number, top);
+    for (number, whole) in figures.into_iter().enumerate() {
+        let drawn = &thinned(whole, MAX_POINTS);
+        top = draw(&mut body, Drawing { whole, drawn, packed: &[], number }, top);
     }
     let (width, height) = (ALONE.width, top.max(1.0));
     format!(
@@ -60,25 +79,22 @@ pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
 }
 
 /// The panels of a figure as an SVG element of a page that has title, legend and caption of its own.
-pub(crate) fn embedded(figure: &Figure, width: f64, number: usize) -> String {
+pub(crate) fn embedded(drawing: Drawing, width: f64) -> String {
+    let figure = drawing.drawn;
     let canvas = Canvas { width, left: 58.0, stretch: 1.0 };
     let mut body = String::new();
-    let height = panels(&mut body, figure, number, 0.0, canvas) + FOOT - BELOW;
-    let axis = |axis: &Axis| escape(&axis_name(axis)).into_owned();
+    let height = panels(&mut body, drawing, 0.0, canvas) + FOOT - BELOW;
     format!(
         "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-size=\"12\" role=\"img\" \
-         aria-label=\"{}\" data-x-label=\"{}\" data-x-unit=\"{}\"{}>\n<title>{}</title><desc>{}</desc>\n{body}</svg>",
-        escape(&figure.title),
+         aria-label=\"{}\" data-x-label=\"{}\" data-x-unit=\"{}\" data-recording=\"{}\"{}>\n<title>{}</title>\
+         <desc>{}</desc>\n{body}</svg>",
+        escape(&alt::label(drawing.whole)),
         escape(&figure.x.label),
         escape(&figure.x.unit),
+        escape(&figure.recording),
         if figure.equal_axes { " data-equal-axes=\"\"" } else { "" },
         escape(&figure.title),
-        format_args!(
-            "{} over {}. {}",
-            figure.panels.iter().map(|panel| axis(&panel.y)).collect::<Vec<_>>().join(", "),
-            axis(&figure.x),
-            escape(&legend_entries(figure).iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "))
-        ),
+        escape(&alt::description(drawing.whole)),
     )
 }
 
@@ -93,33 +109,41 @@ pub(crate) fn key(layer: &Layer) -> String {
 }
 
 /// Draws one figure from `top` down; returns where it ends.
-fn draw(out: &mut String, figure: &Figure, number: usize, top: f64) -> f64 {
+fn draw(out: &mut String, drawing: Drawing, top: f64) -> f64 {
+    let figure = drawing.drawn;
     let bold = format!("font-size=\"15\" font-weight=\"bold\" fill=\"{INK}\"");
     label(out, figure, (ALONE.left, top + 20.0), "start", &bold, &figure.title);
     let top = legend(out, figure, top + TITLE);
-    let top = panels(out, figure, number, top, ALONE);
+    let top = panels(out, drawing, top, ALONE);
     caption(out, figure, top)
 }
 
 /// Draws the panels of a figure from `top` down; returns where they end.
-fn panels(out: &mut String, figure: &Figure, number: usize, mut top: f64, canvas: Canvas) -> f64 {
-    let domain = x_extent(figure);
-    for (index, panel) in figure.panels.iter().enumerate() {
+fn panels(out: &mut String, drawing: Drawing, mut top: f64, canvas: Canvas) -> f64 {
+    let Drawing { whole, drawn, .. } = drawing;
+    let domain = x_extent(whole);
+    for (index, (panel, all)) in drawn.panels.iter().zip(&whole.panels).enumerate() {
         top += ABOVE_PANEL;
         let bottom = top + f64::from(panel.height) * canvas.stretch;
-        let frame = frame(figure, panel, domain, (top, bottom), canvas);
-        let clip = format!("clip-{number}-{index}");
-        let last = index + 1 == figure.panels.len();
-        draw_panel(out, figure, panel, &frame, &clip, last);
+        let extent = y_extent(all, domain);
+        let frame = frame(drawn, panel, domain, extent.range, (top, bottom), canvas);
+        draw_panel(out, drawing, index, &frame, &extent);
+        let last = index + 1 == drawn.panels.len();
         top = bottom + if last { BELOW } else { BETWEEN - ABOVE_PANEL };
     }
     top
 }
 
-fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), (top, bottom): (f64, f64), canvas: Canvas) -> Frame {
+fn frame(
+    figure: &Figure,
+    panel: &Panel,
+    domain: (f64, f64),
+    range: (f64, f64),
+    (top, bottom): (f64, f64),
+    canvas: Canvas,
+) -> Frame {
     let (left, right) = (canvas.left, canvas.right());
-    let mut x_range = domain;
-    let mut y_range = y_extent(panel, domain);
+    let (mut x_range, mut y_range) = (domain, range);
     if figure.equal_axes {
         (x_range, y_range) = equal_ranges(domain, y_range, right - left, bottom - top);
     }
@@ -135,8 +159,12 @@ fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), (top, bottom): (f64
 
 /// A panel: axes, then what is drawn between them, then names. Attributes `data-` have what the page's script needs to show
 /// another part of it: the scales, the frame, and of each group whether it moves along x, y or both.
-fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, clip: &str, last: bool) {
+fn draw_panel(out: &mut String, drawing: Drawing, index: usize, frame: &Frame, extent: &Extent) {
     let Frame { left, right, top, bottom, .. } = *frame;
+    let figure = drawing.drawn;
+    let Some(panel) = figure.panels.get(index) else { return };
+    let clip = format!("clip-{}-{index}", drawing.number);
+    let last = index + 1 == figure.panels.len();
     let _ = writeln!(
         out,
         "<g class=\"panel\" data-x=\"{}\" data-y=\"{}\" data-frame=\"{left} {right} {top} {bottom}\" data-label=\"{}\" data-unit=\"{}\"{}{}>",
@@ -156,10 +184,15 @@ fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, c
         top - 2.0
     );
     let mut names = layers::MarkNames::default();
-    panel.layers.iter().for_each(|layer| layers::draw(out, layer, &mut names, frame));
+    for (number, layer) in panel.layers.iter().enumerate() {
+        layers::draw(out, layer, &mut names, frame, drawing.packed.contains(&(index, number)));
+    }
     out.push_str("</g>\n");
-    let note = if panel.note.is_empty() { String::new() } else { format!("  {}", panel.note) };
-    let name = format!("{}{note}", axis_name(&panel.y));
+    outside(out, frame, extent);
+    let is_hidden = panel.layers.iter().any(|layer| layers::is_hidden(layer, frame));
+    let remarks = [panel.note.as_str(), if is_hidden { "band narrower than its line" } else { "" }];
+    let notes: String = remarks.iter().filter(|note| !note.is_empty()).map(|note| format!("  {note}")).collect();
+    let name = format!("{}{notes}", axis_name(&panel.y));
     label(out, figure, (left, top - 9.0), "start", &format!("class=\"axis-name\" fill=\"{INK}\""), &name);
     if last {
         let name = axis_name(&figure.x);
@@ -168,40 +201,69 @@ fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, c
     out.push_str("</g>\n");
 }
 
+/// Arrows where samples lie outside the axis, and how many do.
+fn outside(out: &mut String, frame: &Frame, extent: &Extent) {
+    if extent.outside.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "<g class=\"layer outside\" data-type=\"outside\" data-moves=\"x\" fill=\"{INK}\">");
+    let mut last = [f64::NEG_INFINITY; 2];
+    for (x, y) in &extent.outside {
+        let (x, is_above) = (frame.x.pixel(*x), *y > extent.range.1);
+        let before = &mut last[usize::from(is_above)];
+        if x - *before >= ARROWS_APART {
+            *before = x;
+            let (tip, base) = if is_above { (frame.top, 6) } else { (frame.bottom, -6) };
+            let at = format!("data-at=\"{x:.1} {tip:.1}\" transform=\"translate({x:.1} {tip:.1})\"");
+            let _ = write!(out, "<path d=\"M0 0L-4 {base}H4Z\" {at}/>");
+        }
+    }
+    let count = extent.outside.len();
+    let words = format!("{count} {} outside", if count == 1 { "sample" } else { "samples" });
+    text(out, (frame.right, frame.top - 9.0), "end", "", &words);
+    out.push_str("</g>\n");
+}
+
 /// Grid, ticks and their labels.
 fn axes(out: &mut String, frame: &Frame, last: bool) {
     let Frame { left, right, top, bottom, .. } = *frame;
-    let tick = format!("class=\"tick\" fill=\"{SOFT}\"");
-    out.push_str("<g class=\"axes\">\n");
-    for (value, label) in frame.y.ticks((bottom - top) / 30.0) {
-        let y = frame.y.pixel(value);
-        line(out, (left, y), (right, y), LINE, "class=\"grid\"");
-        text(out, (left - 7.0, y + 4.0), "end", &tick, &label);
+    let (vertical, horizontal) = (frame.y.ticks((bottom - top) / 30.0), frame.x.ticks((right - left) / 75.0));
+    let mut grid = String::new();
+    for (value, _) in &vertical {
+        let _ = write!(grid, "M{left} {:.1}H{right}", frame.y.pixel(*value));
     }
-    for (value, label) in frame.x.ticks((right - left) / 75.0) {
-        let x = frame.x.pixel(value);
-        line(out, (x, top), (x, bottom), LINE, "class=\"grid\"");
-        if last {
-            text(out, (x, bottom + 17.0), "middle", &tick, &label);
-        }
+    for (value, _) in &horizontal {
+        let _ = write!(grid, "M{:.1} {top:.1}V{bottom:.1}", frame.x.pixel(*value));
+    }
+    let _ = writeln!(out, "<g class=\"axes\"><path d=\"{grid}\" stroke=\"{LINE}\" class=\"grid\"/>");
+    let at = |(value, label)| (left - 7.0, frame.y.pixel(value) + 4.0, label);
+    ticks(out, "end", vertical.into_iter().map(at));
+    if last {
+        let at = |(value, label)| (frame.x.pixel(value), bottom + 17.0, label);
+        ticks(out, "middle", horizontal.into_iter().map(at));
     }
     line(out, (left, bottom), (right, bottom), SOFT, "class=\"axis\"");
     out.push_str("</g>\n");
 }
 
-fn axis_name(axis: &Axis) -> String {
-    if axis.unit.is_empty() { axis.label.clone() } else { format!("{} [{}]", axis.label, axis.unit) }
+/// Names of ticks, each with its place.
+fn ticks(out: &mut String, anchor: &str, all: impl Iterator<Item = (f64, f64, String)>) {
+    let _ = write!(out, "<g class=\"tick\" fill=\"{SOFT}\" text-anchor=\"{anchor}\">");
+    for (x, y, label) in all {
+        let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(&label));
+    }
+    out.push_str("</g>\n");
 }
 
-/// The names of the series with the first layer of each; none where there is one series alone.
+/// The names of the series with a layer of each that has points; none where there is one series alone.
 pub(crate) fn legend_entries(figure: &Figure) -> Vec<(&str, &Layer)> {
     let mut entries: Vec<(&str, &Layer)> = Vec::new();
     for layer in figure.panels.iter().flat_map(|panel| &panel.layers) {
-        if let Some(name) = layer.legend_name()
-            && !name.is_empty()
-            && !entries.iter().any(|(known, _)| *known == name)
-        {
-            entries.push((name, layer));
+        let Some(name) = layer.legend_name().filter(|name| !name.is_empty()) else { continue };
+        match entries.iter_mut().find(|(known, _)| *known == name) {
+            None => entries.push((name, layer)),
+            Some((_, first)) if matches!(first, Layer::Line { y, .. } if y.is_empty()) => *first = layer,
+            Some(_) => {}
         }
     }
     if entries.len() < 2 { Vec::new() } else { entries }

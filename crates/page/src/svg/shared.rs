@@ -27,9 +27,15 @@ pub(super) struct Frame {
 
 /// Text with indices: `T_d` is set with its d below.
 pub(super) fn text(out: &mut String, (x, y): (f64, f64), anchor: &str, attributes: &str, content: &str) {
-    let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" {attributes}>");
+    let space = if attributes.is_empty() { "" } else { " " };
+    let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\"{space}{attributes}>");
+    let pieces = symbol_pieces(content);
+    if let [(piece, false)] = pieces.as_slice() {
+        let _ = writeln!(out, "{}</text>", escape(piece));
+        return;
+    }
     let mut below = false;
-    for (piece, is_index) in symbol_pieces(content) {
+    for (piece, is_index) in pieces {
         let shift = match (below, is_index) {
             (false, true) => " dy=\"3\"",
             (true, false) => " dy=\"-3\"",

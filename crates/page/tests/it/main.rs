@@ -1,6 +1,8 @@
 //! Integration tests of `page`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod colours;
 mod decimal;
 mod drawing;
 mod renderers;
+mod samples;

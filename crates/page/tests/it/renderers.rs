@@ -106,8 +106,8 @@ fn exact_a_page_without_scripts_holds_the_whole_figure() {
     let page = html(&page(), "dynoid 1.0");
     let drawing = page.split("<div class=\"stage\">").nth(1).and_then(|rest| rest.split("</div>").next()).unwrap();
     assert!(drawing.contains("<path d=\"M") && drawing.contains("class=\"tick\""), "{drawing}");
-    assert!(drawing.contains("role=\"img\"") && drawing.contains("aria-label=\"Torque T_d\""), "{drawing}");
-    assert!(drawing.contains("<desc>T_d [Nm] over time [s]. measured, modelled</desc>"), "{drawing}");
+    assert!(drawing.contains("role=\"img\"") && drawing.contains("aria-label=\"Torque T_d. Measured"), "{drawing}");
+    assert!(drawing.contains("<desc>T_d [Nm] over time [s]. T_d, measured: −0.688 to 1 Nm."), "{drawing}");
 }
 
 #[test]

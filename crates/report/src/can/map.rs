@@ -36,11 +36,11 @@ pub fn page(shown: &MapPage<'_>) -> Page {
         all.push(Block::heading(name(map.of)));
         all.push(bandwidths(map));
         all.push(table(map, shown.in_table_hz));
-        all.push(Block::Figure(figure(map, shown.wanted)));
+        all.push(Block::figure(figure(map, shown.wanted)));
     }
     all.push(Block::heading("Largest gradient of the speed, rpm/s"));
     all.push(of_gradients(shown.gradients));
-    all.push(Block::Figure(gradient_figure(shown.gradients, shown.wanted)));
+    all.push(Block::figure(gradient_figure(shown.gradients, shown.wanted)));
     Page::new(shown.title, all.into_vec())
 }
 

@@ -57,7 +57,7 @@ pub fn page(asked: &Asked<'_>) -> Page {
     all.push(changes::doubts(verdict));
     all.push(findings(asked));
     all.push(assumptions(asked.assumptions).collect::<Blocks>());
-    all.push(Block::Figure(courses(verdict)));
+    all.push(Block::figure(courses(verdict)));
     Page::new(format!("{}, predicted", asked.test), all.into_vec())
 }
 

@@ -95,7 +95,7 @@ pub fn page(run: &RecordedRun<'_>) -> Page {
                      never as most. Give `throttle` in [channels] if it was recorded.";
         all.push(Block::Finding(Finding::new(Tone::Caution, "assumed", words)));
     }
-    all.push(Block::Figure(figure(run)));
+    all.push(Block::figure(figure(run)));
     Page::new(format!("{}, {}", run.test, run.file), all.into_vec())
 }
 

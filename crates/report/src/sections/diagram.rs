@@ -29,7 +29,7 @@ struct Block {
 pub(crate) fn section(study: &Study) -> Blocks {
     let blocks: Markup = blocks(study).iter().map(draw).collect();
     let svg = markup!(
-        "<div class=\"wide\"><svg viewBox=\"0 24 {} {}\" role=\"img\" aria-label=\"Block diagram of the bench\">{}{}{}</svg></div>",
+        "<div class=\"wide\"><svg viewBox=\"0 24 {} {}\" role=\"group\" aria-label=\"Block diagram of the bench\">{}{}{}</svg></div>",
         Markup::raw(WIDTH.to_string()),
         Markup::raw(HEIGHT.to_string()),
         Markup::raw(ARROW_HEAD),
@@ -38,15 +38,33 @@ pub(crate) fn section(study: &Study) -> Blocks {
     );
     page::Block::Drawing {
         svg: svg.into_string(),
-        description:
-            "Block diagram of the bench: speed control demands a torque from the torque control, which acts on the \
-                      dynamometer; the shaft connects it with the engine."
-                .to_owned(),
+        description: description(study),
         caption:
             "Speeds in rpm at the controller and in rad/s at the shaft; torque in Nm. Dashed blocks are not estimated."
                 .into(),
     }
     .into()
+}
+
+/// The diagram in words, with its numbers.
+fn description(study: &Study) -> String {
+    let controller = estimate(&study.speed_controller, |part| &part.estimate);
+    let torque = estimate(&study.torque_control, |part| &part.delay_and_lag);
+    let shaft = estimate(&study.shaft, |part| &part.estimate);
+    format!(
+        "Block diagram of the bench: speed control demands a torque from the torque control, which acts on the \
+         dynamometer; the shaft connects it with the engine. Speed control: {controller}. Torque control: {torque}. \
+         Shaft: {shaft}."
+    )
+}
+
+/// The parameters of a part with their values.
+fn estimate<T>(part: &Outcome<T>, of: impl Fn(&T) -> &Estimate) -> String {
+    let Outcome::Estimated(part) = part else { return "not estimated".to_owned() };
+    let parameters = of(part).parameters.iter();
+    let texts: Vec<String> =
+        parameters.map(|one| format!("{} {}", one.quantity.symbol(), number::parameter(one))).collect();
+    texts.join(", ")
 }
 
 fn blocks(study: &Study) -> [Block; 5] {

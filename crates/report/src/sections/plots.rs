@@ -17,17 +17,13 @@ pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&s
     layers.push(trace_layer("modelled", Style::Modelled, &validation.modelled));
     differences.push(trace_layer("residual", Style::Residual, &difference(validation)));
     let residual = format!("{} − model", validation.quantity);
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: title.to_owned(),
-        caption: comparison_caption(validation),
-        x: Axis::time(),
-        panels: vec![
-            Panel::new(Axis::linear(&validation.quantity, &validation.unit), 190, layers),
-            Panel::new(Axis::linear(&residual, &validation.unit), 90, differences),
-        ],
-    }
+    let panels = vec![
+        Panel::new(Axis::linear(&validation.quantity, &validation.unit), 190, layers),
+        Panel::new(Axis::linear(&residual, &validation.unit), 90, differences),
+    ];
+    Figure::new(title, Axis::time(), panels)
+        .with_caption(comparison_caption(validation))
+        .of_recording(&validation.stretch.file)
 }
 
 /// A trace of the study as a layer.
@@ -86,22 +82,16 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: Extent) -> 
     };
     let (own, cross) = (own_lags(test), test.cross_correlation.as_slice());
     let (own_label, cross_label) = ("residual with itself".to_owned(), format!("residual with {}", test.input));
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: title.to_owned(),
-        caption: format!(
-            "Outside the {level} region: {} with itself, {} with {}. Positive lags: the input comes first.",
-            outside(own, test.autocorrelation_bound),
-            outside(cross, test.cross_correlation_bound),
-            test.input
-        ),
-        x: Axis::linear("lag", "ms"),
-        panels: vec![
-            panel(own_label, Style::Modelled, extent.own, test.autocorrelation_bound, 1.0, own),
-            panel(cross_label, Style::Other, extent.cross, test.cross_correlation_bound, first_lag, cross),
-        ],
-    }
+    let panels = vec![
+        panel(own_label, Style::Modelled, extent.own, test.autocorrelation_bound, 1.0, own),
+        panel(cross_label, Style::Other, extent.cross, test.cross_correlation_bound, first_lag, cross),
+    ];
+    Figure::new(title, Axis::linear("lag", "ms"), panels).with_caption(format!(
+        "Outside the {level} region: {} with itself, {} with {}. Positive lags: the input comes first.",
+        outside(own, test.autocorrelation_bound),
+        outside(cross, test.cross_correlation_bound),
+        test.input
+    ))
 }
 
 /// How many lags of the cross-correlation lie outside its region, e.g. `3 of 61 lags`.
@@ -121,7 +111,7 @@ fn lags(first: f64, sample_time_s: f64, count: usize) -> Abscissa {
 /// A figure of a residual test on its own, or a remark where there is none.
 pub(crate) fn residual_test(validation: &Validation) -> Block {
     match &validation.residuals {
-        Some(test) => Block::Figure(correlations("Correlation of the residuals", test, Extent::of(&[test]))),
+        Some(test) => Block::figure(correlations("Correlation of the residuals", test, Extent::of(&[test]))),
         None => Block::note(format!(
             "No correlation test: the sampling of {} makes it meaningless here ({}).",
             validation.quantity,

@@ -72,7 +72,7 @@ fn replay(replay: &Replay) -> Blocks {
     vec![
         Block::heading(Prose::verbatim(replay.label.to_string())),
         Block::paragraph(text),
-        Block::Figure(signals(replay)),
+        Block::figure(signals(replay)),
     ]
     .into()
 }
@@ -88,24 +88,17 @@ pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
         true => "Part of the model was estimated from this recording.",
         false => "No part of the model was estimated from this recording.",
     };
-    Some(Figure { caption: caption.to_owned(), ..Figure::new(&title, Axis::time(), panels) })
+    Some(Figure::new(&title, Axis::time(), panels).with_caption(caption).of_recording(&replay.stretch.file))
 }
 
 /// All signals below each other on one time axis, each with its fit.
 pub(crate) fn signals(replay: &Replay) -> Figure {
     let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: "Measured and modelled".to_owned(),
-        caption: match replay.seen_in_estimation {
-            true => "Part of the model was estimated from this recording.",
-            false => "No part of the model was estimated from this recording.",
-        }
-        .to_owned(),
-        x: Axis::time(),
-        panels,
-    }
+    let caption = match replay.seen_in_estimation {
+        true => "Part of the model was estimated from this recording.",
+        false => "No part of the model was estimated from this recording.",
+    };
+    Figure::new("Measured and modelled", Axis::time(), panels).with_caption(caption).of_recording(&replay.stretch.file)
 }
 
 fn signal(signal: &Validation) -> Panel {

@@ -168,17 +168,12 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         .iter()
         .enumerate()
         .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: format!("From {input} to {output}"),
-        caption: bode_caption(unit, !points.is_empty()),
-        x: Axis::frequency(),
-        panels: vec![
-            Panel::new(Axis::linear("gain", "dB"), 190, gain),
-            Panel::new(Axis::linear("phase", "°"), 110, phase.collect()),
-        ],
-    }
+    let panels = vec![
+        Panel::new(Axis::linear("gain", "dB"), 190, gain),
+        Panel::new(Axis::linear("phase", "°"), 110, phase.collect()),
+    ];
+    Figure::new(&format!("From {input} to {output}"), Axis::frequency(), panels)
+        .with_caption(bode_caption(unit, !points.is_empty()))
 }
 
 fn style(number: usize) -> Style {
@@ -256,7 +251,7 @@ fn sine_tests(whole: &WholeModel) -> Blocks {
         )
         .into();
     }
-    vec![Block::heading("Sine tests"), Block::Figure(sine_figure(whole)), Block::Table(sine_table(&whole.sine_points))]
+    vec![Block::heading("Sine tests"), Block::figure(sine_figure(whole)), Block::Table(sine_table(&whole.sine_points))]
         .into()
 }
 
@@ -273,17 +268,12 @@ fn sine_figure(whole: &WholeModel) -> Figure {
         layers.push(Layer::Line { name, style: Style::Modelled, x, y: ratio(&curve.gain_db) });
     }
     layers.extend(sine_layers(points, Rounded));
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
-        caption:
+    let panels = vec![Panel::new(Axis::linear("gain", ""), 190, layers)];
+    let x = Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest);
+    Figure::new("Gain from T_d to T_shaft, sine by sine", x, panels).with_caption(
             "Points: measured, the engine’s part removed, with 95 % intervals of the measured gain. Grey: at an engine order, where the \
-                  engine cannot be separated from the dynamometer. Shaded: 95 % band of the model."
-                .to_owned(),
-        x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
-        panels: vec![Panel::new(Axis::linear("gain", ""), 190, layers)],
-    }
+                  engine cannot be separated from the dynamometer. Shaded: 95 % band of the model.",
+    )
 }
 
 fn sine_table(points: &[SinePoint]) -> Table {

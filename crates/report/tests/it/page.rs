@@ -40,7 +40,7 @@ fn exact_page_needs_no_network() {
 #[test]
 fn exact_page_of_a_large_study_stays_small() {
     let size = fixture::html(&fixture::complete()).len();
-    assert!(size < 4_000_000, "{size} bytes");
+    assert!(size < 3_000_000, "{size} bytes");
 }
 
 #[test]
@@ -144,6 +144,9 @@ fn exact_numbers_that_are_not_finite_are_null_or_not_known() {
     let study = with_non_finite(fixture::complete());
     let page = fixture::html(&study);
     let body = page.split("<script>").next().unwrap_or_default();
+    // Packed samples are letters that can spell anything.
+    let samples = elements(body, "class=\"samples\"", "</script>");
+    let body = samples.iter().fold(body.to_owned(), |body, packed| body.replace(packed, ""));
     assert!(!body.contains("NaN") && !body.contains("inf "));
     assert!(body.contains("not known"));
     assert!(

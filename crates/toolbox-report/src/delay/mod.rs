@@ -92,7 +92,7 @@ impl Delays {
         all.extend(self.notes().iter().map(|note| finding(Tone::Plain, "note", note)));
         all.extend(self.doubts().iter().map(|doubt| finding(Tone::Caution, "doubt", doubt)));
         let figures = self.others.figures(data, |input| self.modelled.interval(input));
-        all.extend(figures.into_iter().map(Block::Figure));
+        all.extend(figures.into_iter().map(Block::figure));
         Page::new("Delay", all)
     }
 

@@ -86,7 +86,7 @@ impl Estimated {
         let title = format!("{}, {}", channels(&self.document), method(&self.document));
         let mut all = self.text();
         let figures = self.verdict.figures(shown, self.has_noise_model());
-        all.push(figures.into_iter().map(Block::Figure).collect::<Blocks>());
+        all.push(figures.into_iter().map(Block::figure).collect::<Blocks>());
         Page::new(title, all.into_vec())
     }
 

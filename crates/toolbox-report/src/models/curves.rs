@@ -90,7 +90,7 @@ impl Curves {
                 Detail::Summary => all.push(summary(curve, self.level)),
             }
         }
-        all.push(self.figures().into_iter().map(Block::Figure).collect::<Blocks>());
+        all.push(self.figures().into_iter().map(Block::figure).collect::<Blocks>());
         Page::new("Models", all.into_vec())
     }
 

@@ -50,7 +50,7 @@ impl Poles {
             all.push(tables(model, self.of(number), self.level));
         }
         let figures = plane::figures(&self.roots, &self.models, self.level);
-        all.push(figures.into_iter().map(Block::Figure).collect::<Blocks>());
+        all.push(figures.into_iter().map(Block::figure).collect::<Blocks>());
         Page::new("Poles and zeros", all.into_vec())
     }
 

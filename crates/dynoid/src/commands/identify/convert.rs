@@ -55,7 +55,7 @@ pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal
     let document = is_model.then(|| found.document()).transpose().map_err(failed)?;
     let mut page = found.page(&model_file::name(&arguments.model)).map_err(failed)?;
     if result.plot.is_some() {
-        page.blocks.extend(found.figures().map_err(failed)?.into_iter().map(Block::Figure));
+        page.blocks.extend(found.figures().map_err(failed)?.into_iter().map(Block::figure));
     }
     if let Some(document) = &document
         && let Some(lost) = found.lost(document).map_err(|error| failed(error.into()))?

@@ -38,7 +38,7 @@ pub(crate) fn figures(all: Vec<Figure>) -> Blocks {
 
 /// A figure in pieces of alike height that fit a page, the caption below the last.
 fn pages(whole: Figure) -> Vec<Figure> {
-    let Figure { title, caption, x, mut panels, equal_axes, symbols } = whole;
+    let Figure { title, caption, x, mut panels, equal_axes, recording, symbols } = whole;
     let height: u32 = panels.iter().map(|panel| panel.height + BETWEEN_PANELS).sum();
     let count = panels.len().div_ceil(height.div_ceil(PAGE).max(1) as usize).max(1);
     let mut pieces: Vec<Vec<Panel>> = Vec::new();
@@ -53,6 +53,7 @@ fn pages(whole: Figure) -> Vec<Figure> {
         x: x.clone(),
         panels,
         equal_axes,
+        recording: recording.clone(),
         symbols,
     };
     pieces.into_iter().enumerate().map(piece).collect()

@@ -54,7 +54,7 @@ fn course(one: &RecordedCourse) -> Figure {
         let trace = of(&one.signals, *role)?;
         let (_, per_si) = unit(*role);
         let values: Vec<f64> = trace.values.iter().map(|v| v * per_si).collect();
-        Some(Layer::outline(role.symbol(), *style, (trace.start_s, trace.sample_time_s), &values))
+        Some(Layer::trace(role.symbol(), *style, (trace.start_s, trace.sample_time_s), &values))
     };
     let rows = [
         Row { signals: &SPEEDS, name: "speed", unit: "rpm", height: 130 },
@@ -62,9 +62,10 @@ fn course(one: &RecordedCourse) -> Figure {
         Row { signals: &[(Role::Throttle, Style::Modelled)], name: "throttle", unit: "%", height: 70 },
     ];
     let panels = rows.iter().filter_map(|row| row.panel(None, outline));
-    let words = experiment(&one.label).map(|words| format!("{}. ", capitalised(words))).unwrap_or_default();
+    let words = experiment(&one.label).map(|words| format!("{}.", capitalised(words))).unwrap_or_default();
     Figure::new(&format!("{}, {}", one.label, one.file), Axis::time(), panels.collect())
-        .with_caption(format!("{words}Long traces are thinned; every peak is kept."))
+        .with_caption(words)
+        .of_recording(&one.file)
 }
 
 fn of(signals: &[(Role, Trace)], role: Role) -> Option<&Trace> {

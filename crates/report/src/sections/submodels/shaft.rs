@@ -43,19 +43,14 @@ fn response(response: &MeasuredResponse) -> Figure {
         let modelled = Layer::curve("modelled", Style::Modelled, hz, modelled);
         Panel::new(Axis::linear(label, unit), 150, vec![measured, modelled])
     };
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: "Frequency response from twist speed to shaft torque".to_owned(),
-        caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; the \
-                  level part is the damping."
-            .to_owned(),
-        x: Axis::frequency(),
-        panels: vec![
-            panel("gain", "dB", &response.measured_gain_db, &response.modelled_gain_db),
-            panel("phase", "°", &response.measured_phase_deg, &response.modelled_phase_deg),
-        ],
-    }
+    let panels = vec![
+        panel("gain", "dB", &response.measured_gain_db, &response.modelled_gain_db),
+        panel("phase", "°", &response.measured_phase_deg, &response.modelled_phase_deg),
+    ];
+    Figure::new("Frequency response from twist speed to shaft torque", Axis::frequency(), panels).with_caption(
+        "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; the level part is \
+         the damping.",
+    )
 }
 
 /// The residual's test: by frequency, since that is how the shaft is fitted.
@@ -64,7 +59,7 @@ fn residuals(spectrum: &ResidualSpectrum) -> Blocks {
                 of frequency. Its residual is tested in the same way. If the model is right, one frequency in a \
                 hundred lies above the bound, each with the same probability. Several frequencies in a row above it \
                 speak against the model.";
-    vec![Block::note(text), Block::Figure(spectrum_figure(spectrum))].into()
+    vec![Block::note(text), Block::figure(spectrum_figure(spectrum))].into()
 }
 
 fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
@@ -78,22 +73,17 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
         layers.push(Layer::VerticalMarks { x: rounded(&spectrum.excluded_hz), label: "left out".to_owned() });
     }
     layers.push(Layer::dots("|error|/σ", Style::Residual, &spectrum.frequencies_hz, &spectrum.normalised_magnitude));
-    Figure {
-        equal_axes: false,
-        symbols: true,
-        title: "Residual of the shaft model by frequency".to_owned(),
-        caption: format!(
-            "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \
+    let panels = vec![Panel::new(Axis::linear("|error|/σ", ""), 150, layers)];
+    let x = Axis::linear("frequency", "Hz");
+    Figure::new("Residual of the shaft model by frequency", x, panels).with_caption(format!(
+        "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \
              {} left out of the fit.",
-            spectrum.normalised_magnitude.len(),
-            match spectrum.excluded_hz.len() {
-                1 => "one frequency".to_owned(),
-                n => format!("{n} frequencies"),
-            }
-        ),
-        x: Axis::linear("frequency", "Hz"),
-        panels: vec![Panel::new(Axis::linear("|error|/σ", ""), 150, layers)],
-    }
+        spectrum.normalised_magnitude.len(),
+        match spectrum.excluded_hz.len() {
+            1 => "one frequency".to_owned(),
+            n => format!("{n} frequencies"),
+        }
+    ))
 }
 
 /// The fit that takes the signals' timing as given, beside the one that estimates it.
