@@ -25,6 +25,8 @@ pub(super) struct Storage {
     levels: f64,
 }
 
+/// What coarser values leave of the characters of samples, about.
+const SHARE_OF_COARSE: f64 = 0.8;
 /// Characters of a sample at the very least, to see early that too many are too many.
 const LEAST_CHARACTERS: f64 = 0.4;
 /// Steps of a line's values from its lowest to its highest: 14 bits, or 12 where the page has less room.
@@ -75,26 +77,35 @@ impl Storage {
     /// That with which the samples of all figures have room in so many characters. First values become coarser, and then
     /// samples are left out, down to the number that is `drawn`.
     pub(super) fn within(room: usize, figures: &[&Figure], drawn: usize) -> Storage {
-        let mut storage = Storage { most: HELD_SAMPLES, levels: FINE };
-        while storage.most > drawn && !storage.fits(room, figures) {
-            storage.most = if storage.levels == FINE { storage.most } else { storage.most * 4 / 5 };
-            storage.levels = COARSE;
+        let longest = figures.iter().flat_map(|figure| figure.line_lengths()).max().unwrap_or_default();
+        let mut storage = Storage { most: longest.min(HELD_SAMPLES), levels: FINE };
+        while storage.most > drawn {
+            let share = room as f64 / storage.size(room, figures).max(1) as f64;
+            if share >= 1.0 {
+                break;
+            }
+            let part = match storage.levels == FINE {
+                true => (share / SHARE_OF_COARSE).clamp(0.2, 1.0),
+                false => share.clamp(0.2, 0.9),
+            };
+            storage = Storage { most: (part * storage.most as f64) as usize, levels: COARSE };
         }
         Storage { most: storage.most.max(drawn), ..storage }
     }
 
-    fn fits(self, room: usize, figures: &[&Figure]) -> bool {
+    /// Characters of all samples; about so many where they are far too many.
+    fn size(self, room: usize, figures: &[&Figure]) -> usize {
         let lengths = figures.iter().flat_map(|figure| figure.line_lengths()).filter(|length| *length > UNPACKED);
-        let samples: usize = lengths.map(|length| length.min(self.most)).sum();
-        if samples as f64 * LEAST_CHARACTERS > room as f64 {
-            return false;
+        let least = LEAST_CHARACTERS * lengths.map(|length| length.min(self.most)).sum::<usize>() as f64;
+        if least > room as f64 {
+            return least as usize;
         }
-        let length = |figure: &&Figure| {
+        let size = |figure: &&Figure| {
             let mut stored = (*figure).clone();
             thin(&mut stored, self.most);
             self.packed(figure, &stored).map_or(0, |packed| packed.text.len() + packed.header.len())
         };
-        figures.iter().map(length).sum::<usize>() <= room
+        figures.iter().map(size).sum()
     }
 
     /// Packs the long lines of what is stored of a figure; nothing where there is none.
