@@ -33,7 +33,7 @@ pub(crate) fn comparison(models: &[Shown]) -> Vec<Figure> {
 fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
     let mut keys = vec![measurement(models, number, label)];
     let (mut layers, mut errors) = (Vec::new(), Vec::new());
-    let mut title = String::new();
+    let (mut title, mut recording) = (String::new(), "");
     // The first model, the one that matters most, is drawn last and covered by none.
     for (index, model) in models.iter().enumerate().rev() {
         let Some(output) = model.data.output_labels().iter().position(|own| own == label) else { continue };
@@ -47,13 +47,14 @@ fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
         layers.push(Layer::trace(model.name, style, clock, modelled));
         errors.push(trace(model.name, style, clock, &difference));
         title = format!("{}, {}", label.name, experiment.name);
+        recording = &experiment.name;
     }
     keys.append(&mut layers);
     let panels = vec![
         Panel::new(Axis::linear(&label.name, &label.unit), 200, keys),
         Panel::new(Axis::linear("measured − model", &label.unit), 90, errors),
     ];
-    figure(&title, Axis::time(), panels)
+    figure(&title, Axis::time(), panels).of_recording(recording)
 }
 
 fn measurement(models: &[Shown], number: usize, label: &Label) -> Layer {

@@ -1,19 +1,27 @@
-//! Paths that need not be finer than can be seen: in whole tenths of a pixel, each point by its distance from the one before.
+//! Paths that need not be finer than can be seen: in whole tenths of a pixel, or hundredths, each point by its distance from the
+//! one before.
 
 use std::fmt::Write as _;
 
 /// What a path in tenths of a pixel needs to have its size.
 pub(super) const COARSE: &str = "data-scale=\"0.1\" transform=\"scale(.1)\"";
 
-/// Points between two others may lie so far from the straight line that is drawn, in tenths of a pixel.
+/// The same for hundredths.
+pub(super) const FINE: &str = "data-scale=\"0.01\" transform=\"scale(.01)\"";
+
+/// Points between two others may lie so far from the straight line that is drawn, in units of the path.
 const TOLERANCE: f64 = 1.0;
 
 /// In pixels, and in tenths of them.
 type Pixel = (f64, f64);
 type Point = (i64, i64);
 
-fn tenths((x, y): Pixel) -> Point {
-    ((10.0 * x).round() as i64, (10.0 * y).round() as i64)
+fn tenths(at: Pixel) -> Point {
+    parts(at, 10.0)
+}
+
+fn parts((x, y): Pixel, of_pixel: f64) -> Point {
+    ((of_pixel * x).round() as i64, (of_pixel * y).round() as i64)
 }
 
 /// Two numbers; a minus sign separates as well as a space does.
@@ -22,12 +30,21 @@ fn pair(d: &mut String, (x, y): Point) {
     let _ = write!(d, "{}{x}{}{y}", if separates { "" } else { " " }, if y < 0 { "" } else { " " });
 }
 
-/// A line along x, broken where a point is missing.
+/// A line, broken where a point is missing.
 pub(super) fn line(points: &[Option<Pixel>]) -> String {
+    line_of(points, 10.0)
+}
+
+/// A line in hundredths of a pixel.
+pub(super) fn fine_line(points: &[Option<Pixel>]) -> String {
+    line_of(points, 100.0)
+}
+
+fn line_of(points: &[Option<Pixel>], of_pixel: f64) -> String {
     let mut line = Line::default();
     for point in points {
         match point {
-            Some(point) => line.to(tenths(*point)),
+            Some(point) => line.to(parts(*point, of_pixel)),
             None => line.lift(),
         }
     }

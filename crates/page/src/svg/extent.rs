@@ -158,7 +158,9 @@ fn aired(Range(low, high): Range) -> (f64, f64) {
 /// Samples of a trace so many interquartile ranges from its quartiles are unusual where they are this share of it or less,
 const FAR: f64 = 5.0;
 const FEW: f64 = 0.01;
-/// and traces have at least so many samples.
+/// and where they are in so few places: what happens again and again is no accident.
+const PLACES: usize = 3;
+/// A trace has at least so many samples.
 const TRACE: usize = 200;
 /// Unusual samples are left outside an axis only where it shrinks to this share.
 const SHRUNK: f64 = 0.5;
@@ -177,8 +179,11 @@ fn usual(layer: &Layer) -> Option<Range> {
     let (lower, upper) = (quantile(0.25), quantile(0.75));
     let reach = FAR * (upper - lower);
     let usual = Range(lower - reach, upper + reach);
-    let unusual = values.iter().filter(|y| !(usual.0..=usual.1).contains(*y)).count();
-    (reach > 0.0 && unusual > 0 && unusual as f64 <= FEW * values.len() as f64).then_some(usual)
+    let is_unusual = |(_, y): &(usize, &Rounded)| y.0.is_finite() && !(usual.0..=usual.1).contains(&y.0);
+    let unusual: Vec<usize> = y.iter().enumerate().filter(is_unusual).map(|(at, _)| at).collect();
+    let few = FEW * values.len() as f64;
+    let places = 1 + unusual.windows(2).filter(|pair| (pair[1] - pair[0]) as f64 > few).count();
+    (reach > 0.0 && !unusual.is_empty() && unusual.len() as f64 <= few && places <= PLACES).then_some(usual)
 }
 
 /// The samples of traces outside a range, by x.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::coarse;
-use super::coarse::COARSE;
+use super::coarse::{COARSE, FINE};
 use super::extent::values;
 use super::shared::{Frame, INK, REGION, WIDE, line, text};
 use crate::figure::{Layer, Marker, Rounded, Scale, Style};
@@ -186,7 +186,7 @@ fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Fram
                 None if y.len() as f64 > frame.right - frame.left => 2.0,
                 None => 4.0,
             };
-            match y.len() > MANY {
+            match frame.in_page && y.len() > MANY {
                 false => path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\""),
                 true => {
                     let attributes = format!("{COARSE} stroke-linecap=\"round\"");
@@ -201,7 +201,11 @@ fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Fram
         Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-            path(out, &polyline(&x, y, frame), *style, stroke(*style, false).0, &dashes(*style, &[]));
+            let (d, unit) = match frame.in_page {
+                true => (coarse::fine_line(&pixels(&x, y, frame)), FINE),
+                false => (polyline(&x, y, frame), ""),
+            };
+            path(out, &d, *style, stroke(*style, false).0, &format!("{unit} {}", dashes(*style, &[])));
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::Shades { x, y, columns } => shades(out, (x, y), columns, frame),

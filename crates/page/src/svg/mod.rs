@@ -21,7 +21,7 @@ use shared::{Frame, INK, LINE, SOFT, WIDE, line, text};
 pub(crate) const FONT: &str = "DejaVu Sans";
 
 /// A drawing on its own.
-const ALONE: Canvas = Canvas { width: 900.0, left: 74.0, stretch: 1.25 };
+const ALONE: Canvas = Canvas { width: 900.0, left: 74.0, stretch: 1.25, in_page: false };
 /// From the right end of the axes to that of the drawing.
 const MARGIN: f64 = 18.0;
 const TITLE: f64 = 30.0;
@@ -35,12 +35,13 @@ const LINE_HEIGHT: f64 = 17.0;
 /// From an arrow at the edge of a panel to the next one.
 const ARROWS_APART: f64 = 12.0;
 
-/// How wide a drawing is, where its axes begin, and how much higher panels are than they say.
+/// How wide a drawing is, where its axes begin, how much higher panels are than they say, and whether it is in a page.
 #[derive(Debug, Clone, Copy)]
 struct Canvas {
     width: f64,
     left: f64,
     stretch: f64,
+    in_page: bool,
 }
 
 impl Canvas {
@@ -81,7 +82,7 @@ pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
 /// The panels of a figure as an SVG element of a page that has title, legend and caption of its own.
 pub(crate) fn embedded(drawing: Drawing, width: f64) -> String {
     let figure = drawing.drawn;
-    let canvas = Canvas { width, left: 58.0, stretch: 1.0 };
+    let canvas = Canvas { width, left: 58.0, stretch: 1.0, in_page: true };
     let mut body = String::new();
     let height = panels(&mut body, drawing, 0.0, canvas) + FOOT - BELOW;
     format!(
@@ -154,6 +155,7 @@ fn frame(
         right,
         top,
         bottom,
+        in_page: canvas.in_page,
     }
 }
 
@@ -191,7 +193,7 @@ fn draw_panel(out: &mut String, drawing: Drawing, index: usize, frame: &Frame, e
     outside(out, frame, extent);
     let is_hidden = panel.layers.iter().any(|layer| layers::is_hidden(layer, frame));
     let remarks = [panel.note.as_str(), if is_hidden { "band narrower than its line" } else { "" }];
-    let notes: String = remarks.iter().filter(|note| !note.is_empty()).map(|note| format!("  {note}")).collect();
+    let notes: String = remarks.iter().filter(|note| !note.is_empty()).map(|note| format!(", {note}")).collect();
     let name = format!("{}{notes}", axis_name(&panel.y));
     label(out, figure, (left, top - 9.0), "start", &format!("class=\"axis-name\" fill=\"{INK}\""), &name);
     if last {

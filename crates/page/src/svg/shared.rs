@@ -23,6 +23,8 @@ pub(super) struct Frame {
     pub(super) right: f64,
     pub(super) top: f64,
     pub(super) bottom: f64,
+    /// Whether the drawing is in a page, whose style sheet keeps strokes as wide as they are where a path is scaled.
+    pub(super) in_page: bool,
 }
 
 /// Text with indices: `T_d` is set with its d below.

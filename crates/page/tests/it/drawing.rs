@@ -203,6 +203,9 @@ fn a_start_transient_does_not_set_the_scale_and_is_counted() {
     values[..200].fill(900.0);
     let text = drawn(&values);
     assert!(!text.contains("outside") && !text.contains(">8</text>"), "a tenth of the samples is no transient");
+    values[..200].fill(4.0);
+    (0..10).for_each(|n| values[200 * n] = 900.0);
+    assert!(!drawn(&values).contains("outside"), "what happens again and again sets the scale");
 }
 
 #[test]
