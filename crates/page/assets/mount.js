@@ -21,6 +21,7 @@ function mount(box) {
     return element;
   };
   const [readout, state] = [overlay("output", "readout"), overlay("p", "state")];
+  state.setAttribute("role", "status");
   root.setAttribute("tabindex", 0);
   const title = root.querySelector("title");
   const [, , width, height] = root.getAttribute("viewBox").split(" ").map(Number);

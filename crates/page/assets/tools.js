@@ -23,11 +23,11 @@ function addTools(plot) {
   bar.className = "tools";
   bar.setAttribute("role", "toolbar");
   bar.setAttribute("aria-label", `Tools of the figure ${plot.title}`);
-  plot.buttons = TOOLS.map(([label, name, , action], number) => {
+  plot.buttons = TOOLS.map(([label, name, [key], action], number) => {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = label;
-    button.title = name;
+    button.title = `${name} (${key})`;
     button.setAttribute("aria-label", name);
     button.tabIndex = number === 0 ? 0 : -1;
     button.addEventListener("click", () => act(plot, action));

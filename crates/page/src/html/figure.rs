@@ -29,7 +29,7 @@ pub(super) struct Points {
 /// Title, tools, legend, drawing and caption; `number` is the figure's own in the page.
 pub(super) fn figure(whole: &Figure, width: f64, number: usize, points: Points) -> Markup {
     let mut stored = whole.clone();
-    thin(&mut stored, points.stored.most);
+    thin(&mut stored, points.stored.most_of(whole));
     let mut drawn = stored.clone();
     thin(&mut drawn, points.drawn);
     let note = samples_drawn(&drawn, whole);

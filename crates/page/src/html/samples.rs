@@ -13,18 +13,20 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
-use crate::figure::{Abscissa, Axis, Figure, Layer, Rounded, Scale};
+use crate::figure::{Abscissa, Axis, Figure, Layer, Rounded, Scale, Style};
 use crate::thinned::{HELD_SAMPLES, Place, groups, recorded, thin};
 
 /// How samples are stored so that there is room for them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Storage {
-    /// Largest number of samples of a line.
-    pub(super) most: usize,
+    /// Largest number of samples of a line, where no model is compared.
+    most: usize,
     /// Steps of a line's values from its lowest to its highest.
     levels: f64,
 }
 
+/// How many times the samples of another figure one has that shows what a model leaves over.
+const COMPARED: usize = 3;
 /// What coarser values leave of the characters of samples, about.
 const SHARE_OF_COARSE: f64 = 0.8;
 /// Characters of a sample at the very least, to see early that too many are too many.
@@ -93,16 +95,24 @@ impl Storage {
         Storage { most: storage.most.max(drawn), ..storage }
     }
 
+    /// Largest number of samples of a line of a figure: more where it shows what a model leaves over, since such figures are zoomed.
+    pub(super) fn most_of(self, figure: &Figure) -> usize {
+        if shows_residuals(figure) { COMPARED * self.most } else { self.most }
+    }
+
     /// Characters of all samples; about so many where they are far too many.
     fn size(self, room: usize, figures: &[&Figure]) -> usize {
-        let lengths = figures.iter().flat_map(|figure| figure.line_lengths()).filter(|length| *length > UNPACKED);
-        let least = LEAST_CHARACTERS * lengths.map(|length| length.min(self.most)).sum::<usize>() as f64;
+        let samples = |figure: &&Figure| {
+            let lengths = figure.line_lengths().filter(|length| *length > UNPACKED);
+            lengths.map(|length| length.min(self.most_of(figure))).sum::<usize>()
+        };
+        let least = LEAST_CHARACTERS * figures.iter().map(samples).sum::<usize>() as f64;
         if least > room as f64 {
             return least as usize;
         }
         let size = |figure: &&Figure| {
             let mut stored = (*figure).clone();
-            thin(&mut stored, self.most);
+            thin(&mut stored, self.most_of(figure));
             self.packed(figure, &stored).map_or(0, |packed| packed.text.len() + packed.header.len())
         };
         figures.iter().map(size).sum()
@@ -140,6 +150,19 @@ impl Storage {
         let values = axes.zip(&series).map(|(axis, (_, y))| column(bytes, axis, y, self.levels, 2)).collect();
         Some(Group { lines: lines.to_vec(), count: y.len(), of, clock, numbered, places, values })
     }
+}
+
+/// Whether a panel has what models leave over and nothing else.
+fn shows_residuals(figure: &Figure) -> bool {
+    figure.panels.iter().any(|panel| {
+        let style = |layer: &Layer| match layer {
+            Layer::Line { style, .. } => Some(*style),
+            _ => None,
+        };
+        let styles: Vec<Style> = panel.layers.iter().filter_map(style).collect();
+        let is_left_over = |style: &Style| matches!(style, Style::Residual | Style::Other);
+        styles.contains(&Style::Residual) && styles.iter().all(is_left_over)
+    })
 }
 
 fn line(figure: &Figure, (row, column): Place) -> Option<(&Abscissa, &[Rounded])> {

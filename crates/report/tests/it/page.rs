@@ -25,7 +25,12 @@ fn exact_every_figure_is_drawn_without_scripts_and_said_in_words() {
     for figure in figures {
         assert!(figure.contains("<g class=\"panel\"") && figure.contains("<path d=\"M"), "{figure}");
         assert!(figure.contains("role=\"img\" aria-label=\"") && figure.contains("<desc>"), "{figure}");
+        let label = elements(figure, "aria-label=\"", "\"")[0];
+        let title = elements(figure, "<title>", "</title>")[0];
+        assert!(label.len() > title.len() + 10, "the result is said too: {label}");
     }
+    let diagram = elements(&page, "<figure class=\"diagram\" aria-label=\"", "\"")[0];
+    assert!(diagram.contains("Nm/rad") && diagram.contains("rad/s"), "{diagram}");
 }
 
 #[test]
