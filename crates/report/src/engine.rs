@@ -174,6 +174,7 @@ fn over_time(file: &str, engine: &RebuiltEngine, cycles: Option<&Cycles>) -> Fig
         vec![Panel::new(Axis::linear("T_e", "Nm"), HEIGHT, layers)],
     )
     .with_caption(format!("{} of it, from the middle; {}.", number::duration(shown_s), rebuilt(engine)))
+    .of_recording(file)
 }
 
 fn over_angle(file: &str, cycles: &Cycles, profile: &Profile) -> Figure {
@@ -206,7 +207,8 @@ fn by_cycle(file: &str, cycles: &Cycles) -> Figure {
     let shown = cycles.cycles.iter().skip((count - drawn) / 2).take(drawn);
     let layer = bars("mean of a cycle, 95 % by noise", shown.map(middle));
     let panel = Panel::new(Axis::linear("T_e of a cycle", "Nm"), HEIGHT, vec![layer]);
-    let figure = Figure::new(&format!("{file}: engine torque cycle by cycle"), Axis::time(), vec![panel]);
+    let figure =
+        Figure::new(&format!("{file}: engine torque cycle by cycle"), Axis::time(), vec![panel]).of_recording(file);
     let caption = match drawn < count {
         true => format!("{drawn} of {count} cycles, from the middle, with 95 % intervals by noise."),
         false => "With 95 % intervals by noise.".to_owned(),

@@ -225,6 +225,7 @@ fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
     ];
     Figure::new(&format!("{}: shaft torque rebuilt", recording.file), Axis::time(), panels)
         .with_caption(format!("Half a second of it; {}.", rebuilt(shaft)))
+        .of_recording(&recording.file)
 }
 
 /// What the system's own T_d,shaft,calc holds of the same half second.

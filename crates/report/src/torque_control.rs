@@ -261,6 +261,7 @@ fn trace_figure(recording: &ComparedRecording, shown: &Shown) -> Figure {
         "The beginning of the part that no model has seen, without mean and ripple. Of each recording the black box \
          with the smallest errors there.",
     )
+    .of_recording(&recording.file)
 }
 
 fn map(recording: &ComparedRecording, input: Input) -> Option<Figure> {
