@@ -9,10 +9,8 @@ use signal::Signal;
 
 use crate::torque_control::{AirGapTorqueModel, Observed, robust_covariance, standard_deviation, usable_samples};
 
-/// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
+/// Relative step of the numerical derivatives by ω_n and ζ of an exact step: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
-/// Step of the derivative by the delay, s.
-const DELAY_STEP_S: f64 = 1e-6;
 /// The longest delay of a load cell looked for, s.
 const LONGEST_S: f64 = 0.03;
 /// Natural frequencies, rad/s, and the damping ratio tried first.
@@ -51,37 +49,121 @@ struct Reading {
     slope: Vec<f64>,
 }
 
+/// The exact step of the cell from one fine sample of T_d to the next: of its two states, each from both states and from T_d now
+/// and next.
+type Step = [[f64; 4]; 2];
+
+/// A state of the cell, or how it changes with a parameter: its reading and the slope of that.
+type State = [f64; 2];
+
+fn advanced(step: &Step, [x, v]: State, [now, next]: [f64; 2]) -> State {
+    step.map(|[by_x, by_v, by_now, by_next]| by_x * x + by_v * v + by_now * now + by_next * next)
+}
+
+/// A cubic between two states a sample apart, at this part of the way; states with slopes per sample.
+fn between([x, from]: State, [y, to]: State, u: f64) -> f64 {
+    let (square, cube) = (u * u, u * u * u);
+    x + (y - x) * (3.0 * square - 2.0 * cube) + from * (u - 2.0 * square + cube) + to * (cube - square)
+}
+
+/// Its slope there, per sample.
+fn slope_between([x, from]: State, [y, to]: State, u: f64) -> f64 {
+    let square = u * u;
+    (y - x) * 6.0 * (u - square) + from * (1.0 - 4.0 * u + 3.0 * square) + to * (3.0 * square - 2.0 * u)
+}
+
 impl CellModel<'_> {
-    fn reading(&self, natural: f64, damping: f64) -> Result<Reading, IdentError> {
+    fn step(&self, natural: f64, damping: f64) -> Result<Step, IdentError> {
         let a = mat![[0.0, 1.0], [-natural * natural, -2.0 * damping * natural]];
         let cell = StateSpace::continuous(a, mat![[0.0], [natural * natural]], mat![[1.0, 0.0]], mat![[0.0]])?;
         let hold = cell.to_discrete_foh(self.torque.sample_time_s)?;
-        let row = |i: usize| [hold.a()[(i, 0)], hold.a()[(i, 1)], hold.b0()[(i, 0)], hold.b1()[(i, 0)]];
-        let rows = [row(0), row(1)];
-        let mut state = [self.torque.samples.first().copied().unwrap_or(0.0), 0.0];
-        let mut reading = Reading { value: vec![state[0]], slope: vec![state[1]] };
+        Ok([0, 1].map(|i| [hold.a()[(i, 0)], hold.a()[(i, 1)], hold.b0()[(i, 0)], hold.b1()[(i, 0)]]))
+    }
+
+    /// How the step changes with ω_n, and with ζ.
+    fn step_changes(&self, natural: f64, damping: f64) -> Result<[Step; 2], IdentError> {
+        let difference = |above: Step, below: Step, by: f64| {
+            let entry = |i: usize, j: usize| (above[i][j] - below[i][j]) / (2.0 * by);
+            [0, 1].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)))
+        };
+        let by = [STEP * natural, STEP * damping];
+        Ok([
+            difference(self.step(natural + by[0], damping)?, self.step(natural - by[0], damping)?, by[0]),
+            difference(self.step(natural, damping + by[1])?, self.step(natural, damping - by[1])?, by[1]),
+        ])
+    }
+
+    fn at_rest(&self) -> State {
+        [self.torque.samples.first().copied().unwrap_or(0.0), 0.0]
+    }
+
+    fn reading(&self, natural: f64, damping: f64) -> Result<Reading, IdentError> {
+        let step = self.step(natural, damping)?;
+        let mut state = self.at_rest();
+        let count = self.torque.len();
+        let mut reading = Reading { value: Vec::with_capacity(count), slope: Vec::with_capacity(count) };
+        reading.value.push(state[0]);
+        reading.slope.push(state[1]);
         for pair in self.torque.samples.windows(2) {
-            let [x, v] = state;
-            state =
-                rows.map(|[by_x, by_v, by_now, by_next]| by_x * x + by_v * v + by_now * pair[0] + by_next * pair[1]);
+            state = advanced(&step, state, [pair[0], pair[1]]);
             reading.value.push(state[0]);
             reading.slope.push(state[1]);
         }
         Ok(reading)
     }
 
+    /// Where an instant lies on the clock of T_d, late by a delay: the fine sample before it, and how far on the way to the next; at
+    /// the ends of T_d whether it lies beyond them.
+    fn place(&self, time_s: f64, delay_s: f64) -> (usize, f64, bool) {
+        let last = self.torque.len().saturating_sub(2) as f64;
+        let position = (time_s - delay_s - self.torque.start_s) / self.torque.sample_time_s;
+        let within = position.clamp(0.0, last + 1.0);
+        let below = within.floor().min(last);
+        (below as usize, within - below, within != position)
+    }
+
+    /// Goes through T_d once and hands over what the cell reads at each observed instant, with its derivatives by delay, ω_n and ζ. The
+    /// states are kept for a step alone: T_d is long.
+    fn pass(
+        &self,
+        [delay_s, natural, damping]: [f64; 3],
+        mut put: impl FnMut(usize, f64, [f64; 3]),
+    ) -> Result<(), IdentError> {
+        let (step, changes) = (self.step(natural, damping)?, self.step_changes(natural, damping)?);
+        let (fine_s, samples) = (self.torque.sample_time_s, &self.torque.samples);
+        let per_sample = |[x, v]: State| [x, fine_s * v];
+        let (mut state, mut moved) = (self.at_rest(), [[0.0; 2]; 2]);
+        let mut times = self.observed.times_s.iter().map(|time_s| self.place(*time_s, delay_s)).enumerate().peekable();
+        for (k, pair) in samples.windows(2).enumerate() {
+            let torque = [pair[0], pair[1]];
+            let next = advanced(&step, state, torque);
+            let next_moved = [0, 1].map(|j| {
+                let own = advanced(&step, moved[j], [0.0; 2]);
+                let by_step = advanced(&changes[j], state, torque);
+                [own[0] + by_step[0], own[1] + by_step[1]]
+            });
+            while let Some((i, (_, u, is_beyond))) = times.next_if(|(_, (below, ..))| *below <= k) {
+                let ends = |from: State, to: State| (per_sample(from), per_sample(to));
+                let (from, to) = ends(state, next);
+                let by_delay = if is_beyond { 0.0 } else { -slope_between(from, to, u) / fine_s };
+                let [by_natural, by_damping] = [0, 1].map(|j| {
+                    let (from, to) = ends(moved[j], next_moved[j]);
+                    between(from, to, u)
+                });
+                put(i, between(from, to, u), [by_delay, by_natural, by_damping]);
+            }
+            (state, moved) = (next, next_moved);
+        }
+        Ok(())
+    }
+
     /// What the cell reads at the observed instants, late by a delay.
     fn delayed(&self, reading: &Reading, delay_s: f64) -> Vec<f64> {
-        let step = self.torque.sample_time_s;
-        let last = reading.value.len().saturating_sub(2) as f64;
+        let fine_s = self.torque.sample_time_s;
         let at = |time_s: &f64| {
-            let position = ((time_s - delay_s - self.torque.start_s) / step).clamp(0.0, last + 1.0);
-            let below = position.floor().min(last);
-            let (k, u) = (below as usize, position - below);
-            let (x, y) = (reading.value[k], reading.value[k + 1]);
-            let (from, to) = (step * reading.slope[k], step * reading.slope[k + 1]);
-            let (square, cube) = (u * u, u * u * u);
-            x + (y - x) * (3.0 * square - 2.0 * cube) + from * (u - 2.0 * square + cube) + to * (cube - square)
+            let (k, u, _) = self.place(*time_s, delay_s);
+            let state = |k: usize| [reading.value[k], fine_s * reading.slope[k]];
+            between(state(k), state(k + 1), u)
         };
         self.observed.times_s.iter().map(at).collect()
     }
@@ -145,32 +227,19 @@ impl ResidualModel for CellModel<'_> {
         &mut self,
         parameters: &[f64],
         residuals: &mut [f64],
-        jacobian: Option<MatMut<'_, f64>>,
+        mut jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
-        let (delay_s, gain, offset) = (parameters[0], parameters[3], parameters[4]);
-        let reading = self.reading(parameters[1], parameters[2])?;
-        let modelled = self.delayed(&reading, delay_s);
-        for ((residual, y), m) in residuals.iter_mut().zip(&self.observed.values).zip(&modelled) {
-            *residual = gain * m + offset - y;
-        }
-        let Some(mut jacobian) = jacobian else { return Ok(()) };
-        let mut differentiate = |j: usize, step: f64, above: &[f64], below: &[f64]| {
-            for (i, (a, b)) in above.iter().zip(below).enumerate() {
-                jacobian[(i, j)] = gain * (a - b) / (2.0 * step);
+        let (gain, offset) = (parameters[3], parameters[4]);
+        let (cell, measured) = ([parameters[0], parameters[1], parameters[2]], &self.observed.values);
+        self.pass(cell, |i, read, changes| {
+            residuals[i] = gain * read + offset - measured[i];
+            if let Some(jacobian) = &mut jacobian {
+                for (j, change) in changes.into_iter().enumerate() {
+                    jacobian[(i, j)] = gain * change;
+                }
+                (jacobian[(i, 3)], jacobian[(i, 4)]) = (read, 1.0);
             }
-        };
-        let (later, earlier) = (delay_s + DELAY_STEP_S, delay_s - DELAY_STEP_S);
-        differentiate(0, DELAY_STEP_S, &self.delayed(&reading, later), &self.delayed(&reading, earlier));
-        for j in [1, 2] {
-            let step = STEP * parameters[j];
-            let (mut above, mut below) = (parameters.to_vec(), parameters.to_vec());
-            above[j] += step;
-            below[j] -= step;
-            differentiate(j, step, &self.modelled(&above)?, &self.modelled(&below)?);
-        }
-        for (i, m) in modelled.iter().enumerate() {
-            (jacobian[(i, 3)], jacobian[(i, 4)]) = (*m, 1.0);
-        }
+        })?;
         Ok(())
     }
 }
@@ -243,4 +312,51 @@ pub(super) fn fit(
         total: Parameter::new(Quantity::LoadCellTotalDelay, total, variance.sqrt().hypot(dated), freedom),
         usable: fit.termination.converged() && fit.parameters[3] > 0.0 && !fit.at_bound[..3].contains(&true),
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use numerics::random::Stream;
+
+    use super::*;
+
+    #[test]
+    fn exact_derivatives_are_those_of_finite_differences() {
+        let mut random = Stream::new(5, 0);
+        let levels: Vec<f64> = (0..40).map(|_| 30.0 * random.normal()).collect();
+        let samples = (0..4000).map(|k| levels[k / 100]).collect();
+        let torque = Signal::new(0.0, 1e-4, samples).unwrap();
+        // From before T_d begins until after it ends.
+        let cell = Signal::new(-0.01, 1e-3, (0..430).map(|_| random.normal()).collect()).unwrap();
+        let observed = Observed::new(&cell, &vec![true; cell.len()], 0..cell.len());
+        let mut model = CellModel { torque: &torque, observed: &observed };
+        let parameters = [4.3e-3, 420.0, 0.25, 1.1, 2.0];
+        let count = observed.len();
+        let (mut residuals, mut jacobian) = (vec![0.0; count], Mat::zeros(count, 5));
+        model.evaluate(&parameters, &mut residuals, Some(jacobian.as_mut())).unwrap();
+        for (j, step) in [1e-6, 1e-3, 1e-6, 1e-4, 1e-4].into_iter().enumerate() {
+            let moved = |by: f64, model: &mut CellModel<'_>| {
+                let (mut parameters, mut residuals) = (parameters, vec![0.0; count]);
+                parameters[j] += by;
+                model.evaluate(&parameters, &mut residuals, None).unwrap();
+                residuals
+            };
+            let (above, below) = (moved(step, &mut model), moved(-step, &mut model));
+            let scale = (0..count).map(|i| jacobian[(i, j)].abs()).fold(0.0, f64::max);
+            for i in 0..count {
+                let difference = (above[i] - below[i]) / (2.0 * step);
+                assert!(
+                    (jacobian[(i, j)] - difference).abs() < 1e-5 * scale,
+                    "{i} {j}: {} {difference}",
+                    jacobian[(i, j)]
+                );
+            }
+        }
+        let read = model.modelled(&parameters).unwrap();
+        for (i, read) in read.iter().enumerate() {
+            let residual = 1.1 * read + 2.0 - observed.values[i];
+            assert!((residuals[i] - residual).abs() < 1e-9, "{i}");
+        }
+    }
 }
