@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Pages as data, and their shapes: one HTML file, lines of a terminal, Markdown, JSON; figures as SVG and PNG.
+//! Pages as data, and their shapes: one HTML file, a PDF, lines of a terminal, Markdown, JSON; figures as SVG and PNG.
 //!
 //! A [`Page`] is headings, text, tables, figures and findings as plain data. Whoever has something to say builds one, and
 //! the renderers here show it: all number formatting and typesetting is theirs. This crate may know nothing of benches,
@@ -8,12 +8,16 @@
 //! look alike everywhere.
 
 pub mod decimal;
+mod drawing;
 mod figure;
+mod formula;
 mod html;
+mod logo;
 mod markdown;
 pub mod markup;
 mod model;
 pub mod number;
+mod pdf;
 mod png;
 mod prose;
 mod quantity;
@@ -25,8 +29,10 @@ mod tone;
 
 pub use figure::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Scale, Style, rounded};
 pub use html::html;
+pub use logo::{Logo, LogoError};
 pub use markdown::markdown;
 pub use model::{Block, Blocks, Card, Finding, Page, Weight};
+pub use pdf::{Day, Paper, PdfError, PdfOptions, pdf};
 pub use png::{PngError, png};
 pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::figure::Figure;
+use crate::logo::Logo;
 use crate::prose::Prose;
 use crate::quantity::Quantity;
 use crate::table::Table;
@@ -18,6 +19,9 @@ pub struct Page {
     pub subtitle: Prose,
     /// A line at the top of each printed page; empty for none.
     pub running_head: String,
+    /// A picture at the top.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub logo: Option<Logo>,
     /// The content.
     pub blocks: Vec<Block>,
 }

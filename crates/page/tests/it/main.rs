@@ -4,5 +4,6 @@
 mod colours;
 mod decimal;
 mod drawing;
+mod pdf;
 mod renderers;
 mod samples;

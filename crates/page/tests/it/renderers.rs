@@ -28,7 +28,7 @@ fn table() -> Table {
     table
 }
 
-fn page() -> Page {
+pub(crate) fn page() -> Page {
     let finding = Finding {
         tone: Tone::Caution,
         severity: "warning".to_owned(),

@@ -1,0 +1,158 @@
+//! Figures and drawings, with title, legend and caption on one page.
+
+use std::rc::Rc;
+
+use resvg::usvg;
+
+use super::layout::{BODY, GAP, Layout, Place, SMALL, body, bold, small};
+use super::options::PdfError;
+use super::strip::{Area, Shape, Strip, height, keep_together};
+use super::structure::{Node, Role};
+use super::text::{SOFT, Style};
+use crate::figure::Figure;
+use crate::prose::Prose;
+use crate::svg::{self, Medium};
+use crate::thinned::thinned;
+
+/// Points per pixel of a figure across the page, and of one beside another.
+const SCALE: f32 = 0.68;
+const NARROW_SCALE: f32 = 0.6;
+/// Between two figures beside each other.
+const BETWEEN: f32 = 14.0;
+/// The part of a page that a figure's drawing has at least, whatever stands around it.
+const LEAST: f32 = 0.3;
+/// The part of a page that the panels of a figure take, so that a heading and a few lines have room above it.
+const HIGHEST: f32 = 0.6;
+/// The lowest panel in which a course is still seen, pixels.
+const LOWEST_PANEL: f32 = 45.0;
+/// Pixels of the sign before a name in the legend.
+const KEY: (f32, f32) = (18.0, 14.0);
+const ABOVE: f32 = 12.0;
+
+impl Layout<'_> {
+    /// A figure across the page.
+    pub(super) fn figure(&mut self, figure: &Figure, place: Place) -> Result<Vec<Strip>, PdfError> {
+        self.scaled(figure, place, SCALE)
+    }
+
+    fn scaled(&mut self, figure: &Figure, place: Place, scale: f32) -> Result<Vec<Strip>, PdfError> {
+        self.figures += 1;
+        let figure = &lowered(thinned(figure, self.most_points), HIGHEST * self.column / scale);
+        let text = |text: &str| if figure.symbols { text.into() } else { Prose::verbatim(text) };
+        let drawing = svg::embedded(figure, f64::from(place.room / scale), self.figures, Medium::Paper);
+        let tree = self.reader.figure(&drawing, &figure.title)?;
+        let title = self.structure.node(Role::P, place.node);
+        let mut above = self.paragraph(&text(&figure.title), bold(BODY), title, place.room);
+        above.extend(self.legend(figure, place)?);
+        let alternative = format!("{}. {}", figure.title, svg::description(figure));
+        let node = self.structure.described(Role::Figure, place.node, alternative);
+        let caption = self.structure.node(Role::Caption, node);
+        let below = self.paragraph(&text(&figure.caption), small(), caption, place.room);
+        let shown = self.shown(&tree, node, (place.room, height(&above) + height(&below) + 2.0 * GAP));
+        Ok(together(above, shown, below))
+    }
+
+    /// A drawing as wide as there is room, or as high.
+    fn shown(&self, tree: &Rc<usvg::Tree>, node: Node, (room, taken): (f32, f32)) -> Strip {
+        let size = tree.size();
+        let most = (self.column - taken).max(LEAST * self.column);
+        let scale = (room / size.width()).min(most / size.height());
+        let (width, height) = (scale * size.width(), scale * size.height());
+        let mut strip = Strip { height, before: 3.0, ..Strip::default() };
+        strip.draw(node, Shape::Drawing(Area { x: 0.5 * (room - width), y: 0.0, width, height }, Rc::clone(tree)));
+        strip
+    }
+
+    /// The names of the series, in rows.
+    fn legend(&mut self, figure: &Figure, place: Place) -> Result<Vec<Strip>, PdfError> {
+        let entries = svg::legend_entries(figure);
+        let style = Style { colour: SOFT, size: SMALL, ..body() };
+        let (width, height) = (0.62 * KEY.0, 0.62 * KEY.1);
+        let node = self.structure.node(Role::P, place.node);
+        let mut rows: Vec<Strip> = Vec::new();
+        let mut x = 0.0;
+        for (name, layer) in entries {
+            let key = self.reader.figure(&svg::key(layer, Medium::Paper), name)?;
+            let text = if figure.symbols { name.into() } else { Prose::verbatim(name) };
+            let lines = self.setter.lines(&text, style, place.room - width - 5.0);
+            let needed = width + 5.0 + lines.iter().map(|line| line.width).fold(0.0, f32::max);
+            let is_full = x > 0.0 && x + needed > place.room;
+            if rows.is_empty() || is_full {
+                rows.push(Strip { before: 1.5, ..Strip::default() });
+                x = 0.0;
+            }
+            let Some(row) = rows.last_mut() else { continue };
+            let base = style.base();
+            row.draw(None, Shape::Drawing(Area { x, y: base - 0.72 * height, width, height }, key));
+            for (n, line) in lines.iter().enumerate() {
+                let down = n as f32 * style.line_height();
+                self.write(row, line, (x + width + 5.0, base + down), node, &mut Vec::new());
+                row.height = row.height.max(down + style.line_height());
+            }
+            x += needed + 14.0;
+        }
+        Ok(rows)
+    }
+
+    /// Figures beside each other; below each other where that is too high for a page.
+    pub(super) fn row(&mut self, figures: &[Figure], place: Place) -> Result<Vec<Strip>, PdfError> {
+        let count = figures.len().max(1) as f32;
+        let room = (place.room - BETWEEN * (count - 1.0)) / count;
+        if figures.len() != 2 {
+            return self.stack(figures, place);
+        }
+        let mut whole = Strip { before: ABOVE, ..Strip::default() };
+        for (number, figure) in figures.iter().enumerate() {
+            let strips = self.scaled(figure, Place { room, ..place }, NARROW_SCALE)?;
+            let right = number as f32 * (room + BETWEEN);
+            whole.absorb(Strip::of_stack(strips), right, 0.0);
+        }
+        if whole.height > self.column {
+            return self.stack(figures, place);
+        }
+        Ok(vec![whole])
+    }
+
+    fn stack(&mut self, figures: &[Figure], place: Place) -> Result<Vec<Strip>, PdfError> {
+        let each = figures.iter().map(|figure| self.figure(figure, place));
+        Ok(each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    }
+
+    /// A drawing that is no plot.
+    pub(super) fn drawing(
+        &mut self,
+        (svg, description): (&str, &str),
+        caption: &Prose,
+        place: Place,
+    ) -> Result<Vec<Strip>, PdfError> {
+        let tree = self.reader.drawing(svg, description)?;
+        let node = self.structure.described(Role::Figure, place.node, description);
+        let of_caption = self.structure.node(Role::Caption, node);
+        let below = self.paragraph(caption, small(), of_caption, place.room);
+        let shown = self.shown(&tree, node, (place.room, height(&below) + 2.0 * GAP));
+        Ok(together(Vec::new(), shown, below))
+    }
+}
+
+/// What stands above a drawing, the drawing, and what stands below it, on one page.
+fn together(above: Vec<Strip>, shown: Strip, below: Vec<Strip>) -> Vec<Strip> {
+    let mut all = above;
+    all.push(shown);
+    all.extend(below.into_iter().map(|line| Strip { before: 0.0, ..line }));
+    if let Some(first) = all.first_mut() {
+        first.before = ABOVE;
+    }
+    keep_together(&mut all);
+    all
+}
+
+/// The figure with panels that are together at most so many pixels high.
+fn lowered(mut figure: Figure, most: f32) -> Figure {
+    let all: u32 = figure.panels.iter().map(|panel| panel.height).sum();
+    let factor = most / all.max(1) as f32;
+    if factor < 1.0 {
+        let lower = |height: u32| (factor * height as f32).max(LOWEST_PANEL.min(height as f32)) as u32;
+        figure.panels.iter_mut().for_each(|panel| panel.height = lower(panel.height));
+    }
+    figure
+}

@@ -1,0 +1,199 @@
+//! A page as a PDF, for paper and archives: set in lines by the widths of glyphs, divided into pages, and tagged, so that
+//! programs read it in order. It has bookmarks, links, and the fonts it needs. The same page gives the same bytes.
+
+mod contents;
+mod deflated;
+mod document;
+mod equation;
+mod figure;
+mod font;
+mod fonts;
+mod ink;
+mod layout;
+mod options;
+mod paint;
+mod paper;
+mod strip;
+mod structure;
+mod table;
+mod text;
+mod vector;
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use crate::model::{Block, Page};
+use crate::thinned::most_points;
+use document::{Parts, References, Spot};
+use font::{Face, Fonts};
+use ink::Ink;
+use layout::{Layout, Place};
+pub use options::{Day, PdfError, PdfOptions};
+use paint::{Edges, Painted, Painter};
+use paper::Format;
+pub use paper::Paper;
+use strip::{Area, Shape, Sheet, Strip, paginate};
+use structure::{ROOT, Role, Structure};
+use text::{SOFT, Setter, Style};
+use vector::Reader;
+
+/// Fewer sections need no list of contents.
+const CONTENTS: usize = 4;
+/// The largest logo, points.
+const LOGO: (f32, f32) = (120.0, 48.0);
+/// From the edge of the paper to the texts at the edges of a page.
+const HEAD: f32 = 34.0;
+const FOOT: f32 = 30.0;
+
+/// The page as a PDF.
+///
+/// # Errors
+/// [`PdfError`] where a drawing of the page cannot be read.
+pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
+    let format = Format::new(options.paper);
+    let fonts = Fonts::new()?;
+    let sections = section_ids(&page.blocks);
+    let mut layout = Layout {
+        setter: Setter::new(&fonts, &sections),
+        structure: Structure::new(),
+        reader: Reader::new(),
+        headings: Vec::new(),
+        column: format.column(),
+        most_points: most_points(&page.figures()),
+        figures: 0,
+    };
+    let strips = strips(page, &mut layout, format.room())?;
+    let sheets = paginate(strips, format.column());
+    let spots = spots(&sheets, layout.headings.len(), format);
+    let mut ink = Ink::new(&fonts);
+    let mut references = References::new();
+    let heading_pages: Vec<usize> = spots.iter().map(|spot| spot.page).collect();
+    let Layout { setter, mut structure, headings, .. } = layout;
+    let mut painter =
+        Painter { ink: &mut ink, structure: &mut structure, format, heading_pages: &heading_pages, fonts: &fonts };
+    let painted: Vec<Painted> = sheets
+        .iter()
+        .enumerate()
+        .map(|(number, sheet)| {
+            let edges = edges((number, sheets.len()), page, options, (&setter, format));
+            painter.page(number, sheet, &edges, &mut || references.next())
+        })
+        .collect();
+    let parts = Parts {
+        title: &page.title,
+        options,
+        format,
+        painted,
+        structure: &structure,
+        headings: &headings,
+        spots: &spots,
+        ink,
+        fonts: &fonts,
+    };
+    document::write(&parts, references)
+}
+
+/// The sections that links may point to.
+fn section_ids(blocks: &[Block]) -> BTreeSet<String> {
+    let mut all = BTreeSet::new();
+    for block in blocks {
+        match block {
+            Block::Section { id, blocks, .. } => {
+                all.insert(id.clone());
+                all.extend(section_ids(blocks));
+            }
+            Block::Callout { blocks, .. } | Block::Fold { blocks, .. } => all.extend(section_ids(blocks)),
+            _ => {}
+        }
+    }
+    all
+}
+
+/// All strips of the page: title, the first section, contents, the other sections.
+fn strips(page: &Page, layout: &mut Layout<'_>, room: f32) -> Result<Vec<Strip>, PdfError> {
+    let place = Place { room, node: ROOT, level: 1 };
+    let mut all = masthead(page, layout, place);
+    let sections: Vec<(&str, &str)> = page.blocks.iter().filter_map(section_of).collect();
+    // The answer comes first; whoever wants more finds it in the contents behind it.
+    let is_section = |block: &Block| section_of(block).is_some();
+    let behind_answer = page.blocks.iter().position(is_section).map_or(0, |first| first + 1);
+    let (answer, rest) = page.blocks.split_at(behind_answer);
+    all.extend(layout.blocks(answer, place)?);
+    let mut before = Vec::new();
+    if sections.len() >= CONTENTS {
+        // Its numbers of headings are known when all headings are.
+        before = std::mem::take(&mut all);
+    }
+    all.extend(layout.blocks(rest, place)?);
+    if before.is_empty() {
+        return Ok(all);
+    }
+    let entry = |(id, title): &(&str, &str)| {
+        let heading = layout.headings.iter().position(|heading| heading.id.as_deref() == Some(*id))?;
+        Some((heading, (*id).to_owned(), (*title).to_owned()))
+    };
+    let entries: Vec<_> = sections.iter().filter_map(entry).collect();
+    before.extend(layout.contents(&entries, place));
+    before.extend(all);
+    Ok(before)
+}
+
+fn section_of(block: &Block) -> Option<(&str, &str)> {
+    match block {
+        Block::Section { id, title, .. } => Some((id, title)),
+        _ => None,
+    }
+}
+
+/// Title, subtitle, and the logo to the right of them.
+fn masthead(page: &Page, layout: &mut Layout<'_>, place: Place) -> Vec<Strip> {
+    let Some(logo) = &page.logo else { return layout.title(&page.title, &page.subtitle, place) };
+    let picture = Rc::new(logo.picture().clone());
+    let (width, height) = (picture.width as f32, picture.height as f32);
+    let scale = (LOGO.0 / width).min(LOGO.1 / height);
+    let (width, height) = (scale * width, scale * height);
+    let left = place.room - width;
+    let strips = layout.title(&page.title, &page.subtitle, Place { room: left - 16.0, ..place });
+    let heading = strips.first().and_then(|first| first.heading);
+    let mut whole = Strip { heading, is_kept: true, ..Strip::of_stack(strips) };
+    let node = layout.structure.described(Role::Figure, ROOT, "Logo");
+    whole.draw(node, Shape::Picture(Area { x: left, y: 0.0, width, height }, picture));
+    whole.height = whole.height.max(height);
+    vec![whole]
+}
+
+/// Where each heading is.
+fn spots(sheets: &[Sheet], count: usize, format: Format) -> Vec<Spot> {
+    let mut all = vec![Spot::default(); count];
+    for (page, sheet) in sheets.iter().enumerate() {
+        for (y, strip) in sheet {
+            if let Some(spot) = strip.heading.and_then(|heading| all.get_mut(heading)) {
+                *spot = Spot { page, down: format.margin_top + y - 6.0 };
+            }
+        }
+    }
+    all
+}
+
+/// The running head, the program, and the number of the page.
+fn edges(
+    (number, count): (usize, usize),
+    page: &Page,
+    options: &PdfOptions,
+    (setter, format): (&Setter<'_>, Format),
+) -> Edges {
+    let style = Style::new(Face::Regular, 7.4, SOFT);
+    let (left, right) = (format.margin_side, format.width - format.margin_side);
+    let foot = format.height - FOOT;
+    let of_page = format!("page {} of {count}", number + 1);
+    let width = setter.fragment(of_page.clone(), style, None).width;
+    let all = [
+        (left, HEAD, setter.cut(&page.running_head, style, right - left)),
+        (left, foot, setter.cut(&options.generator, style, right - left - width - 20.0)),
+        (right - width, foot, setter.cut(&of_page, style, right - left)),
+    ];
+    let texts = all
+        .into_iter()
+        .flat_map(|(x, y, line)| line.fragments.into_iter().map(move |(shift, one)| (x + shift, y, one)));
+    Edges { texts: texts.filter(|(.., fragment)| !fragment.text.is_empty()).collect() }
+}
