@@ -203,8 +203,11 @@ pub(crate) enum CliError {
         "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
     )]
     OnlyGaps { data: String, channels: String, shortest: usize },
+    /// A logo that cannot be shown.
+    #[error("{}: this logo cannot be shown: {reason}. Or remove `logo` from [report] in {}", .logo.display(), .bench.display())]
+    Logo { logo: PathBuf, bench: PathBuf, reason: String },
     /// A plot file of an unknown kind.
-    #[error("{}: a plot file ends in .html, .svg or .png", .path.display())]
+    #[error("{}: a plot file ends in .html, .pdf, .svg or .png", .path.display())]
     PlotEnding { path: PathBuf },
     /// A model file with a fault.
     #[error("{}: {reason}; copy the file again, correct it, or let `dynoid fit … --out` write it again", .path.display())]

@@ -5,8 +5,6 @@ use base64::engine::general_purpose::STANDARD;
 use resvg::{tiny_skia, usvg};
 use serde::{Serialize, Serializer};
 
-/// Most bytes of a logo: it is in every page.
-const MOST_BYTES: usize = 1 << 20;
 /// Most pixels of a side.
 const MOST_PIXELS: u32 = 3000;
 /// Pixels that an SVG becomes on paper, at most: sharp at the size of a logo.
@@ -48,11 +46,8 @@ pub(crate) enum Pixels {
 #[derive(Debug, thiserror::Error)]
 pub enum LogoError {
     /// The file is larger than a logo may be.
-    #[error("the file has {} kB and a logo may have {} kB; save it smaller", .bytes / 1024, MOST_BYTES / 1024)]
-    Large {
-        /// Bytes of the file.
-        bytes: usize,
-    },
+    #[error("the file has more than {} kB; save it smaller", Logo::MOST_BYTES / 1024)]
+    Large,
     /// The picture has more pixels than a logo may have.
     #[error("the picture has {width} × {height} pixels and a logo may have {MOST_PIXELS} each way; scale it down")]
     ManyPixels {
@@ -73,13 +68,16 @@ pub enum LogoError {
 }
 
 impl Logo {
+    /// Most bytes of a logo: it is a part of each report.
+    pub const MOST_BYTES: usize = 1 << 20;
+
     /// Reads a file.
     ///
     /// # Errors
     /// [`LogoError`] where the file is too large, of another kind, or damaged.
     pub fn read(bytes: Vec<u8>) -> Result<Self, LogoError> {
-        if bytes.len() > MOST_BYTES {
-            return Err(LogoError::Large { bytes: bytes.len() });
+        if bytes.len() > Self::MOST_BYTES {
+            return Err(LogoError::Large);
         }
         let (kind, picture) = match bytes.as_slice() {
             [0x89, b'P', b'N', b'G', ..] => (Kind::Png, png(&bytes)?),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::number;
 
@@ -34,11 +34,15 @@ Examples:
   dynoid study bench.toml
   dynoid study cell4/bench.toml --out results/2026-05-03
   dynoid study bench.toml --full
+  dynoid study bench.toml --pdf --summary
+  dynoid study bench.toml --pdf letter
   dynoid study bench.toml --json | jq .verdict.level
 
 The study writes report.html, one file for any browser, and model.json, the bench model, which other commands take. For programs it writes every number to study.json, and the measured and modelled series to study-series.parquet. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
 
-With --full the study also writes report-full.html, which contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.")]
+With --full the study also writes report-full.html, which contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.
+
+With --pdf each report is also written as a PDF, report.pdf, with contents, bookmarks and tags. With --summary the study writes summary.pdf: verdict, range of validity, next step, six numbers and a replay on one page.")]
 pub(crate) struct StudyArguments {
     /// The bench file: what is known of the bench, its channels, and its recordings
     #[arg(value_name = "BENCH.toml")]
@@ -49,9 +53,24 @@ pub(crate) struct StudyArguments {
     /// Write report-full.html too: the report with all analyses of single parts
     #[arg(long)]
     pub(crate) full: bool,
+    /// Write report.pdf too, for paper of this size [default: a4]
+    #[arg(long, value_name = "PAPER", num_args = 0..=1, default_missing_value = "a4", hide_default_value = true)]
+    pub(crate) pdf: Option<PaperSize>,
+    /// Write summary.pdf: the answer of the study on one page
+    #[arg(long)]
+    pub(crate) summary: bool,
     /// Print verdict, estimates and findings as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A size of paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PaperSize {
+    /// 210 mm × 297 mm
+    A4,
+    /// 8.5 in × 11 in
+    Letter,
 }
 
 #[derive(Debug, Args)]

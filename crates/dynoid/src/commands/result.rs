@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use page::Page;
+use page::{Day, Page, PdfOptions};
 use serde::Serialize;
 
 use crate::cli::identify::ResultArguments;
+use crate::date;
 use crate::error::CliError;
 use crate::output::{check_file, replace_file};
 use crate::paths;
@@ -76,6 +77,7 @@ pub(super) fn check_plot(arguments: &ResultArguments, read: &[&[PathBuf]]) -> Re
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     Page,
+    Pdf,
     Svg,
     Png,
 }
@@ -83,6 +85,7 @@ enum Kind {
 fn kind(path: &Path) -> Result<Kind, CliError> {
     match paths::ending(path).map(str::to_lowercase).as_deref() {
         Some("html" | "htm") => Ok(Kind::Page),
+        Some("pdf") => Ok(Kind::Pdf),
         Some("svg") => Ok(Kind::Svg),
         Some("png") => Ok(Kind::Png),
         _ => Err(CliError::PlotEnding { path: path.to_owned() }),
@@ -93,7 +96,14 @@ fn kind(path: &Path) -> Result<Kind, CliError> {
 fn draw(path: &Path, page: &Page) -> Result<Vec<u8>, CliError> {
     match kind(path)? {
         Kind::Page => Ok(page::html(page, PROGRAM).into_bytes()),
+        Kind::Pdf => pdf(page, PdfOptions::default()),
         Kind::Svg => Ok(page::svg(page.figures()).into_bytes()),
         Kind::Png => page::png(page.figures()).map_err(CliError::internal),
     }
+}
+
+/// A page on paper, made today by this program.
+pub(super) fn pdf(page: &Page, options: PdfOptions) -> Result<Vec<u8>, CliError> {
+    let options = PdfOptions { generator: PROGRAM.to_owned(), created: Day::parse(&date::today()), ..options };
+    page::pdf(page, &options).map_err(CliError::internal)
 }

@@ -1,14 +1,18 @@
 //! `dynoid study`: from a bench file to a report.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use bench_model::document::{BenchModelDocument, format_of};
+use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
 use rig::BenchFile;
+use rig::bench_file::ReportIdentity;
 use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
 use super::bench_model::MODEL;
-use crate::cli::bench::StudyArguments;
+use crate::cli::bench::{PaperSize, StudyArguments};
 use crate::date;
 use crate::error::{CliError, Outcome};
 use crate::formats;
@@ -21,6 +25,10 @@ use crate::terminal::{Progress, Terminal};
 pub(crate) const REPORT: &str = "report.html";
 /// The report with all analyses, which a study without them leaves alone.
 pub(crate) const FULL_REPORT: &str = "report-full.html";
+/// The reports on paper, and the first page alone; a study that does not write them leaves earlier ones alone.
+pub(crate) const REPORT_PDF: &str = "report.pdf";
+pub(crate) const FULL_REPORT_PDF: &str = "report-full.pdf";
+pub(crate) const SUMMARY_PDF: &str = "summary.pdf";
 pub(crate) const DATA: &str = "study.json";
 /// The measured and modelled series of a study, in a table.
 #[cfg(feature = "parquet")]
@@ -40,10 +48,36 @@ pub(crate) enum Extent {
     Full,
 }
 
+/// What a study writes beside its report and its data.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted {
+    pub(crate) extent: Extent,
+    /// The paper of PDFs.
+    pub(crate) pdf: Option<Paper>,
+    /// The paper of a summary.
+    pub(crate) summary: Option<Paper>,
+}
+
+impl Wanted {
+    /// The report in a browser, and nothing for paper.
+    pub(crate) const REPORT: Wanted = Wanted { extent: Extent::Model, pdf: None, summary: None };
+
+    fn of(arguments: &StudyArguments) -> Self {
+        let paper = arguments.pdf.map(|size| match size {
+            PaperSize::A4 => Paper::A4,
+            PaperSize::Letter => Paper::Letter,
+        });
+        Wanted {
+            extent: if arguments.full { Extent::Full } else { Extent::Model },
+            pdf: paper,
+            summary: arguments.summary.then(|| paper.unwrap_or_default()),
+        }
+    }
+}
+
 pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| paths::folder_of(&arguments.bench).join("study"));
-    let extent = if arguments.full { Extent::Full } else { Extent::Model };
-    let written = study(&arguments.bench, &out, (None, extent), terminal)?;
+    let written = study(&arguments.bench, &out, (None, Wanted::of(arguments)), terminal)?;
     if arguments.json {
         terminal.json(&summary::short(&written))?;
     } else if !terminal.is_quiet() {
@@ -56,27 +90,30 @@ pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result
 pub(crate) fn study(
     bench: &Path,
     out: &Path,
-    (seed, extent): (Option<u64>, Extent),
+    (seed, wanted): (Option<u64>, Wanted),
     terminal: &mut Terminal,
 ) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
     let folder = OutputFolder::check(out)?;
     let earlier = earlier_model(&out.join(MODEL), terminal)?;
-    let analyses = if extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
+    let logo = logo(bench, &file)?;
+    let analyses = if wanted.extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
     let progress = terminal.progress(PARTS + REPLAYS + analyses);
     let sources = read_sources(bench, &file, &progress)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
     let origin = origin(&text);
-    let (study, html, full) = studied(campaign, &origin, extent, &progress).map_err(|error| no_study(bench, error))?;
+    let (study, analyses) = studied(campaign, wanted.extent, &progress).map_err(|error| no_study(bench, error))?;
+    progress.say("writing the report");
+    let pages = Pages::of(&study, &origin, analyses.as_ref(), logo.as_ref());
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = document(&study, &text);
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
-    if let Some(full) = &full {
-        folder.write(&[(FULL_REPORT, full.as_bytes())])?;
-    }
+    let beside = pages.files(&file.report, wanted)?;
+    folder.write(&beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect::<Vec<_>>())?;
+    let html = page::html(&pages.report, super::result::PROGRAM);
     let results = [
         (DATA, Some(json.as_bytes())),
         (REPORT, Some(html.as_bytes())),
@@ -87,8 +124,10 @@ pub(crate) fn study(
         return Err(CliError::internal("results without a path"));
     };
     drop(progress);
-    let full_report = full.map(|_| out.join(FULL_REPORT));
-    Ok(Written { study, report, full_report, data, series, model, earlier })
+    let full_report = pages.full.is_some().then(|| out.join(FULL_REPORT));
+    let paper =
+        beside.iter().map(|(name, _)| out.join(name)).filter(|path| paths::ending(path) == Some("pdf")).collect();
+    Ok(Written { study, report, full_report, paper, data, series, model, earlier })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
@@ -144,23 +183,74 @@ pub(in crate::commands) fn read_sources(
     files.iter().map(read).collect()
 }
 
-/// The study, the report of it and, if it is wanted, that with all analyses.
+/// The study, and all analyses where they are wanted.
 fn studied(
     campaign: Campaign<'_>,
-    origin: &Origin,
     extent: Extent,
     progress: &Progress,
-) -> Result<(Study, String, Option<String>), StudyError> {
+) -> Result<(Study, Option<Analyses>), StudyError> {
     let mut step = |step| show(progress, &step);
-    let (study, analyses) = match extent {
-        Extent::Model => (study::run(campaign, &mut step)?, None),
-        Extent::Full => study::run_full(campaign, &mut step).map(|(study, analyses)| (study, Some(analyses)))?,
-    };
-    progress.say("writing the report");
-    let html = |page: &page::Page| page::html(page, super::result::PROGRAM);
-    let full = analyses.map(|analyses| html(&report::full_study(&study, origin, &analyses)));
-    let report = html(&report::study(&study, origin));
-    Ok((study, report, full))
+    match extent {
+        Extent::Model => Ok((study::run(campaign, &mut step)?, None)),
+        Extent::Full => study::run_full(campaign, &mut step).map(|(study, analyses)| (study, Some(analyses))),
+    }
+}
+
+/// The reports of a study.
+struct Pages {
+    report: Page,
+    full: Option<Page>,
+    summary: Page,
+}
+
+impl Pages {
+    fn of(study: &Study, origin: &Origin, analyses: Option<&Analyses>, logo: Option<&Logo>) -> Self {
+        let with_logo = |page: Page| Page { logo: logo.cloned(), ..page };
+        Pages {
+            report: with_logo(report::study(study, origin)),
+            full: analyses.map(|found| with_logo(report::full_study(study, origin, found))),
+            summary: with_logo(report::summary_page(study, origin)),
+        }
+    }
+
+    /// What is wanted beside the report for a browser: the full report, and all that is for paper.
+    fn files(&self, identity: &ReportIdentity, wanted: Wanted) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
+        let pdf = |page: &Page, paper: Paper, on_one_page: bool| {
+            let author = identity.author.clone().unwrap_or_default();
+            super::result::pdf(page, PdfOptions { paper, author, on_one_page, ..PdfOptions::default() })
+        };
+        let mut all = Vec::new();
+        if let Some(full) = &self.full {
+            all.push((FULL_REPORT, page::html(full, super::result::PROGRAM).into_bytes()));
+        }
+        if let Some(paper) = wanted.pdf {
+            all.push((REPORT_PDF, pdf(&self.report, paper, false)?));
+        }
+        if let (Some(paper), Some(full)) = (wanted.pdf, &self.full) {
+            all.push((FULL_REPORT_PDF, pdf(full, paper, false)?));
+        }
+        if let Some(paper) = wanted.summary {
+            all.push((SUMMARY_PDF, pdf(&self.summary, paper, true)?));
+        }
+        Ok(all)
+    }
+}
+
+/// The logo that a bench file names.
+fn logo(bench: &Path, file: &BenchFile) -> Result<Option<Logo>, CliError> {
+    let Some(name) = &file.report.logo else { return Ok(None) };
+    let path = paths::folder_of(bench).join(name);
+    let failed = |reason: String| CliError::Logo { logo: path.clone(), bench: bench.to_owned(), reason };
+    if !path.is_file() {
+        return Err(failed("there is no such file; correct the path".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    // What is longer is refused, however long it is.
+    let most = Logo::MOST_BYTES as u64 + 1;
+    File::open(&path)
+        .and_then(|file| file.take(most).read_to_end(&mut bytes))
+        .map_err(|error| failed(error.to_string()))?;
+    Logo::read(bytes).map(Some).map_err(|error| failed(error.to_string()))
 }
 
 /// A bench file and its text.

@@ -43,6 +43,9 @@ fn places(written: &Written) -> [Block; 2] {
     if let Some(path) = &written.full_report {
         table.row(["all analyses".into(), shown(path).into()]);
     }
+    for path in &written.paper {
+        table.row(["for paper".into(), shown(path).into()]);
+    }
     table.row(["data".into(), shown(&written.data).into()]);
     let optional = [("series", &written.series), ("model", &written.model)];
     for (what, path) in optional.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))) {

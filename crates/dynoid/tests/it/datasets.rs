@@ -305,7 +305,7 @@ fn targets_are_checked_before_anything_is_read() {
     for (target, words) in [("--out absent/m.json", "absent/m.json"), ("--plot absent/p.svg", "absent/p.svg")] {
         run(&folder, &format!("fit arx none.csv -u valve -y speed {target}")).assert_refused(4, &[words]);
     }
-    run(&folder, "fit arx none.csv -u valve -y speed --plot p.pdf").assert_refused(2, &["p.pdf", ".html"]);
+    run(&folder, "fit arx none.csv -u valve -y speed --plot p.bmp").assert_refused(2, &["p.bmp", ".html"]);
     assert!(!folder.path().join("absent").exists());
 }
 

@@ -202,13 +202,15 @@ fn regress_edited_model_files_are_refused() {
 #[test]
 fn plots_are_written_in_every_kind() {
     let folder = folder();
-    for (file, start) in [("a.html", "<!DOCTYPE html>"), ("a.svg", "<svg"), ("a.png", "\u{fffd}PNG")] {
+    for (file, start) in
+        [("a.html", "<!DOCTYPE html>"), ("a.svg", "<svg"), ("a.pdf", "%PDF-1.7"), ("a.png", "\u{fffd}PNG")]
+    {
         let ran = run(&folder, &format!("fit arx run.csv -u valve -y speed --quiet --plot {file}"));
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         let bytes = std::fs::read(folder.path().join(file)).unwrap();
         assert!(String::from_utf8_lossy(&bytes).starts_with(start), "{file}");
     }
-    run(&folder, "fit arx run.csv -u valve -y speed --plot a.pdf").assert_refused(2, &["a.pdf", ".html"]);
+    run(&folder, "fit arx run.csv -u valve -y speed --plot a.bmp").assert_refused(2, &["a.bmp", ".html"]);
 }
 
 #[test]

@@ -20,6 +20,35 @@ fn report_and_data_lie_beside_the_bench_file() {
 }
 
 #[test]
+fn reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
+    let campaign = Campaign::whole();
+    let report = "\n[report]\nauthor = \"A. Meyer\"\nlogo = \"logo.svg\"\n";
+    std::fs::write(campaign.path("bench.toml"), campaign.read("bench.toml") + report).unwrap();
+    let refused = campaign.run(&["study", "bench.toml", "--pdf"]);
+    refused
+        .assert_refused(3, &["logo.svg: this logo cannot be shown", "correct the path", "remove `logo`", "bench.toml"]);
+    std::fs::write(campaign.path("logo.svg"), "GIF89a").unwrap();
+    campaign.run(&["study", "bench.toml"]).assert_refused(3, &["no PNG, JPEG or SVG"]);
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='40' height='10'><rect width='40' height='10'/></svg>";
+    std::fs::write(campaign.path("logo.svg"), svg).unwrap();
+    let ran = campaign.run(&["study", "bench.toml", "--pdf", "letter", "--summary"]);
+    assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
+    let names = ["model.json", "report.html", "report.pdf", "study-series.parquet", "study.json", "summary.pdf"];
+    assert_eq!(campaign.results(), names);
+    assert!(ran.stdout.contains("study/report.pdf") && ran.stdout.contains("study/summary.pdf"), "{}", ran.stdout);
+    assert!(campaign.read("study/report.html").contains("<img class=\"logo\""));
+    let has = |file: &str, words: &str| {
+        let bytes = std::fs::read(campaign.path(file)).unwrap();
+        bytes.windows(words.len()).filter(|window| *window == words.as_bytes()).count()
+    };
+    assert_eq!(has("study/summary.pdf", "/Type/Page/"), 1);
+    assert!(has("study/report.pdf", "/Type/Page/") > 5);
+    for words in ["/MediaBox[0 0 612 792]", "/Author(A. Meyer)", "/Creator(dynoid ", "/Subtype/Image", "/Marked true"] {
+        assert!(has("study/report.pdf", words) > 0, "{words}");
+    }
+}
+
+#[test]
 fn exact_the_values_of_every_series_of_the_document_are_in_the_table() {
     let campaign = Campaign::whole();
     campaign.run(&["study", "bench.toml", "--quiet"]);

@@ -57,7 +57,7 @@ fn exact_json_holds_every_judgement() {
 fn regress_what_cannot_be_done_is_refused() {
     let campaign = Campaign::whole();
     campaign.run(&["torque-control", "bench.toml", "--highest-order", "0"]).assert_refused(2, &["--highest-order"]);
-    campaign.run(&["torque-control", "bench.toml", "--plot", "x.pdf"]).assert_refused(2, &["x.pdf"]);
+    campaign.run(&["torque-control", "bench.toml", "--plot", "x.bmp"]).assert_refused(2, &["x.bmp"]);
     for name in ["WhiteNoise_T_TN_1200.mf4", "BS_T_NT_1200.mf4"] {
         std::fs::remove_file(campaign.path(&format!("recordings/{name}"))).unwrap();
     }

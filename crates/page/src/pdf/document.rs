@@ -103,6 +103,7 @@ const LANGUAGE: &str = "en";
 
 fn write_pages(pdf: &mut Pdf, parts: &Parts<'_, '_>, shared: &Shared, references: &mut References) {
     let Format { width, height, .. } = parts.format;
+    let paper = parts.format.on_paper(Rect::new(0.0, 0.0, width, height));
     let count = i32::try_from(parts.painted.len()).unwrap_or(i32::MAX);
     pdf.pages(shared.pages).kids(shared.each_page.iter().copied()).count(count);
     let mut key = count;
@@ -110,7 +111,7 @@ fn write_pages(pdf: &mut Pdf, parts: &Parts<'_, '_>, shared: &Shared, references
         let content = references.next();
         pdf.stream(content, &deflated(&painted.content)).filter(Filter::FlateDecode);
         let mut page = pdf.page(*id);
-        page.parent(shared.pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(content);
+        page.parent(shared.pages).media_box(paper).contents(content);
         page.pair(Name(b"Resources"), shared.resources);
         page.struct_parents(i32::try_from(number).unwrap_or(i32::MAX)).tab_order(TabOrder::StructureOrder);
         if !painted.links.is_empty() {
@@ -137,7 +138,7 @@ fn write_link(pdf: &mut Pdf, link: &PaintedLink, key: i32, parts: &Parts<'_, '_>
         Some(id) => {
             let heading = parts.headings.iter().position(|heading| heading.id.as_deref() == Some(id));
             let spot = heading.and_then(|heading| parts.spots.get(heading)).copied().unwrap_or_default();
-            let top = parts.format.height - spot.down;
+            let top = parts.format.scale * (parts.format.height - spot.down);
             let mut action = annotation.action();
             action.action_type(ActionType::GoTo);
             action.destination().page(shared.each_page[spot.page]).xyz(0.0, top, None);
@@ -297,7 +298,8 @@ fn write_bookmarks(pdf: &mut Pdf, all: &[Bookmark], parent: Ref, parts: &Parts<'
             item.first(first.id).last(last.id).count(-i32::try_from(one.below.len()).unwrap_or(i32::MAX));
         }
         let spot = parts.spots.get(one.heading).copied().unwrap_or_default();
-        item.dest().page(shared.each_page[spot.page]).xyz(0.0, parts.format.height - spot.down, None);
+        let top = parts.format.scale * (parts.format.height - spot.down);
+        item.dest().page(shared.each_page[spot.page]).xyz(0.0, top, None);
         item.finish();
         write_bookmarks(pdf, &one.below, one.id, parts, shared);
     }

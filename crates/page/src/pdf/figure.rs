@@ -21,8 +21,10 @@ const NARROW_SCALE: f32 = 0.6;
 const BETWEEN: f32 = 14.0;
 /// The part of a page that a figure's drawing has at least, whatever stands around it.
 const LEAST: f32 = 0.3;
-/// The part of a page that the panels of a figure take, so that a heading and a few lines have room above it.
-const HIGHEST: f32 = 0.6;
+/// The part of a page that a figure takes at most.
+const HIGHEST: f32 = 0.86;
+/// How far panels are lowered so that two figures are on a page.
+const LOWERED: f32 = 0.6;
 /// The lowest panel in which a course is still seen, pixels.
 const LOWEST_PANEL: f32 = 45.0;
 /// Pixels of the sign before a name in the legend.
@@ -37,18 +39,21 @@ impl Layout<'_> {
 
     fn scaled(&mut self, figure: &Figure, place: Place, scale: f32) -> Result<Vec<Strip>, PdfError> {
         self.figures += 1;
-        let figure = &lowered(thinned(figure, self.most_points), HIGHEST * self.column / scale);
-        let text = |text: &str| if figure.symbols { text.into() } else { Prose::verbatim(text) };
-        let drawing = svg::embedded(figure, f64::from(place.room / scale), self.figures, Medium::Paper);
-        let tree = self.reader.figure(&drawing, &figure.title)?;
+        let mut figure = thinned(figure, self.most_points);
+        let symbols = figure.symbols;
+        let text = |text: &str| if symbols { text.into() } else { Prose::verbatim(text) };
         let title = self.structure.node(Role::P, place.node);
         let mut above = self.paragraph(&text(&figure.title), bold(BODY), title, place.room);
-        above.extend(self.legend(figure, place)?);
-        let alternative = format!("{}. {}", figure.title, svg::description(figure));
+        above.extend(self.legend(&figure, place)?);
+        let alternative = format!("{}. {}", figure.title, svg::description(&figure));
         let node = self.structure.described(Role::Figure, place.node, alternative);
         let caption = self.structure.node(Role::Caption, node);
         let below = self.paragraph(&text(&figure.caption), small(), caption, place.room);
-        let shown = self.shown(&tree, node, (place.room, height(&above) + height(&below) + 2.0 * GAP));
+        let taken = ABOVE + height(&above) + height(&below) + GAP;
+        lower(&mut figure, (self.column, taken), scale);
+        let drawing = svg::embedded(&figure, f64::from(place.room / scale), self.figures, Medium::Paper);
+        let tree = self.reader.figure(&drawing, &figure.title)?;
+        let shown = self.shown(&tree, node, (place.room, taken + GAP));
         Ok(together(above, shown, below))
     }
 
@@ -146,13 +151,16 @@ fn together(above: Vec<Strip>, shown: Strip, below: Vec<Strip>) -> Vec<Strip> {
     all
 }
 
-/// The figure with panels that are together at most so many pixels high.
-fn lowered(mut figure: Figure, most: f32) -> Figure {
+/// Lowers the panels of a figure that is a little higher than half of a page, so that two are on one, or than most of a page, so
+/// that a heading and a few lines have room above it. `taken` is the height of the text around the drawing.
+fn lower(figure: &mut Figure, (column, taken): (f32, f32), scale: f32) {
     let all: u32 = figure.panels.iter().map(|panel| panel.height).sum();
-    let factor = most / all.max(1) as f32;
+    let around = svg::around_panels(figure) as f32;
+    let factor = |part: f32| ((part * column - taken) / scale - around) / all.max(1) as f32;
+    let (half, most) = (factor(0.5), factor(HIGHEST));
+    let factor = if half >= LOWERED { half } else { most };
     if factor < 1.0 {
-        let lower = |height: u32| (factor * height as f32).max(LOWEST_PANEL.min(height as f32)) as u32;
-        figure.panels.iter_mut().for_each(|panel| panel.height = lower(panel.height));
+        let lowered = |height: f32| (factor * height).max(LOWEST_PANEL.min(height)) as u32;
+        figure.panels.iter_mut().for_each(|panel| panel.height = lowered(panel.height as f32));
     }
-    figure
 }

@@ -41,7 +41,9 @@ use vector::Reader;
 const CONTENTS: usize = 4;
 /// The largest logo, points.
 const LOGO: (f32, f32) = (120.0, 48.0);
-/// From the edge of the paper to the texts at the edges of a page.
+/// Scales at which a page is tried that is to be on one sheet of paper.
+const SCALES: [f32; 8] = [1.0, 0.93, 0.86, 0.8, 0.72, 0.64, 0.57, 0.5];
+/// A distance from the edge of the paper to the texts there, whatever the scale.
 const HEAD: f32 = 34.0;
 const FOOT: f32 = 30.0;
 
@@ -50,11 +52,32 @@ const FOOT: f32 = 30.0;
 /// # Errors
 /// [`PdfError`] where a drawing of the page cannot be read.
 pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
-    let format = Format::new(options.paper);
     let fonts = Fonts::new()?;
     let sections = section_ids(&page.blocks);
+    let scales = if options.on_one_page { &SCALES[..] } else { &SCALES[..1] };
+    let mut found = laid_out(page, Format::new(options.paper, scales[0]), (&fonts, &sections))?;
+    for scale in &scales[1..] {
+        if found.sheets.len() > 1 {
+            found = laid_out(page, Format::new(options.paper, *scale), (&fonts, &sections))?;
+        }
+    }
+    write(page, options, found, &fonts)
+}
+
+/// A page in sheets of paper.
+struct LaidOut<'l> {
+    format: Format,
+    layout: Layout<'l>,
+    sheets: Vec<Sheet>,
+}
+
+fn laid_out<'l>(
+    page: &Page,
+    format: Format,
+    (fonts, sections): (&'l Fonts, &'l BTreeSet<String>),
+) -> Result<LaidOut<'l>, PdfError> {
     let mut layout = Layout {
-        setter: Setter::new(&fonts, &sections),
+        setter: Setter::new(fonts, sections),
         structure: Structure::new(),
         reader: Reader::new(),
         headings: Vec::new(),
@@ -64,21 +87,23 @@ pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
     };
     let strips = strips(page, &mut layout, format.room())?;
     let sheets = paginate(strips, format.column());
-    let spots = spots(&sheets, layout.headings.len(), format);
-    let mut ink = Ink::new(&fonts);
-    let mut references = References::new();
+    Ok(LaidOut { format, layout, sheets })
+}
+
+/// Draws the sheets and writes the document.
+fn write(page: &Page, options: &PdfOptions, found: LaidOut<'_>, fonts: &Fonts) -> Result<Vec<u8>, PdfError> {
+    let LaidOut { format, layout: Layout { setter, mut structure, headings, .. }, sheets } = found;
+    let spots = spots(&sheets, headings.len(), format);
     let heading_pages: Vec<usize> = spots.iter().map(|spot| spot.page).collect();
-    let Layout { setter, mut structure, headings, .. } = layout;
+    let mut ink = Ink::new(fonts);
+    let mut references = References::new();
     let mut painter =
-        Painter { ink: &mut ink, structure: &mut structure, format, heading_pages: &heading_pages, fonts: &fonts };
-    let painted: Vec<Painted> = sheets
-        .iter()
-        .enumerate()
-        .map(|(number, sheet)| {
-            let edges = edges((number, sheets.len()), page, options, (&setter, format));
-            painter.page(number, sheet, &edges, &mut || references.next())
-        })
-        .collect();
+        Painter { ink: &mut ink, structure: &mut structure, format, heading_pages: &heading_pages, fonts };
+    let paint = |(number, sheet): (usize, &Sheet)| {
+        let edges = edges((number, sheets.len()), page, options, (&setter, format));
+        painter.page(number, sheet, &edges, &mut || references.next())
+    };
+    let painted: Vec<Painted> = sheets.iter().enumerate().map(paint).collect();
     let parts = Parts {
         title: &page.title,
         options,
@@ -88,7 +113,7 @@ pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
         headings: &headings,
         spots: &spots,
         ink,
-        fonts: &fonts,
+        fonts,
     };
     document::write(&parts, references)
 }
@@ -184,11 +209,11 @@ fn edges(
 ) -> Edges {
     let style = Style::new(Face::Regular, 7.4, SOFT);
     let (left, right) = (format.margin_side, format.width - format.margin_side);
-    let foot = format.height - FOOT;
+    let (head, foot) = (HEAD / format.scale, format.height - FOOT / format.scale);
     let of_page = format!("page {} of {count}", number + 1);
     let width = setter.fragment(of_page.clone(), style, None).width;
     let all = [
-        (left, HEAD, setter.cut(&page.running_head, style, right - left)),
+        (left, head, setter.cut(&page.running_head, style, right - left)),
         (left, foot, setter.cut(&options.generator, style, right - left - width - 20.0)),
         (right - width, foot, setter.cut(&of_page, style, right - left)),
     ];

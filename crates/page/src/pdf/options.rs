@@ -15,6 +15,8 @@ pub struct PdfOptions {
     pub author: String,
     /// When it was made.
     pub created: Option<Day>,
+    /// Whether all of it is to be on one page: it is then set smaller, down to half its size.
+    pub on_one_page: bool,
 }
 
 /// A day of the calendar.

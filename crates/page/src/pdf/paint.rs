@@ -49,12 +49,15 @@ impl Painter<'_, '_> {
         new_reference: &mut dyn FnMut() -> Ref,
     ) -> Painted {
         let mut page = Page { number, content: Content::new(), nodes: Vec::new(), is_open: None, top: 0.0 };
+        let scale = self.format.scale;
+        page.content.save_state().transform([scale, 0.0, 0.0, scale, 0.0, 0.0]);
         for (y, strip) in sheet {
             page.top = self.format.margin_top + y;
             self.strip(&mut page, strip);
         }
         page.close();
         self.edges(&mut page.content, edges);
+        page.content.restore_state();
         let links = self.links(number, sheet, new_reference);
         Painted { content: page.content.finish().to_vec(), nodes: page.nodes, links }
     }
@@ -103,7 +106,7 @@ impl Painter<'_, '_> {
 
     fn describe_area(&mut self, node: Option<Node>, area: Rect) {
         if let Some(node) = node.filter(|node| self.structure.role(*node) == Role::Figure) {
-            self.structure.set_area(node, area);
+            self.structure.set_area(node, self.format.on_paper(area));
         }
     }
 
@@ -152,7 +155,7 @@ impl Painter<'_, '_> {
             for link in &strip.links {
                 let reference = new_reference();
                 self.structure.add_link(link.node, number, reference);
-                let area = self.rect(self.format.margin_top + y, link.area);
+                let area = self.format.on_paper(self.rect(self.format.margin_top + y, link.area));
                 all.push(PaintedLink { reference, area, link: link.clone() });
             }
         }

@@ -20,8 +20,8 @@ const BETWEEN: f32 = 9.0;
 /// Longer words may be broken, points, and longer numbers with interval and unit.
 const LONG_WORD: f32 = 92.0;
 const LONG_NUMBER: f32 = 170.0;
-/// Width at which a text of several lines reads well, points.
-const AT_EASE: f32 = 84.0;
+/// Widths at which a text of several lines reads well, and still well enough, points.
+const EASE: [f32; 2] = [84.0, 60.0];
 /// The narrowest column whose words are broken; a table that needs narrower ones has its cells below each other.
 const NARROWEST: f32 = 30.0;
 /// Above and below the text of a row.
@@ -75,11 +75,13 @@ impl Layout<'_> {
         let count = table.columns.len();
         let room = room - BETWEEN * count.saturating_sub(1) as f32;
         let measured: Vec<_> = SIZES.iter().map(|size| (*size, self.measured(table, *size))).collect();
-        let at_ease = measured.iter().find_map(|(size, (natural, least))| {
-            let enough: Vec<f32> =
-                natural.iter().zip(least).map(|(natural, least)| natural.min(least.max(AT_EASE))).collect();
-            shared(natural, &enough, room).map(|widths| (widths, *size))
-        });
+        let at_ease = |ease: f32| {
+            measured.iter().find_map(|(size, (natural, least))| {
+                let enough = |(natural, least): (&f32, &f32)| natural.min(least.max(ease));
+                let enough: Vec<f32> = natural.iter().zip(least).map(enough).collect();
+                shared(natural, &enough, room).map(|widths| (widths, *size))
+            })
+        };
         let whole_words = || {
             measured
                 .iter()
@@ -91,7 +93,7 @@ impl Layout<'_> {
             let least = vec![NARROWEST; count];
             shared(&natural, &least, room).map(|widths| (widths, size))
         };
-        let (widths, size) = at_ease.or_else(whole_words).or_else(broken)?;
+        let (widths, size) = EASE.into_iter().find_map(at_ease).or_else(whole_words).or_else(broken)?;
         let mut left = 0.0;
         let placed = widths.into_iter().map(|width| {
             let x = left;

@@ -33,6 +33,15 @@ pub fn full_study(study: &Study, origin: &Origin, analyses: &Analyses) -> Page {
     page(study, origin, Some(analyses))
 }
 
+/// The answer of the report on a page of its own.
+pub fn summary_page(study: &Study, origin: &Origin) -> Page {
+    Page {
+        subtitle: identity::subtitle(study, origin),
+        running_head: identity::running_head(study, origin),
+        ..Page::new(identity::title(study), verdict::answer(study).into_vec())
+    }
+}
+
 fn page(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Page {
     let section = |(id, title, content): (&str, &str, Blocks)| Block::section(id, title, content.into_vec());
     let blocks = sections(study, origin, analyses).into_iter().map(section).collect();

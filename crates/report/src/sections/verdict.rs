@@ -18,6 +18,15 @@ const SHOWN_FINDINGS: usize = 4;
 
 /// The section that comes first.
 pub(crate) fn section(study: &Study) -> Blocks {
+    let mut all = answer(study);
+    all.push(missing(study));
+    all.push(findings(study));
+    all.push(rules(&verdict(study).rules));
+    all
+}
+
+/// What fits one page of paper: the verdict, where the model is valid, what to do next, six numbers and a replay.
+pub(crate) fn answer(study: &Study) -> Blocks {
     let verdict = verdict(study);
     let mut all = Blocks::from(Block::Callout {
         tone: tone(verdict.level),
@@ -27,9 +36,6 @@ pub(crate) fn section(study: &Study) -> Blocks {
     });
     all.push(key_numbers(study));
     all.push(replay(study));
-    all.push(missing(study));
-    all.push(findings(study));
-    all.push(rules(&verdict.rules));
     all
 }
 

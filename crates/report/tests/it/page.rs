@@ -207,6 +207,27 @@ fn the_first_section_has_the_verdict_its_range_six_numbers_a_replay_and_what_to_
 }
 
 #[test]
+fn exact_the_summary_of_any_study_is_one_page_of_paper() {
+    let mut many = fixture::complete();
+    many.provenance.report.title = Some("Shaft of the new coupling, second campaign".into());
+    many.provenance.report.customer = Some("Gearbox team".into());
+    many.provenance.report.confidentiality = Some("internal".into());
+    for study in [fixture::complete(), many, fixture::bare(), fixture::hostile("a long text without any sense, ")] {
+        let summary = report::summary_page(&study, &fixture::origin());
+        for paper in [page::Paper::A4, page::Paper::Letter] {
+            let options = page::PdfOptions { paper, on_one_page: true, ..page::PdfOptions::default() };
+            let bytes = page::pdf(&summary, &options).unwrap();
+            let count = bytes.windows(12).filter(|window| window.starts_with(b"/Type/Page/")).count();
+            assert_eq!(count, 1, "{}", study.bench.name);
+        }
+    }
+    let text = page::markdown(&report::summary_page(&fixture::complete(), &fixture::origin()));
+    for words in ["Valid for", "993.1 to 2005 rpm", "Next:", "stiffness", "Replay of"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
 fn exact_the_model_of_a_study_is_read_back() {
     let study = fixture::complete();
     assert!(study.model.as_ref().is_some_and(|model| model.uncertainty != ModelUncertainty::default()));

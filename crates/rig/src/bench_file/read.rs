@@ -97,7 +97,8 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
 }
 
 fn read_report(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ReportIdentity {
-    section.only(&["title", "test_id", "customer", "engine", "author", "approved_by", "confidentiality"], faults);
+    section
+        .only(&["title", "test_id", "customer", "engine", "author", "approved_by", "confidentiality", "logo"], faults);
     let mut text = |key: &str, example: &str| {
         let place = section.get(key)?;
         section.text(key, place, example, faults).filter(|text| !text.trim().is_empty())
@@ -110,6 +111,7 @@ fn read_report(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ReportIden
         author: text("author", "\"A. Meyer\""),
         approved_by: text("approved_by", "\"B. Schmidt\""),
         confidentiality: text("confidentiality", "\"confidential\""),
+        logo: text("logo", "\"logo.png\""),
     }
 }
 

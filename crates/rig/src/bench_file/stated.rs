@@ -64,6 +64,8 @@ pub struct ReportIdentity {
     pub approved_by: Option<String>,
     /// Who may read it.
     pub confidentiality: Option<String>,
+    /// The file of a logo, relative to the bench file.
+    pub logo: Option<String>,
 }
 
 /// Limits of the bench; what is not stated is not checked.

@@ -34,6 +34,7 @@ const REPORT_HINT: &str = r#"
 # author = "A. Meyer"
 # approved_by = "B. Schmidt"
 # confidentiality = "confidential"
+# logo = "logo.png"
 "#;
 
 impl BenchFile {
@@ -177,6 +178,7 @@ fn write_report(text: &mut String, report: &ReportIdentity) {
         ("author", &report.author),
         ("approved_by", &report.approved_by),
         ("confidentiality", &report.confidentiality),
+        ("logo", &report.logo),
     ];
     for (key, value) in values.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?))) {
         let _ = writeln!(text, "{key} = {}", quoted(value));

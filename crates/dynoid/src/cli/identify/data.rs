@@ -69,7 +69,7 @@ pub(crate) enum Between {
 /// Results besides the text on the terminal.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ResultArguments {
-    /// Draw the result into a file; its ending gives the kind: .html (interactive), .svg or .png
+    /// Draw the result into a file; its ending gives the kind: .html (interactive), .pdf, .svg or .png
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
     /// Print the result as JSON

@@ -11,7 +11,7 @@ use rig::bench_parameters::BenchParameters;
 
 use crate::cli::bench::DemoArguments;
 use crate::commands::bench_model::MODEL;
-use crate::commands::study::{self, Extent};
+use crate::commands::study::{self, Wanted};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
 use crate::summary::{self, Written, shown};
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
-    let written = study::study(&bench, out, (Some(arguments.seed), Extent::Model), terminal)?;
+    let written = study::study(&bench, out, (Some(arguments.seed), Wanted::REPORT), terminal)?;
     let rows = comparison::rows(&written.study, &parameters);
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;
@@ -80,8 +80,9 @@ fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
         return Err(refuse(out.join(BENCH_FILE)));
     }
     let own = |name: &str| {
-        [RECORDINGS, BENCH_FILE, EFFECTS, study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"]
-            .contains(&name)
+        let of_study = [study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"];
+        let on_paper = [study::REPORT_PDF, study::FULL_REPORT_PDF, study::SUMMARY_PDF];
+        [RECORDINGS, BENCH_FILE, EFFECTS].iter().chain(&of_study).chain(&on_paper).any(|own| *own == name)
     };
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));

@@ -12,7 +12,13 @@ use reader::{Pdf, value};
 
 fn options(paper: Paper) -> PdfOptions {
     let created = Day::parse("2026-05-03");
-    PdfOptions { paper, generator: "dynoid test".to_owned(), author: "A. Meyer".to_owned(), created }
+    PdfOptions {
+        paper,
+        generator: "dynoid test".to_owned(),
+        author: "A. Meyer".to_owned(),
+        created,
+        on_one_page: false,
+    }
 }
 
 fn written(page: &Page, paper: Paper) -> Pdf {
@@ -301,6 +307,18 @@ fn regress_nothing_leaves_the_page_and_what_has_no_glyph_is_seen() {
         );
         assert_eq!(text.matches("汉").count(), 0);
     }
+}
+
+#[test]
+fn exact_what_is_to_be_on_one_page_is_set_smaller() {
+    let page = Page::new("Much", vec![Block::section("a", "A", vec![Block::Table(table_of(70))])]);
+    assert_eq!(written(&page, Paper::A4).pages().len(), 2);
+    let bytes = pdf(&page, &PdfOptions { on_one_page: true, ..options(Paper::A4) }).unwrap();
+    let pdf = Pdf::read(&bytes);
+    assert_eq!(pdf.pages().len(), 1);
+    assert!(pdf.pages()[0].contains("/MediaBox[0 0 595.28 841.89]"), "{}", pdf.pages()[0]);
+    assert!(pdf.all_text().contains("row 69"));
+    assert_inside(&pdf, Paper::A4);
 }
 
 #[test]
