@@ -72,12 +72,14 @@ pub(super) struct Layout<'l> {
     pub(super) figures: usize,
 }
 
-/// Whether the end of a block is on a page with the start of the next: a remark belongs to what it follows, and words to the
-/// table or list that they announce.
+/// Whether the end of a block is on a page with the start of the next: a remark belongs to what it follows, and a text to
+/// what they announce.
 fn belong_together(before: &Block, next: &Block) -> bool {
     match next {
         Block::Paragraph { weight: Weight::Note, .. } => true,
-        Block::Table(_) | Block::List { .. } | Block::Equation { .. } => matches!(before, Block::Paragraph { .. }),
+        Block::Table(_) | Block::List { .. } | Block::Equation { .. } | Block::Figure(_) => {
+            matches!(before, Block::Paragraph { .. })
+        }
         _ => false,
     }
 }
