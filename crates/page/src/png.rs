@@ -23,10 +23,7 @@ const SCALE: f32 = 2.0;
 /// # Errors
 /// [`PngError`] where the picture is too large for memory.
 pub fn png<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Result<Vec<u8>, PngError> {
-    let mut options = usvg::Options { font_family: crate::svg::FONT.to_owned(), ..Default::default() };
-    options.fontdb_mut().load_font_data(dejavu::sans::regular().to_vec());
-    options.fontdb_mut().load_font_data(dejavu::sans::bold().to_vec());
-    let tree = usvg::Tree::from_str(&crate::svg(figures), &options).map_err(|_| PngError::Drawing)?;
+    let tree = usvg::Tree::from_str(&crate::svg(figures), &crate::drawing::options()).map_err(|_| PngError::Drawing)?;
     let size = tree.size().to_int_size().scale_by(SCALE).ok_or(PngError::Drawing)?;
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or(PngError::Drawing)?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());

@@ -11,6 +11,22 @@ pub(crate) type Place = (usize, usize);
 /// for its place, that is 4 MB a line, however long the recording is.
 pub(crate) const HELD_SAMPLES: usize = 250_000;
 
+/// Points of all lines of a page.
+const PAGE_POINTS: usize = 100_000;
+/// Points of a line: two a pixel of a wide figure, and fewer in a page of very many figures.
+const MOST_POINTS: usize = 1500;
+const FEWEST_POINTS: usize = 260;
+
+/// Points of a line, so that a page of many figures stays small: about five bytes are written for each.
+pub(crate) fn most_points(figures: &[&Figure]) -> usize {
+    let lengths: Vec<usize> = figures.iter().flat_map(|figure| figure.line_lengths()).collect();
+    let total = |most: usize| lengths.iter().map(|length| (*length).min(most)).sum::<usize>();
+    [MOST_POINTS, 1200, 1000, 800, 650, 500, 400, 320]
+        .into_iter()
+        .find(|most| total(*most) <= PAGE_POINTS)
+        .unwrap_or(FEWEST_POINTS)
+}
+
 /// The figure with at most about `most` points of each line, and a caption that states how many are drawn.
 pub(crate) fn thinned(figure: &Figure, most: usize) -> Figure {
     let mut drawn = figure.clone();

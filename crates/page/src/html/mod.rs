@@ -6,25 +6,26 @@ mod figure;
 mod samples;
 mod text;
 
+use crate::logo::Logo;
 use crate::markup;
 use crate::markup::Markup;
 use crate::model::{Block, Page};
+use crate::thinned::most_points;
 
 use blocks::Renderer;
 use figure::Points;
 use samples::Storage;
 use text::prose;
 
-const STYLE: &str = concat!(include_str!("../../assets/page.css"), include_str!("../../assets/plot.css"));
+const STYLE: &str = concat!(
+    include_str!("../../assets/page.css"),
+    include_str!("../../assets/drawing.css"),
+    include_str!("../../assets/plot.css")
+);
 
 /// Characters of all samples in a page, and of all of the page where that leaves fewer samples.
 const SAMPLES_ROOM: usize = 1_300_000;
 const PAGE_ROOM: usize = 2_850_000;
-/// Points of all lines of a page.
-const PAGE_POINTS: usize = 100_000;
-/// Points of a line: two a pixel of a wide figure, and fewer in a page of very many figures.
-const MOST_POINTS: usize = 1500;
-const FEWEST_POINTS: usize = 260;
 
 /// What makes figures interactive; it stands once in a page, after them.
 const SCRIPT: &str = concat!(
@@ -73,7 +74,8 @@ pub fn html(page: &Page, generator: &str) -> String {
 
 /// What is below the title, with as many samples as have room.
 fn body(page: &Page) -> Markup {
-    let (figures, drawn) = (page.figures(), most_points(page));
+    let figures = page.figures();
+    let drawn = most_points(&figures);
     let within = |room: usize| {
         let stored = Storage::within(room, &figures, drawn);
         Renderer::new(Points { drawn, stored }).blocks(&page.blocks)
@@ -83,16 +85,6 @@ fn body(page: &Page) -> Markup {
         0 => body,
         excess => within(SAMPLES_ROOM.saturating_sub(excess)),
     }
-}
-
-/// Points of a line, so that a page of many figures stays small: about five bytes are written for each.
-fn most_points(page: &Page) -> usize {
-    let lengths: Vec<usize> = page.figures().iter().flat_map(|figure| figure.line_lengths()).collect();
-    let total = |most: usize| lengths.iter().map(|length| (*length).min(most)).sum::<usize>();
-    [MOST_POINTS, 1200, 1000, 800, 650, 500, 400, 320]
-        .into_iter()
-        .find(|most| total(*most) <= PAGE_POINTS)
-        .unwrap_or(FEWEST_POINTS)
 }
 
 /// What each printed page has at its edges.
@@ -114,7 +106,9 @@ fn masthead(page: &Page) -> Markup {
         true => Markup::default(),
         false => markup!("<p class=\"sub\">{}</p>", prose(&page.subtitle)),
     };
-    markup!("<header class=\"masthead\"><h1>{}</h1>{}</header>\n", page.title, subtitle)
+    let picture = |logo: &Logo| markup!("<img class=\"logo\" src=\"{}\" alt=\"Logo\">", logo.data_uri());
+    let logo: Markup = page.logo.iter().map(picture).collect();
+    markup!("<header class=\"masthead\">{}<h1>{}</h1>{}</header>\n", logo, page.title, subtitle)
 }
 
 /// One entry a section.

@@ -11,7 +11,7 @@ use super::structure::{Node, Role};
 use super::text::{SOFT, Style};
 use crate::figure::Figure;
 use crate::prose::Prose;
-use crate::svg::{self, Medium};
+use crate::svg;
 use crate::thinned::thinned;
 
 /// Points per pixel of a figure across the page, and of one beside another.
@@ -37,21 +37,21 @@ impl Layout<'_> {
         self.scaled(figure, place, SCALE)
     }
 
-    fn scaled(&mut self, figure: &Figure, place: Place, scale: f32) -> Result<Vec<Strip>, PdfError> {
+    fn scaled(&mut self, whole: &Figure, place: Place, scale: f32) -> Result<Vec<Strip>, PdfError> {
         self.figures += 1;
-        let mut figure = thinned(figure, self.most_points);
+        let mut figure = thinned(whole, self.most_points);
         let symbols = figure.symbols;
         let text = |text: &str| if symbols { text.into() } else { Prose::verbatim(text) };
         let title = self.structure.node(Role::P, place.node);
         let mut above = self.paragraph(&text(&figure.title), bold(BODY), title, place.room);
         above.extend(self.legend(&figure, place)?);
-        let alternative = format!("{}. {}", figure.title, svg::description(&figure));
-        let node = self.structure.described(Role::Figure, place.node, alternative);
+        let node = self.structure.described(Role::Figure, place.node, svg::alternative(whole));
         let caption = self.structure.node(Role::Caption, node);
         let below = self.paragraph(&text(&figure.caption), small(), caption, place.room);
         let taken = ABOVE + height(&above) + height(&below) + GAP;
         lower(&mut figure, (self.column, taken), scale);
-        let drawing = svg::embedded(&figure, f64::from(place.room / scale), self.figures, Medium::Paper);
+        let drawing = svg::Drawing { whole, drawn: &figure, packed: &[], number: self.figures };
+        let drawing = svg::on_paper(drawing, f64::from(place.room / scale));
         let tree = self.reader.figure(&drawing, &figure.title)?;
         let shown = self.shown(&tree, node, (place.room, taken + GAP));
         Ok(together(above, shown, below))
@@ -77,7 +77,7 @@ impl Layout<'_> {
         let mut rows: Vec<Strip> = Vec::new();
         let mut x = 0.0;
         for (name, layer) in entries {
-            let key = self.reader.figure(&svg::key(layer, Medium::Paper), name)?;
+            let key = self.reader.figure(&svg::key(layer), name)?;
             let text = if figure.symbols { name.into() } else { Prose::verbatim(name) };
             let lines = self.setter.lines(&text, style, place.room - width - 5.0);
             let needed = width + 5.0 + lines.iter().map(|line| line.width).fold(0.0, f32::max);

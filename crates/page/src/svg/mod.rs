@@ -29,6 +29,8 @@ const LEGEND_ROW: f64 = 20.0;
 const ABOVE_PANEL: f64 = 24.0;
 const BETWEEN: f64 = 34.0;
 const BELOW: f64 = 52.0;
+/// Where the axes of a drawing in a page begin.
+const LEFT: f64 = 58.0;
 /// Below the panels of a drawing in a page.
 const FOOT: f64 = 44.0;
 const LINE_HEIGHT: f64 = 17.0;
@@ -81,8 +83,16 @@ pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
 
 /// The panels of a figure as an SVG element of a page that has title, legend and caption of its own.
 pub(crate) fn embedded(drawing: Drawing, width: f64) -> String {
-    let figure = drawing.drawn;
-    let canvas = Canvas { width, left: 58.0, stretch: 1.0, in_page: true };
+    panels_alone(drawing, Canvas { width, left: LEFT, stretch: 1.0, in_page: true })
+}
+
+/// The same for paper, without what a page's script needs.
+pub(crate) fn on_paper(drawing: Drawing, width: f64) -> String {
+    panels_alone(drawing, Canvas { width, left: LEFT, stretch: 1.0, in_page: false })
+}
+
+fn panels_alone(drawing: Drawing, canvas: Canvas) -> String {
+    let (figure, width) = (drawing.drawn, canvas.width);
     let mut body = String::new();
     let height = panels(&mut body, drawing, 0.0, canvas) + FOOT - BELOW;
     format!(
@@ -97,6 +107,19 @@ pub(crate) fn embedded(drawing: Drawing, width: f64) -> String {
         escape(&figure.title),
         escape(&alt::description(drawing.whole)),
     )
+}
+
+/// The height of what is around the panels of a drawing in a page, pixels.
+pub(crate) fn around_panels(figure: &Figure) -> f64 {
+    let count = figure.panels.len() as f64;
+    ABOVE_PANEL + (count - 1.0).max(0.0) * BETWEEN + FOOT
+}
+
+/// What a figure shows, for readers who do not see it. Its caption is text of its own.
+pub(crate) fn alternative(figure: &Figure) -> String {
+    let title = figure.title.trim_end_matches('.');
+    let joint = if title.is_empty() { "" } else { ". " };
+    format!("{title}{joint}{}", alt::description(figure))
 }
 
 /// What stands before a series' name, as an SVG element of its own.
