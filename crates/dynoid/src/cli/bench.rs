@@ -35,7 +35,7 @@ Examples:
   dynoid study cell4/bench.toml --out results/2026-05-03
   dynoid study bench.toml --full
   dynoid study bench.toml --pdf --summary
-  dynoid study bench.toml --pdf letter
+  dynoid study bench.toml --pdf=letter
   dynoid study bench.toml --json | jq .verdict.level
 
 The study writes report.html, one file for any browser, and model.json, the bench model, which other commands take. For programs it writes every number to study.json, and the measured and modelled series to study-series.parquet. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
@@ -54,7 +54,7 @@ pub(crate) struct StudyArguments {
     #[arg(long)]
     pub(crate) full: bool,
     /// Write report.pdf too, for paper of this size [default: a4]
-    #[arg(long, value_name = "PAPER", num_args = 0..=1, default_missing_value = "a4", hide_default_value = true)]
+    #[arg(long, value_name = "PAPER", num_args = 0..=1, require_equals = true, default_missing_value = "a4", hide_default_value = true)]
     pub(crate) pdf: Option<PaperSize>,
     /// Write summary.pdf: the answer of the study on one page
     #[arg(long)]

@@ -24,14 +24,14 @@ fn reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
     let campaign = Campaign::whole();
     let report = "\n[report]\nauthor = \"A. Meyer\"\nlogo = \"logo.svg\"\n";
     std::fs::write(campaign.path("bench.toml"), campaign.read("bench.toml") + report).unwrap();
-    let refused = campaign.run(&["study", "bench.toml", "--pdf"]);
+    let refused = campaign.run(&["study", "--pdf", "bench.toml"]);
     refused
         .assert_refused(3, &["logo.svg: this logo cannot be shown", "correct the path", "remove `logo`", "bench.toml"]);
     std::fs::write(campaign.path("logo.svg"), "GIF89a").unwrap();
     campaign.run(&["study", "bench.toml"]).assert_refused(3, &["no PNG, JPEG or SVG"]);
     let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='40' height='10'><rect width='40' height='10'/></svg>";
     std::fs::write(campaign.path("logo.svg"), svg).unwrap();
-    let ran = campaign.run(&["study", "bench.toml", "--pdf", "letter", "--summary"]);
+    let ran = campaign.run(&["study", "bench.toml", "--pdf=letter", "--summary"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     let names = ["model.json", "report.html", "report.pdf", "study-series.parquet", "study.json", "summary.pdf"];
     assert_eq!(campaign.results(), names);

@@ -49,7 +49,7 @@ pub struct ResidualTest {
 const MOST_SAMPLES: usize = 200_000;
 /// Sensitivities that are held at once: samples times outputs times parameters.
 const MOST_SENSITIVITIES: usize = 6_000_000;
-/// As many samples as are tested whatever they cost. Of these a correlation of 0.012 is outside its region at 99 %.
+/// So many samples are tested whatever they cost. A correlation of 0.012 is then outside its region at 99 %.
 const ENOUGH_SAMPLES: usize = 50_000;
 /// Least samples for each lag.
 const SAMPLES_PER_LAG: usize = 40;
