@@ -1,7 +1,7 @@
 //! Recordings replayed on the assembled model.
 
 use bench_model::replay::Replay;
-use rig::results::Validation;
+use rig::results::{Trace, Validation};
 use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
@@ -9,6 +9,9 @@ use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
 use super::parts::stretch;
 use super::plots::{difference, trace_layer};
 use crate::wording::{capitalised, experiment, mode, number};
+
+/// As much of a replay is shown on the first page, s.
+const HEADLINE_S: f64 = 2.0;
 
 /// What a replay is.
 pub(crate) const WHAT: &str = "The whole model runs on the recorded demand and on the engine torque reconstructed from N_e and \
@@ -77,28 +80,57 @@ fn replay(replay: &Replay) -> Blocks {
     .into()
 }
 
-/// Of a replay, the signal with the lowest fit and what is left of it: small enough for a first page.
+/// Of a replay, the signal with the lowest fit and what is left of it, where it errs most: small enough for a first page, and
+/// short enough that measured and modelled are seen apart.
 pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
     let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
-    let mut panels = vec![signal(worst)];
-    panels.extend(worst_residual(replay));
+    let shown = where_it_errs_most(worst);
+    let mut panels = vec![signal(&shown), left_over(&shown)];
     panels.iter_mut().zip([110, 50]).for_each(|(panel, height)| panel.height = height);
     let title = format!("Replay of {}: {}, the signal with the lowest fit", replay.label, worst.quantity);
-    let caption = match replay.seen_in_estimation {
+    let (part, whole) = (shown.measured.values.len(), worst.measured.values.len());
+    let duration = |samples: usize| number::duration(samples as f64 * worst.measured.sample_time_s);
+    let part = match part < whole {
+        true => format!("The {} of {} in which the model errs most. ", duration(part), duration(whole)),
+        false => String::new(),
+    };
+    let caption = format!("{part}{}", origin(replay));
+    Some(Figure::new(&title, Axis::time(), panels).with_caption(caption))
+}
+
+/// The stretch of a replayed signal with the largest errors; all of it where it is short.
+fn where_it_errs_most(signal: &Validation) -> Validation {
+    let errors = difference(signal).values;
+    let length = (HEADLINE_S / signal.measured.sample_time_s).round().max(2.0) as usize;
+    if errors.len() < 2 * length {
+        return signal.clone();
+    }
+    let power =
+        |from: &usize| -> f64 { errors[*from..*from + length].iter().filter(|e| e.is_finite()).map(|e| e * e).sum() };
+    let starts = (0..=errors.len() - length).step_by(length.div_ceil(2));
+    let from = starts.max_by(|a, b| power(a).total_cmp(&power(b))).unwrap_or(0);
+    let cut = |trace: &Trace| Trace {
+        start_s: trace.start_s + from as f64 * trace.sample_time_s,
+        values: trace.values[from..from + length].to_vec(),
+        ..trace.clone()
+    };
+    Validation { measured: cut(&signal.measured), modelled: cut(&signal.modelled), ..signal.clone() }
+}
+
+/// Whether the model has seen a recording.
+fn origin(replay: &Replay) -> &'static str {
+    match replay.seen_in_estimation {
         true => "Part of the model was estimated from this recording.",
         false => "No part of the model was estimated from this recording.",
-    };
-    Some(Figure::new(&title, Axis::time(), panels).with_caption(caption).of_recording(&replay.stretch.file))
+    }
 }
 
 /// All signals below each other on one time axis, each with its fit.
 pub(crate) fn signals(replay: &Replay) -> Figure {
     let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
-    let caption = match replay.seen_in_estimation {
-        true => "Part of the model was estimated from this recording.",
-        false => "No part of the model was estimated from this recording.",
-    };
-    Figure::new("Measured and modelled", Axis::time(), panels).with_caption(caption).of_recording(&replay.stretch.file)
+    Figure::new("Measured and modelled", Axis::time(), panels)
+        .with_caption(origin(replay))
+        .of_recording(&replay.stretch.file)
 }
 
 fn signal(signal: &Validation) -> Panel {
@@ -110,8 +142,12 @@ fn signal(signal: &Validation) -> Panel {
 
 /// What is left of the signal the model explains least.
 fn worst_residual(replay: &Replay) -> Option<Panel> {
-    let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
-    let left_over = vec![trace_layer("residual", Style::Residual, &difference(worst))];
-    let panel = Panel::new(Axis::linear(&format!("{} − model", worst.quantity), &worst.unit), 80, left_over);
-    Some(panel.noted("of the signal with the lowest fit".to_owned()))
+    replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent)).map(left_over)
+}
+
+/// What a model leaves of a signal.
+fn left_over(signal: &Validation) -> Panel {
+    let residual = vec![trace_layer("residual", Style::Residual, &difference(signal))];
+    let panel = Panel::new(Axis::linear(&format!("{} − model", signal.quantity), &signal.unit), 80, residual);
+    panel.noted("of the signal with the lowest fit".to_owned())
 }
