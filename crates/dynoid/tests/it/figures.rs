@@ -208,7 +208,7 @@ fn saved(files: &Value) {
         [at(&["time [s]"]), at(&["measured ["]), at(&["modelled ["]), at(&["residual ["])];
     let rows: Vec<Vec<f64>> =
         lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()).collect();
-    assert!(rows.len() > 2000, "{} rows", rows.len());
+    assert!(rows.len() > 1500, "{} rows", rows.len());
     let step = rows[1][time] - rows[0][time];
     let span = |at: usize| {
         let column = || rows.iter().map(|row| row[at]).filter(|y| y.is_finite());
