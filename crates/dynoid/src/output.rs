@@ -58,16 +58,11 @@ impl OutputFolder {
         Ok(paths)
     }
 
-    /// Writes those results that there are, as [`Self::write`] does, and then removes earlier ones of the other names. Returns the
-    /// path of each result in order.
-    pub(crate) fn write_or_remove<const N: usize>(
-        &self,
-        results: [(&str, Option<&[u8]>); N],
-    ) -> Result<[Option<PathBuf>; N], CliError> {
-        let files: Vec<(&str, &[u8])> = results.iter().filter_map(|(name, bytes)| Some((*name, (*bytes)?))).collect();
-        self.write(&files)?;
-        results.iter().filter(|(_, bytes)| bytes.is_none()).try_for_each(|(name, _)| self.remove(name))?;
-        Ok(results.map(|(name, bytes)| bytes.map(|_| self.path.join(name))))
+    /// Writes files as [`Self::write`] does, and then removes earlier results of those `names` that are not among them.
+    pub(crate) fn replace(&self, files: &[(&str, &[u8])], names: &[&str]) -> Result<(), CliError> {
+        self.write(files)?;
+        let is_written = |name: &str| files.iter().any(|(written, _)| *written == name);
+        names.iter().filter(|name| !is_written(name)).try_for_each(|name| self.remove(name))
     }
 
     /// Removes an earlier result, if there is one.

@@ -41,7 +41,10 @@ pub fn judgement(study: &Study) -> Page {
 fn judged(study: &Study) -> Blocks {
     let verdict = verdict(study);
     let row = |Rule { asks, found, level }: &Rule| -> Vec<Cell> {
-        vec![Cell::toned(level.outcome(), tone(*level)), format!("{asks} Here: {found}.").into()]
+        vec![
+            Cell::toned(level.outcome(), tone(*level)),
+            format!("{}. Rule: {asks}", wording::capitalised(found)).into(),
+        ]
     };
     let unmet = verdict.rules.iter().filter(|rule| rule.level != Level::Good);
     let table = Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(unmet.map(row));

@@ -78,14 +78,19 @@ pub fn since(date: &str, comparison: Option<&ModelComparison>) -> String {
     let largest = counted.iter().flat_map(|part| &part.parameters).max_by(|a, b| distance(a).total_cmp(&distance(b)));
     let largest = largest.filter(|one| one.first != one.second).and_then(in_percent);
     let what = match (names.is_empty(), largest) {
-        (true, None) => "every number is the same.".to_owned(),
+        (true, None) => "every number that both have is the same.".to_owned(),
         (true, Some(largest)) => format!("no part has changed beyond chance. The largest difference: {largest}."),
         (false, largest) => {
             let most = largest.map(|largest| format!(" Most of all: {largest}.")).unwrap_or_default();
             format!("changed beyond chance: {}.{most}", wording::join(&names, "and"))
         }
     };
-    format!("Since the study of {date}: {what} {}", explanation(found))
+    let names: Vec<&str> = found.only_in_one.iter().map(|one| one.symbol()).collect();
+    let only = match names.is_empty() {
+        true => String::new(),
+        false => format!(" Only one of the two has {}.", wording::join(&names, "and")),
+    };
+    format!("Since the study of {date}: {what}{only} {}", explanation(found))
 }
 
 /// A difference in standard errors, by which those of one comparison are ranked.

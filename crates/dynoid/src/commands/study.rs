@@ -7,8 +7,8 @@ use std::path::Path;
 use bench_model::document::{BenchModelDocument, format_of};
 use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
-use rig::BenchFile;
 use rig::bench_file::ReportIdentity;
+use rig::{BenchFile, Severity};
 use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
 use super::bench_model::MODEL;
@@ -35,6 +35,8 @@ pub(crate) const DATA: &str = "study.json";
 pub(crate) const SERIES: &str = "study-series.parquet";
 #[cfg(not(feature = "parquet"))]
 pub(crate) const SERIES: &str = "study-series.mf4";
+/// The results of one study, of which none may be older than another. Full reports take minutes, and stay until the next one.
+const RESULTS: [&str; 6] = [DATA, REPORT, SERIES, MODEL, REPORT_PDF, SUMMARY_PDF];
 /// Parts that are estimated, and replays there usually are: steps of the progress display.
 const PARTS: u64 = 6;
 const REPLAYS: u64 = 4;
@@ -80,7 +82,10 @@ pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result
     let written = study(&arguments.bench, &out, (None, Wanted::of(arguments)), terminal)?;
     if arguments.json {
         terminal.json(&summary::short(&written))?;
-    } else if !terminal.is_quiet() {
+    } else if terminal.is_quiet() {
+        let errors = written.study.diagnostics.iter().filter(|found| found.severity == Severity::Error);
+        errors.for_each(|found| terminal.warning(&wording::remark(found)));
+    } else {
         terminal.page(&summary::page(&written));
     }
     Ok(summary::outcome(&written.study))
@@ -112,22 +117,23 @@ pub(crate) fn study(
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
     let beside = pages.files(&file.report, wanted)?;
-    folder.write(&beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect::<Vec<_>>())?;
     let html = page::html(&pages.report, super::result::PROGRAM);
-    let results = [
-        (DATA, Some(json.as_bytes())),
-        (REPORT, Some(html.as_bytes())),
-        (SERIES, series.as_deref()),
-        (MODEL, model.as_ref().map(String::as_bytes)),
-    ];
-    let [Some(data), Some(report), series, model] = folder.write_or_remove(results)? else {
-        return Err(CliError::internal("results without a path"));
-    };
+    let mut files: Vec<(&str, &[u8])> = beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
+    files.extend([(DATA, json.as_bytes()), (REPORT, html.as_bytes())]);
+    files.extend(series.as_deref().map(|series| (SERIES, series)));
+    files.extend(model.as_ref().map(|model| (MODEL, model.as_bytes())));
+    folder.replace(&files, &RESULTS)?;
+    let path = |name: &str| files.iter().any(|(written, _)| *written == name).then(|| out.join(name));
+    let (series, model) = (path(SERIES), path(MODEL));
+    let (data, report) = (out.join(DATA), out.join(REPORT));
     drop(progress);
     let full_report = pages.full.is_some().then(|| out.join(FULL_REPORT));
     let paper =
         beside.iter().map(|(name, _)| out.join(name)).filter(|path| paths::ending(path) == Some("pdf")).collect();
-    Ok(Written { study, report, full_report, paper, data, series, model, earlier })
+    let full = [FULL_REPORT, FULL_REPORT_PDF];
+    let is_of_earlier = |name: &&str| path(name).is_none() && out.join(name).is_file();
+    let of_earlier = full.iter().filter(|name| is_of_earlier(name)).map(|name| out.join(name)).collect();
+    Ok(Written { study, report, full_report, paper, data, series, model, of_earlier, earlier })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.

@@ -47,6 +47,9 @@ fn places(written: &Written) -> [Block; 2] {
         table.row(["for paper".into(), shown(path).into()]);
     }
     table.row(["data".into(), shown(&written.data).into()]);
+    for path in &written.of_earlier {
+        table.row(["earlier".into(), format!("{}, of an earlier study", shown(path)).into()]);
+    }
     let optional = [("series", &written.series), ("model", &written.model)];
     for (what, path) in optional.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))) {
         table.row([what.into(), shown(path).into()]);

@@ -18,6 +18,8 @@ pub(crate) struct Written {
     pub(crate) series: Option<PathBuf>,
     /// The bench model, where the study has one.
     pub(crate) model: Option<PathBuf>,
+    /// Reports of an earlier study that stay in the folder.
+    pub(crate) of_earlier: Vec<PathBuf>,
     /// The study that was in the folder before, where it had a model.
     pub(crate) earlier: Option<Earlier>,
 }

@@ -84,6 +84,14 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
     })
 }
 
+/// Adds to an estimate what the model of the signals does not hold.
+fn add_model_errors(estimate: &mut Estimate) {
+    for (quantity, part) in MODEL_ERRORS {
+        let error = estimate.parameter(quantity).map_or(0.0, |found| part * found.value.abs());
+        estimate.add_systematic(&[quantity], error);
+    }
+}
+
 /// What K and B of an estimate are uncertain by as the model of the signals is not exact: standard uncertainties.
 pub(crate) fn model_errors(stiffness: f64, damping: f64) -> [f64; 2] {
     let part = |quantity| MODEL_ERRORS.iter().find(|(of, _)| *of == quantity).map_or(0.0, |(_, part)| *part);
@@ -352,10 +360,7 @@ impl Solution {
             outputs.push((Quantity::DynoInertia, &|t| t[places::INERTIA]));
         }
         let mut estimate = self.outputs(&outputs, stretch);
-        for (quantity, part) in MODEL_ERRORS {
-            let error = estimate.parameter(quantity).map_or(0.0, |found| part * found.value.abs());
-            estimate.add_systematic(&[quantity], error);
-        }
+        add_model_errors(&mut estimate);
         estimate.add_systematic(&[Quantity::EngineSpeedSkew], SKEW_ERROR_S);
         estimate.add_systematic(&[Quantity::AirGapTorqueSkew], SKEW_ERROR_S.hypot(self.delay_uncertainty_s));
         estimate
@@ -408,17 +413,22 @@ impl Solution {
         let row = |i: usize| quantities.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
         let mut covariance: Vec<Vec<f64>> = quantities.iter().map(|(_, i)| row(*i)).collect();
         covariance.push(quantities.iter().map(|(_, at)| with_engine(*at)).chain([engine.variance]).collect());
-        Estimate {
+        let mut estimate = Estimate {
             parameters,
             covariance,
             stretches: vec![stretch.clone()],
             iterations: self.fit.fit.iterations,
             condition: self.fit.fit.condition,
-        }
+        };
+        add_model_errors(&mut estimate);
+        estimate
     }
 
     fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
         let mut zero = self.outputs(&[(Quantity::ShaftZero, &|t| -t[places::K] / t[places::B])], stretch);
+        let [of_stiffness, of_damping] = model_errors(1.0, 1.0);
+        let error = zero.parameters.first().map_or(0.0, |zero| zero.value.abs() * of_stiffness.hypot(of_damping));
+        zero.add_systematic(&[Quantity::ShaftZero], error);
         zero.parameters.pop().ok_or_else(|| EstimateError::Ident {
             file: stretch.file.clone(),
             source: ident::IdentError::TooFewSamples { samples: 0, parameters: 1 },

@@ -76,10 +76,10 @@ fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
 fn timing(part: &Shaft, own: &Parameter) -> Option<String> {
     let plain = part.ignoring_timing.parameter(own.quantity)?;
     let moved = plain.value / own.value - 1.0;
-    let plain = plain.written();
+    let (plain, symbol) = (plain.written(), own.quantity.symbol());
     (moved.abs() > MOVED).then(|| {
         format!(
-            "It depends on the timing of the signals, which is estimated with it. If the time stamps were exact, it would be {}.",
+            "{symbol} depends on the timing of the signals, which is estimated with it. If the time stamps were exact, {symbol} would be {}.",
             number::significant_with_unit(plain.value, 3, plain.notation.unit)
         )
     })

@@ -1,7 +1,7 @@
 //! Resonance and replays.
 
 use bench_model::analysis::{Influence, WholeModel};
-use rig::facts::{BenchFacts, StatedInertia};
+use bench_model::model::{AssembledModel, ModelParameter};
 use rig::results::{Outcome, Parameter};
 use study::Study;
 
@@ -22,7 +22,7 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
         let mut why: Vec<String> =
             whole.influences.iter().find(|i| i.quantity == own.quantity).and_then(uncertain_by).into_iter().collect();
         why.push(sines.1.clone());
-        why.push(of_inertias(&study.bench));
+        why.extend(of_inertias(study));
         let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.1);
         let by_width = grade(study, own);
         Known::of(own, if contradicted { by_width.contradicted() } else { by_width }, why)
@@ -31,24 +31,32 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
 }
 
 /// What the intervals hold of the inertias.
-fn of_inertias(bench: &BenchFacts) -> String {
-    let of = |symbol: &str, stated: StatedInertia| match (stated.uncertainty_percent, stated.is_uncertainty_stated) {
-        (0.0, _) => format!("{symbol} as exact"),
-        (percent, true) => format!("{symbol} with the stated {percent} %"),
-        (percent, false) => format!("{symbol} with the usual {percent} %, as none is stated"),
+fn of_inertias(study: &Study) -> Option<String> {
+    let AssembledModel { model, uncertainty } = study.model.as_ref()?;
+    let of = |which: ModelParameter| {
+        let error = uncertainty.standard_error(which).map_or(0.0, |(error, _)| error);
+        let (symbol, value) = (which.symbol(), model.value(which)?);
+        Some(match error > 0.0 {
+            true => format!("{symbol} by {} %", number::significant(100.0 * error / value, 2)),
+            false => format!("{symbol} as exact"),
+        })
     };
-    format!(
-        "The interval contains the standard uncertainty of the inertias: {}, and {}.",
-        of("J_d", bench.dynamometer_inertia()),
-        of("J_e", bench.engine_inertia())
-    )
+    Some(format!(
+        "The interval contains the standard uncertainty of the model’s inertias: {} and {}.",
+        of(ModelParameter::DynoInertia)?,
+        of(ModelParameter::EngineInertia)?
+    ))
 }
 
 /// The parameter that most of the uncertainty is owed to.
 fn uncertain_by(influence: &Influence) -> Option<String> {
     let shares = influence.parameters.iter().filter_map(|one| Some((one, one.variance_share?)));
     let (most, share) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!("Most of its uncertainty, {}, comes from {}.", number::share(share), most.parameter.symbol()))
+    Some(format!(
+        "The largest part of its uncertainty, {}, comes from {}.",
+        number::share(share),
+        most.parameter.symbol()
+    ))
 }
 
 /// How far measured gains are from the model on average, and in words.

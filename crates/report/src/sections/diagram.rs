@@ -1,5 +1,6 @@
 //! The block diagram of the bench with the estimated numbers in its blocks, as inline SVG.
 
+use bench_model::model::ModelParameter;
 use rig::results::{Estimate, Outcome, Quantity, Reason};
 use study::Study;
 
@@ -76,9 +77,9 @@ fn blocks(study: &Study) -> [Block; 5] {
     [
         block(110, 36, 330, "speed-control", "Speed control", speed, speed_known),
         block(550, 36, 250, "torque-control", "Torque control", torque, torque_known),
-        block(110, 212, 180, "provenance", "Dynamometer", inertia("J_d", study.bench.dynamometer_inertia_kg_m2), true),
+        block(110, 212, 180, "provenance", "Dynamometer", inertia(study, ModelParameter::DynoInertia), true),
         block(390, 212, 180, "shaft", "Shaft", shaft, shaft_known),
-        block(660, 212, 150, "provenance", "Engine", inertia("J_e", study.bench.engine_inertia_kg_m2), true),
+        block(660, 212, 150, "provenance", "Engine", inertia(study, ModelParameter::EngineInertia), true),
     ]
 }
 
@@ -124,8 +125,16 @@ fn shaft(study: &Study) -> (Vec<Markup>, bool) {
     }
 }
 
-fn inertia(name: &str, kg_m2: f64) -> Vec<Markup> {
-    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{} as given", symbol_svg(name))]
+/// An inertia as the model has it; without a model that of the bench file.
+fn inertia(study: &Study, which: ModelParameter) -> Vec<Markup> {
+    let stated = match which {
+        ModelParameter::EngineInertia => study.bench.engine_inertia_kg_m2,
+        _ => study.bench.dynamometer_inertia_kg_m2,
+    };
+    let modelled = study.model.as_ref().and_then(|assembled| assembled.model.value(which));
+    let kg_m2 = modelled.unwrap_or(stated);
+    let origin = if kg_m2 == stated { "as given" } else { "of the model" };
+    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{} {}", symbol_svg(which.symbol()), origin)]
 }
 
 /// The factor e^(−τ s) with its number.

@@ -6,6 +6,9 @@ use study::Study;
 use crate::Origin;
 use crate::wording;
 
+/// Characters of a title at the top of each printed page.
+const LONGEST_TITLE: usize = 48;
+
 /// What stands at the top: the title that the bench file states, or the bench.
 pub(super) fn title(study: &Study) -> String {
     study.provenance.report.title.clone().unwrap_or_else(|| format!("{} – bench model", study.bench.name))
@@ -63,6 +66,12 @@ fn recordings(study: &Study) -> String {
 /// The line at the top of each printed page.
 pub(super) fn running_head(study: &Study, origin: &Origin) -> String {
     let report = &study.provenance.report;
-    let parts = [Some(title(study)), report.test_id.clone(), Some(origin.date.clone()), report.confidentiality.clone()];
+    let title = title(study);
+    let short = match title.char_indices().nth(LONGEST_TITLE) {
+        Some((end, _)) => format!("{}…", title[..end].trim_end()),
+        None => title,
+    };
+    // What must not be lost stands first.
+    let parts = [report.confidentiality.clone(), Some(short), report.test_id.clone(), Some(origin.date.clone())];
     parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
 }

@@ -104,9 +104,7 @@ struct KeyNumber<'a> {
 fn key_numbers(study: &Study) -> Blocks {
     vec![
         Block::Cards { items: collect_key_numbers(study).iter().map(card).collect() },
-        Block::note(
-            "± is half of the 95 % interval, here and everywhere below. All digits are in the sections of the parts.",
-        ),
+        Block::note("± is half of the 95 % interval. All digits are in the sections of the report."),
     ]
     .into()
 }
