@@ -46,12 +46,11 @@ pub(crate) fn section(study: &Study, origin: &Origin) -> Blocks {
 /// The numbers that model.json has, in one table.
 fn numbers(study: &Study, origin: &Origin) -> Blocks {
     let Some(document) = bench_model(study, origin.clone()) else { return Blocks::default() };
-    vec![
-        Block::heading("The numbers of the model"),
+    let blocks = vec![
         Block::paragraph("These are the numbers that model.json has, and that simulations and exports use."),
         Block::Table(parameter_table(&parameters(&document))),
-    ]
-    .into()
+    ];
+    Block::Fold { summary: "The numbers of the model".into(), blocks }.into()
 }
 
 /// Where J_e of the model comes from.
