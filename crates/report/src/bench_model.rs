@@ -44,9 +44,7 @@ pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> 
 /// The numbers of a document with their 95 % intervals, as a part shows its own.
 pub(crate) fn parameters(document: &BenchModelDocument) -> Vec<Parameter> {
     let shown = |one: &DescribedParameter| {
-        let degrees_of_freedom = one.degrees_of_freedom.unwrap_or(f64::INFINITY);
-        let standard_error = one.standard_error.unwrap_or(0.0);
-        let own = Parameter::new(one.parameter.quantity(), one.value, standard_error, degrees_of_freedom);
+        let own = by_standard_error(one);
         Parameter { interval: one.interval_95.unwrap_or(own.interval), ..own }
     };
     document.parameters().iter().map(shown).collect()
@@ -68,16 +66,16 @@ fn interval(study: &Study, of: &DescribedParameter) -> Option<(f64, f64)> {
             &study.torque_control.estimated()?.delay_and_lag
         }
         // J_e is what the bench file and the recordings give together.
-        ModelParameter::EngineInertia => return standard_interval(of),
+        ModelParameter::EngineInertia => return of.standard_error.map(|_| by_standard_error(of).interval),
     };
     let found = estimate.parameter(of.parameter.quantity())?;
     (found.value == of.value).then_some(found.interval)
 }
 
-/// The interval that the standard error gives.
-fn standard_interval(of: &DescribedParameter) -> Option<(f64, f64)> {
+/// A number with the interval that its standard error gives.
+fn by_standard_error(of: &DescribedParameter) -> Parameter {
     let degrees_of_freedom = of.degrees_of_freedom.unwrap_or(f64::INFINITY);
-    Some(Parameter::new(of.parameter.quantity(), of.value, of.standard_error?, degrees_of_freedom).interval)
+    Parameter::new(of.parameter.quantity(), of.value, of.standard_error.unwrap_or(0.0), degrees_of_freedom)
 }
 
 fn used(recording: &RecordingSummary) -> UsedRecording {

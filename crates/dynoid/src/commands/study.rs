@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use bench_model::document::{BenchModelDocument, format_of};
+use bench_model::document::BenchModelDocument;
 use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
 use rig::bench_file::ReportIdentity;
 use rig::{BenchFile, Severity};
 use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
-use super::bench_model::MODEL;
+use super::bench_model::{Kind, MODEL};
 use crate::cli::bench::{PaperSize, StudyArguments};
 use crate::date;
 use crate::error::{CliError, Outcome};
@@ -25,7 +25,7 @@ use crate::terminal::{Progress, Terminal};
 pub(crate) const REPORT: &str = "report.html";
 /// The report with all analyses, which a study without them leaves alone.
 pub(crate) const FULL_REPORT: &str = "report-full.html";
-/// The reports on paper, and the first page alone; a study that does not write them leaves earlier ones alone.
+/// The reports on paper, and the first page alone.
 pub(crate) const REPORT_PDF: &str = "report.pdf";
 pub(crate) const FULL_REPORT_PDF: &str = "report-full.pdf";
 pub(crate) const SUMMARY_PDF: &str = "summary.pdf";
@@ -124,16 +124,21 @@ pub(crate) fn study(
     files.extend(model.as_ref().map(|model| (MODEL, model.as_bytes())));
     folder.replace(&files, &RESULTS)?;
     let path = |name: &str| files.iter().any(|(written, _)| *written == name).then(|| out.join(name));
-    let (series, model) = (path(SERIES), path(MODEL));
-    let (data, report) = (out.join(DATA), out.join(REPORT));
-    drop(progress);
-    let full_report = pages.full.is_some().then(|| out.join(FULL_REPORT));
-    let paper =
-        beside.iter().map(|(name, _)| out.join(name)).filter(|path| paths::ending(path) == Some("pdf")).collect();
-    let full = [FULL_REPORT, FULL_REPORT_PDF];
     let is_of_earlier = |name: &&str| path(name).is_none() && out.join(name).is_file();
-    let of_earlier = full.iter().filter(|name| is_of_earlier(name)).map(|name| out.join(name)).collect();
-    Ok(Written { study, report, full_report, paper, data, series, model, of_earlier, earlier })
+    let of_earlier =
+        [FULL_REPORT, FULL_REPORT_PDF].into_iter().filter(is_of_earlier).map(|name| out.join(name)).collect();
+    drop(progress);
+    Ok(Written {
+        report: out.join(REPORT),
+        full_report: path(FULL_REPORT),
+        paper: [REPORT_PDF, FULL_REPORT_PDF, SUMMARY_PDF].into_iter().filter_map(path).collect(),
+        data: out.join(DATA),
+        series: path(SERIES),
+        model: path(MODEL),
+        of_earlier,
+        earlier,
+        study,
+    })
 }
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
@@ -162,7 +167,7 @@ fn earlier_model(path: &Path, terminal: &mut Terminal) -> Result<Option<BenchMod
         return Ok(None);
     }
     let text = std::fs::read_to_string(path).unwrap_or_default();
-    if !format_of(&text).is_some_and(|format| BenchModelDocument::is_format(&format)) {
+    if Kind::of(&text) != Kind::Bench {
         return Err(CliError::NotABenchModel { path: path.to_owned() });
     }
     let read = BenchModelDocument::from_json(&text);
