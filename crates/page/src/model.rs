@@ -244,6 +244,14 @@ impl Block {
         Block::Figure(figure)
     }
 
+    /// Id and title of a section.
+    pub(crate) fn as_section(&self) -> Option<(&str, &str)> {
+        match self {
+            Block::Section { id, title, .. } => Some((id, title)),
+            _ => None,
+        }
+    }
+
     /// A heading inside a section.
     pub fn heading(text: impl Into<Prose>) -> Self {
         Block::Heading { text: text.into() }

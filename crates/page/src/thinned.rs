@@ -77,7 +77,7 @@ pub(crate) fn groups(figure: &Figure, most: usize) -> Vec<Vec<Place>> {
             if y.len() <= most {
                 continue;
             }
-            let length = |group: &[Place]| group.first().and_then(|place| line(figure, *place)).map(<[Rounded]>::len);
+            let length = |group: &[Place]| group.first().and_then(|place| line(figure, *place)).map(|(_, y)| y.len());
             let same = groups
                 .iter_mut()
                 .find(|(clock, unit, group)| *unit == panel.y.unit && length(group) == Some(y.len()) && *clock == x);
@@ -90,15 +90,16 @@ pub(crate) fn groups(figure: &Figure, most: usize) -> Vec<Vec<Place>> {
     groups.into_iter().map(|(.., group)| group).collect()
 }
 
-fn line(figure: &Figure, (row, column): Place) -> Option<&[Rounded]> {
+/// Places and values of a line.
+pub(crate) fn line(figure: &Figure, (row, column): Place) -> Option<(&Abscissa, &[Rounded])> {
     match figure.panels.get(row)?.layers.get(column)? {
-        Layer::Line { y, .. } => Some(y),
+        Layer::Line { x, y, .. } => Some((x, y)),
         _ => None,
     }
 }
 
 fn values(figure: &Figure, place: Place) -> Option<Vec<f64>> {
-    Some(line(figure, place)?.iter().map(|value| value.0).collect())
+    Some(line(figure, place)?.1.iter().map(|value| value.0).collect())
 }
 
 fn keep(figure: &mut Figure, (row, column): Place, kept: &[usize]) {

@@ -198,7 +198,7 @@ fn residuals(study: &Study) -> Rule {
     doubted.dedup();
     let level = if doubted.is_empty() { Level::Good } else { Level::Reservations };
     let found = match doubted.as_slice() {
-        [] => "no part is in doubt".to_owned(),
+        [] => "no such part was found".to_owned(),
         _ => format!("in doubt: {}", wording::join(&doubted, "and")),
     };
     let asks = "No part has residuals correlated with its input, failed to converge, or disagrees with a second route.";

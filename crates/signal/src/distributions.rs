@@ -1,4 +1,4 @@
-//! Quantiles that intervals and tests are made of.
+//! Quantiles and tails that intervals and tests are made of.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
@@ -100,4 +100,21 @@ pub fn f_quantile(probability: f64, numerator: f64, denominator: f64) -> f64 {
         return x / numerator * (1.0 + 0.5 * (x - numerator + 2.0) / denominator);
     }
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.inverse_cdf(probability))
+}
+
+/// p-values of several tests, each raised so that the chance of any false alarm among them is at most the least.
+///
+/// # Source
+/// Holm, *A simple sequentially rejective multiple test procedure*, Scandinavian Journal of Statistics 6, 1979.
+#[must_use]
+pub fn holm(p_values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..p_values.len()).collect();
+    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
+    let mut raised = vec![1.0; p_values.len()];
+    let mut least: f64 = 0.0;
+    for (rank, index) in order.into_iter().enumerate() {
+        least = least.max((p_values.len() - rank) as f64 * p_values[index]).min(1.0);
+        raised[index] = least;
+    }
+    raised
 }

@@ -252,6 +252,6 @@ fn constants(first: &BenchModel, second: &BenchModel) -> Vec<&'static str> {
     let differs = |name, of: fn(&BenchModel) -> Option<f64>| (of(first) != of(second)).then_some(name);
     let tick = differs("sample time of the controller", |model| model.speed_controller.map(|pi| pi.sample_time_s));
     let limit = differs("limit of the torque demand", |model| model.torque_limit_nm);
-    let lags = (first.demand_lags() != second.demand_lags()).then_some("place of the controller's delay");
+    let lags = (first.demand_lags() != second.demand_lags()).then_some("whole samples of the controller's delay");
     [tick, limit, lags].into_iter().flatten().collect()
 }

@@ -89,7 +89,9 @@ fn refused(source: &Source, finding: Finding) -> Vec<Diagnostic> {
 }
 
 fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<(), Vec<Diagnostic>> {
-    match earlier.iter().find(|e| e.sha256 == source.sha256 || e.file == source.file) {
+    // Files that cannot be read are often empty, and all of these are alike.
+    let is_same = |e: &&RecordingSummary| source.recording.is_ok() && e.sha256 == source.sha256;
+    match earlier.iter().find(|e| is_same(e) || e.file == source.file) {
         Some(twin) => Err(refused(source, Finding::DuplicateRecording { other: twin.file.clone() })),
         None => Ok(()),
     }

@@ -21,6 +21,7 @@ pub(crate) fn check() -> Result<(), String> {
     for room in Room::all(&metadata)? {
         faults.extend(room.cycles.iter().map(|cycle| format!("`{}`: {cycle}", room.name)));
     }
+    faults.extend(tests_never_run(&metadata)?);
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }
 
@@ -80,6 +81,33 @@ impl Room {
 /// A library or a program, not a test, an example or a benchmark.
 fn is_product(target: &Value) -> bool {
     array(&target["kind"]).iter().any(|kind| matches!(kind.as_str(), Some("lib" | "bin" | "proc-macro")))
+}
+
+/// Tests beside the code of a crate that says it has none, which saves compiling it a second time.
+fn tests_never_run(metadata: &Value) -> Result<Vec<String>, String> {
+    let mut faults = Vec::new();
+    for target in array(&metadata["packages"]).iter().flat_map(|package| array(&package["targets"])) {
+        let Some(folder) = Path::new(target["src_path"].as_str().unwrap_or_default()).parent() else { continue };
+        if target["test"] == false && is_product(target) && has_tests(folder)? {
+            faults.push(format!("{}: tests that never run; remove `test = false` from Cargo.toml", folder.display()));
+        }
+    }
+    Ok(faults)
+}
+
+fn has_tests(folder: &Path) -> Result<bool, String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+    for entry in folder.read_dir().map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let is_source = path.extension().is_some_and(|extension| extension == "rs");
+        if path.is_dir() && has_tests(&path)? {
+            return Ok(true);
+        }
+        if is_source && std::fs::read_to_string(&path).map_err(failed)?.contains("#[test]") {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 fn array(value: &Value) -> &[Value] {

@@ -27,7 +27,10 @@ pub enum DocumentError {
         found: String,
     },
     /// A version that is not known here.
-    #[error("this bench model has version {found}, and this dynoid reads up to {known}; use a later dynoid")]
+    #[error(
+        "this bench model has version {found}, and this dynoid reads versions 1 to {known}; {}",
+        if found > known { "use a later dynoid" } else { "write it again with `dynoid study bench.toml`" }
+    )]
     Version {
         /// The version found.
         found: u64,

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::support::{Campaign, dynoid, white_noise};
+use crate::support::{Campaign, dynoid, text, white_noise};
 
 /// Figure or table of the thesis, the section that has its counterpart, and words of it. What needs no analysis is looked for by the
 /// report's own tests.
@@ -38,11 +38,7 @@ const COUNTERPARTS: [(&str, &str, &str); 26] = [
 /// The text of a section, symbols as in `T_d*`.
 fn section(page: &str, id: &str) -> String {
     let from = page.split(&format!("<section id=\"{id}\">")).nth(1).unwrap_or_else(|| panic!("no section {id}"));
-    let own = from.split("</section>").next().unwrap_or_default().replace("<sub>", "_");
-    let mut pieces = own.split('<');
-    let first = pieces.next().unwrap_or_default().to_owned();
-    let text = pieces.filter_map(|piece| piece.split_once('>')).map(|(_, text)| text);
-    text.fold(first, |all, text| all + text).replace('\u{a0}', " ")
+    text(from.split("</section>").next().unwrap_or_default())
 }
 
 #[test]

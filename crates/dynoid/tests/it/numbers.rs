@@ -4,7 +4,7 @@ use page::Quantity;
 use serde_json::Value;
 
 use crate::full_report::white_noise_alone;
-use crate::support::{Campaign, simulated, white_noise};
+use crate::support::{Campaign, simulated, text, white_noise};
 use rig::experiment::ExperimentPlan;
 
 /// Headings below which a report gives other routes to a number, each named so.
@@ -24,15 +24,6 @@ struct Row {
 /// What stands between the start of a tag and its end, one after the other.
 fn between<'a>(page: &'a str, start: &'a str, end: &'a str) -> impl Iterator<Item = &'a str> {
     page.split(start).skip(1).filter_map(move |rest| rest.split(end).next())
-}
-
-/// Text without tags, a symbol as `T_d*`.
-fn text(html: &str) -> String {
-    let html = html.replace("<sub>", "_").replace("</sub>", "").replace('\u{a0}', " ");
-    let mut pieces = html.split('<');
-    let first = pieces.next().unwrap_or_default().to_owned();
-    let all = pieces.filter_map(|piece| piece.split_once('>')).fold(first, |all, (_, text)| all + text);
-    all.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn rows(page: &str) -> Vec<Row> {

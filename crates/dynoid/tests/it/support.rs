@@ -155,3 +155,12 @@ impl Campaign {
 pub(crate) fn channel<'a>(recording: &'a mut Recording, name: &str) -> &'a mut recording::Channel {
     recording.channels.iter_mut().find(|channel| channel.name == name).expect("the channel is there")
 }
+
+/// Text without tags, a symbol as `T_d*`.
+pub(crate) fn text(html: &str) -> String {
+    let html = html.replace("<sub>", "_").replace("</sub>", "").replace('\u{a0}', " ");
+    let mut pieces = html.split('<');
+    let first = pieces.next().unwrap_or_default().to_owned();
+    let all = pieces.filter_map(|piece| piece.split_once('>')).fold(first, |all, (_, text)| all + text);
+    all.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -18,7 +18,7 @@ use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
 use super::start::{self, Long, candidates};
 use crate::nonlinear::{Lowest, SumOfSquares, descend, descend_unless};
-use crate::structure_error::StructureError;
+use crate::structure_error::{StructureError, UnstablePart};
 use crate::{Bounds, Dataset, Focus, IdentError, NonlinearOptions};
 
 /// Rows that starting values are sought on.
@@ -58,6 +58,8 @@ struct Task<'a> {
     estimate_states: bool,
     bounds: Vec<Bounds>,
     search: NonlinearOptions,
+    /// Where the search is to start; none where starting values are sought.
+    starts: &'a [Vec<f64>],
 }
 
 pub(super) fn estimate<'a>(
@@ -76,7 +78,9 @@ pub(super) fn estimate<'a>(
     if rows <= orders.count() + states * all.len() {
         return Err(IdentError::TooFewSamples { samples: rows, parameters: orders.count() + states });
     }
-    let task = Task { orders, estimate_states, bounds: bounds(orders, held), search: options.search };
+    let of_output = output * orders.count()..(output + 1) * orders.count();
+    let starts: Vec<Vec<f64>> = options.starts.iter().map(|start| start[of_output.clone()].to_vec()).collect();
+    let task = Task { orders, estimate_states, bounds: bounds(orders, held), search: options.search, starts: &starts };
     let (lowest, stages) = task.estimate(&all, options)?;
     let mut evaluator = Evaluator::new(orders, &all, Aim::Prediction, estimate_states);
     let errors = evaluator.residuals(&lowest.parameters)?;
@@ -127,12 +131,14 @@ impl Task<'_> {
     }
 
     fn predicting<'a>(&self, all: &[Segment<'a>], batches: Option<usize>) -> Result<Estimate<'a>, IdentError> {
-        let direct = self.direct(all);
+        let direct = if self.starts.is_empty() { self.direct(all) } else { None };
         let lowest = match direct {
             Some((lowest, true)) => lowest,
             Some((lowest, false)) => self.contested(all, lowest)?,
             None => {
-                let start = if self.orders.is_output_error() {
+                let start = if !self.starts.is_empty() {
+                    self.best_of(all, Aim::Prediction, self.starts)?
+                } else if self.orders.is_output_error() {
                     self.simulating_start(all, |few| self.guesses(few))?
                 } else {
                     self.start(all, Aim::Prediction, |few| self.guesses(few))?
@@ -195,7 +201,12 @@ impl Task<'_> {
         let (plain, place) = self.orders.without_noise();
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
-        let start = dynamics.simulating_start(passed, |few| dynamics.guesses(few))?;
+        let start = if self.starts.is_empty() {
+            dynamics.simulating_start(passed, |few| dynamics.guesses(few))?
+        } else {
+            let of_dynamics = |start: &Vec<f64>| place.iter().map(|j| start[*j]).collect();
+            dynamics.best_of(passed, Aim::Simulation, &self.starts.iter().map(of_dynamics).collect::<Vec<_>>())?
+        };
         let found = dynamics.descended(passed, Aim::Simulation, &start, self.search)?;
         let found = dynamics.judged(passed, Aim::Simulation, found, batches);
         self.with_noise(all, &place, found, batches)
@@ -375,6 +386,27 @@ impl Task<'_> {
             others.extend(lowered(self.orders, &orders, &few, &found, self.estimate_states));
         }
         self.start(&few, Aim::Simulation, |_| Ok(others))
+    }
+
+    /// Of given starting values that which suits all data best, where the numerators that suit its denominators may replace
+    /// its own.
+    fn best_of(&self, all: &[Segment<'_>], aim: Aim, starts: &[Vec<f64>]) -> Result<Vec<f64>, IdentError> {
+        let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        for start in starts {
+            let inside = evaluator.within_the_edge(start);
+            let refitted = (self.orders.is_output_error() || aim == Aim::Simulation)
+                .then(|| start::with_numerators(self.orders, all, &inside, self.estimate_states))
+                .flatten();
+            for theta in refitted.map(|(_, theta)| theta).into_iter().chain([inside]).map(|theta| self.held(theta)) {
+                let Ok(cost) = evaluator.cost(&theta) else { continue };
+                if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                    best = Some((cost, theta));
+                }
+            }
+        }
+        let (_, theta) = best.ok_or(StructureError::Unstable(UnstablePart::StartingPredictor))?;
+        Ok(theta)
     }
 
     /// The best of several starting values, each followed some way down on a part of the data, the most promising first,

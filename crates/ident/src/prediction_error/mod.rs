@@ -52,6 +52,7 @@ impl Polynomial {
             prefilter: None,
             batches: None,
             held: Vec::new(),
+            starts: Vec::new(),
             search: NonlinearOptions::default(),
         }
     }
@@ -98,6 +99,26 @@ impl Polynomial {
         self
     }
 
+    /// Starts the search at these coefficients, in the order of [`Fit::parameters`], or at the best of several such; by
+    /// default starting values are sought on the data. An output-error model starts with the numerators that suit the
+    /// denominators given. For a scan of many structures that start at their neighbours, or a model that is known roughly:
+    /// the minimum found is that nearest to the start, and need not be the lowest.
+    ///
+    /// # Example
+    /// ```
+    /// let u: Vec<f64> = (0..200).map(|t| if (t * t / 7) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    /// let mut y = vec![0.0; 200];
+    /// (1..200).for_each(|t| y[t] = 0.8 * y[t - 1] + 0.5 * u[t - 1]);
+    /// let data = ident::Dataset::siso(0.1, &u, &y)?;
+    /// let fit = ident::OutputError::new(1, 1, 1).starting_at(vec![vec![0.0, -0.7]]).fit(&data)?;
+    /// assert!((fit.parameters()[1] + 0.8).abs() < 1e-9);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    #[must_use]
+    pub fn starting_at(self, starts: Vec<Vec<f64>>) -> Self {
+        Polynomial { starts, ..self }
+    }
+
     /// How far and how exactly to search.
     #[must_use]
     pub fn with_search(self, search: NonlinearOptions) -> Self {
@@ -114,7 +135,8 @@ impl Polynomial {
     /// # Errors
     /// [`IdentError::Structure`] for orders that make no model, a held coefficient that there is not, or a simulation or
     /// prefilter without inputs;
-    /// [`IdentError::Length`] for orders of another number of inputs; [`IdentError::TooFewSamples`];
+    /// [`IdentError::Length`] for orders of another number of inputs, or a start of another number of coefficients;
+    /// [`IdentError::NotFinite`] for a start or a held value that is no number; [`IdentError::TooFewSamples`];
     /// [`IdentError::RankDeficient`] where the data do not determine every coefficient.
     ///
     /// # Example
@@ -131,6 +153,7 @@ impl Polynomial {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
         let orders = self.orders(data.inputs())?;
         let held = self.held_coefficients(&orders, data)?;
+        self.check_starts(orders.count() * data.outputs())?;
         let one = |output: &usize| equation::estimate(self, &orders, data, *output, &held[*output]);
         let equations = parallel::map(&Vec::from_iter(0..data.outputs()), one);
         let fit = assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)?;
@@ -159,6 +182,19 @@ impl Polynomial {
             return Err(StructureError::NoParameters.into());
         }
         Ok(orders)
+    }
+
+    fn check_starts(&self, count: usize) -> Result<(), IdentError> {
+        for start in &self.starts {
+            if start.len() != count {
+                let what = "coefficients to start at";
+                return Err(IdentError::Length { what, expected: count, found: start.len() });
+            }
+            if let Some(index) = start.iter().position(|value| !value.is_finite()) {
+                return Err(IdentError::NotFinite { what: "the value of a coefficient to start at", index });
+            }
+        }
+        Ok(())
     }
 
     /// For each equation, the coefficients held and their values.

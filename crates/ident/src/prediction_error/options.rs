@@ -33,5 +33,6 @@ pub struct Polynomial {
     pub(super) prefilter: Option<Sos>,
     pub(super) batches: Option<usize>,
     pub(super) held: Vec<(String, f64)>,
+    pub(super) starts: Vec<Vec<f64>>,
     pub(super) search: NonlinearOptions,
 }

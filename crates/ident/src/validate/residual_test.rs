@@ -175,7 +175,7 @@ impl ResidualTest {
         which: TestData,
     ) -> Result<ResidualReport, IdentError> {
         check_channels(&fit.model, data)?;
-        let (whole, part) = (data, self.part(data, fit.free_parameters * data.outputs())?);
+        let (given, part) = (data.samples(), self.part(data, fit.free_parameters * data.outputs())?);
         let data = part.as_ref();
         let predicted = residuals(&fit.model, data, &self.initial)?;
         let parameters = sensitivity::to_parameters(fit, data, &self.initial, &predicted)?;
@@ -186,8 +186,7 @@ impl ResidualTest {
             TestData::Own => columns.removed = parameters,
             TestData::Unseen => columns.uncertain = parameters,
         }
-        let report = self.report(data, &errors, &columns, Some(&fit.noise_covariance))?;
-        Ok(ResidualReport { samples_given: whole.samples(), ..report })
+        self.report((data, given), &errors, &columns, Some(&fit.noise_covariance))
     }
 
     /// Tests the one-step prediction errors of a model that is not estimated: its parameters count as known.
@@ -199,8 +198,7 @@ impl ResidualTest {
         let part = self.part(data, 0)?;
         let errors = residuals(model, &part, &self.initial)?.outputs;
         let states = sensitivity::to_states(model, &part, &self.initial)?;
-        let report = self.report(&part, &errors, &Columns { states, ..Columns::default() }, None)?;
-        Ok(ResidualReport { samples_given: data.samples(), ..report })
+        self.report((&part, data.samples()), &errors, &Columns { states, ..Columns::default() }, None)
     }
 
     /// Tests residuals that are already there: they stand as the outputs of `data`, and whatever they are of counts as
@@ -211,8 +209,7 @@ impl ResidualTest {
     pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
         let part = data.excerpts(self.most(0));
         let errors: Vec<Mat<f64>> = part.experiments().iter().map(|e| e.outputs.clone()).collect();
-        let report = self.report(&part, &errors, &Columns::default(), None)?;
-        Ok(ResidualReport { samples_given: data.samples(), ..report })
+        self.report((&part, data.samples()), &errors, &Columns::default(), None)
     }
 
     /// Most samples that are tested, where each has so many sensitivities.
@@ -234,9 +231,10 @@ impl ResidualTest {
         }
     }
 
+    /// The tests on data that are part of so many samples.
     fn report(
         &self,
-        data: &Dataset,
+        (data, samples_given): (&Dataset, usize),
         errors: &[Mat<f64>],
         columns: &Columns,
         noise_covariance: Option<&Mat<f64>>,
@@ -256,8 +254,7 @@ impl ResidualTest {
             (0..residuals.outputs.len()).map(|i| self.whiteness(&past, i, &residuals)).collect::<Result<_, _>>()?;
         let joint_whiteness = if let [alone] = whiteness.as_slice() { alone.joint } else { past.joint()? };
         let independence = self.all_independence(&residuals, together, reach)?;
-        let samples = data.samples();
-        Ok(ResidualReport { whiteness, joint_whiteness, independence, samples, samples_given: samples })
+        Ok(ResidualReport { whiteness, joint_whiteness, independence, samples: data.samples(), samples_given })
     }
 
     fn whiteness(&self, past: &PastSums, output: usize, residuals: &Residuals<'_>) -> Result<Whiteness, IdentError> {

@@ -402,3 +402,35 @@ fn stat_fast_sampled_poles_are_found() {
         assert!((found - truth).abs() < 4.0 * error, "{found} {truth} {error}");
     }
 }
+
+/// A search that starts at given coefficients comes to the minimum that starting values from the data lead to, for every kind of
+/// structure and both focuses; of several starts the best is taken.
+#[test]
+fn exact_a_search_starts_where_it_is_asked_to() {
+    let output_error = simulated(&oe_model(), 2000, 0.1, 5);
+    let box_jenkins = simulated(&bj_model(), 2000, 0.1, 5);
+    let armax = simulated(&armax_model(), 2000, 0.1, 5);
+    let cases = [
+        (OutputError::new(2, 2, 1), &output_error),
+        (BoxJenkins::new(2, 2, 2, 2, 1), &box_jenkins),
+        (BoxJenkins::new(2, 2, 2, 2, 1).with_focus(Focus::Simulation), &box_jenkins),
+        (Armax::new(2, 2, 2, 1), &armax),
+        (OutputError::new(2, 2, 1).with_prefilter(low_pass()), &output_error),
+    ];
+    for (options, data) in cases {
+        let sought = options.clone().fit(data).unwrap();
+        let near = sought.parameters().iter().map(|value| 0.9 * value).collect();
+        let far = sought.parameters().iter().map(|value| 0.1 * value).collect();
+        let given = options.starting_at(vec![far, near]).fit(data).unwrap();
+        assert_close(&given.parameters(), &sought.parameters(), 1e-5);
+    }
+}
+
+#[test]
+fn regress_starts_of_the_wrong_length_or_that_are_no_numbers_are_refused() {
+    let data = simulated(&oe_model(), 200, 0.1, 5);
+    let short = OutputError::new(2, 2, 1).starting_at(vec![vec![0.0; 3]]).fit(&data);
+    assert!(matches!(short, Err(IdentError::Length { expected: 4, found: 3, .. })), "{short:?}");
+    let missing = OutputError::new(2, 2, 1).starting_at(vec![vec![0.0, f64::NAN, 0.0, 0.0]]).fit(&data);
+    assert!(matches!(missing, Err(IdentError::NotFinite { index: 1, .. })), "{missing:?}");
+}

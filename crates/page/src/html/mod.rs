@@ -113,9 +113,6 @@ fn masthead(page: &Page) -> Markup {
 
 /// One entry a section.
 fn contents(blocks: &[Block]) -> Markup {
-    let entry = |block: &Block| match block {
-        Block::Section { id, title, .. } => Some(markup!("<li><a href=\"#{}\">{}</a></li>", id, title)),
-        _ => None,
-    };
-    blocks.iter().filter_map(entry).collect()
+    let entry = |(id, title)| markup!("<li><a href=\"#{}\">{}</a></li>", id, title);
+    blocks.iter().filter_map(Block::as_section).map(entry).collect()
 }

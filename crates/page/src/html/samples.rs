@@ -14,7 +14,7 @@ use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
 use crate::figure::{Abscissa, Axis, Figure, Layer, Rounded, Scale, Style};
-use crate::thinned::{HELD_SAMPLES, Place, groups, recorded, thin};
+use crate::thinned::{HELD_SAMPLES, Place, groups, line, recorded, thin};
 
 /// How samples are stored so that there is room for them.
 #[derive(Debug, Clone, Copy)]
@@ -163,13 +163,6 @@ fn shows_residuals(figure: &Figure) -> bool {
         let is_left_over = |style: &Style| matches!(style, Style::Residual | Style::Other);
         styles.contains(&Style::Residual) && styles.iter().all(is_left_over)
     })
-}
-
-fn line(figure: &Figure, (row, column): Place) -> Option<(&Abscissa, &[Rounded])> {
-    match figure.panels.get(row)?.layers.get(column)? {
-        Layer::Line { x, y, .. } => Some((x, y)),
-        _ => None,
-    }
 }
 
 /// Writes numbers as whole numbers of `planes` bytes; of their first differences or of differences of these, whichever are smaller.

@@ -138,9 +138,9 @@ fn section_ids(blocks: &[Block]) -> BTreeSet<String> {
 fn strips(page: &Page, layout: &mut Layout<'_>, room: f32) -> Result<Vec<Strip>, PdfError> {
     let place = Place { room, node: ROOT, level: 1 };
     let mut all = masthead(page, layout, place);
-    let sections: Vec<(&str, &str)> = page.blocks.iter().filter_map(section_of).collect();
+    let sections: Vec<(&str, &str)> = page.blocks.iter().filter_map(Block::as_section).collect();
     // The answer comes first; whoever wants more finds it in the contents behind it.
-    let is_section = |block: &Block| section_of(block).is_some();
+    let is_section = |block: &Block| block.as_section().is_some();
     let behind_answer = page.blocks.iter().position(is_section).map_or(0, |first| first + 1);
     let (answer, rest) = page.blocks.split_at(behind_answer);
     all.extend(layout.blocks(answer, place)?);
@@ -161,13 +161,6 @@ fn strips(page: &Page, layout: &mut Layout<'_>, room: f32) -> Result<Vec<Strip>,
     before.extend(layout.contents(&entries, place));
     before.extend(all);
     Ok(before)
-}
-
-fn section_of(block: &Block) -> Option<(&str, &str)> {
-    match block {
-        Block::Section { id, title, .. } => Some((id, title)),
-        _ => None,
-    }
 }
 
 /// Title, subtitle, and the logo to the right of them.

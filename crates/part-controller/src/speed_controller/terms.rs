@@ -12,7 +12,7 @@
 use faer::Mat;
 use ident::Minimum;
 use ident::covariance::at_least_white;
-use ident::distributions::{f_tail, interval, student_t_quantile};
+use ident::distributions::{f_tail, holm, interval, student_t_quantile};
 use numerics::linalg;
 use rig::Experiment;
 use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
@@ -371,15 +371,10 @@ fn is_short(data: &Data, fit: &Minimum, covariance: &Mat<f64>, freedom: f64, j: 
 
 /// Holm's correction, and with it the verdict; `left_rad_s` is what is left of the speed without the terms.
 fn corrected(mut tests: Vec<TermTest>, left_rad_s: f64) -> Vec<TermTest> {
-    let mut order: Vec<usize> = (0..tests.len()).collect();
-    order.sort_by(|a, b| tests[*a].p_value.total_cmp(&tests[*b].p_value));
-    let mut largest: f64 = 0.0;
-    for (rank, index) in order.iter().enumerate() {
-        let left = (tests.len() - rank) as f64;
-        let test = &mut tests[*index];
-        largest = largest.max((left * test.p_value).min(1.0));
-        test.adjusted_p_value = largest;
-        if largest < LEVEL {
+    let p_values: Vec<f64> = tests.iter().map(|test| test.p_value).collect();
+    for (test, adjusted) in tests.iter_mut().zip(holm(&p_values)) {
+        test.adjusted_p_value = adjusted;
+        if adjusted < LEVEL {
             let matters = test.explains_rad_s.powi(2) >= MATTERS * left_rad_s.powi(2);
             test.verdict = if matters { Verdict::Found } else { Verdict::Negligible };
         }

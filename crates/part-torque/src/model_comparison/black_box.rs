@@ -27,7 +27,7 @@ pub const ASKED_HZ: f64 = 10.0;
 const INTERVAL_LEVEL: f64 = 0.95;
 
 /// What a black box takes for noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
     /// A y = B u + e.
@@ -37,7 +37,7 @@ pub enum Family {
 }
 
 /// A family, what drives it, and its orders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct Structure {
     /// ARX or output error.
     pub family: Family,
@@ -213,12 +213,13 @@ impl Structure {
         &self,
         record: &Record,
         range: std::ops::Range<usize>,
-        search: NonlinearOptions,
+        (search, starts): (NonlinearOptions, Vec<Vec<f64>>),
     ) -> Result<Fit<PolynomialModel>, IdentError> {
         let data = record.data(self.input, range)?;
+        let output_error = || OutputError::new(self.nb, self.poles, self.nk).with_search(search).starting_at(starts);
         match self.family {
             Family::Arx => Arx::new(self.poles, self.nb, self.nk).fit(&data),
-            Family::OutputError => OutputError::new(self.nb, self.poles, self.nk).with_search(search).fit(&data),
+            Family::OutputError => output_error().fit(&data),
         }
     }
 
@@ -236,9 +237,10 @@ impl Structure {
         }
     }
 
-    /// Estimates it from the first stretch and simulates the second; none where the data do not determine it.
-    pub(super) fn scan(&self, record: &Record) -> Option<Scanned> {
-        let fit = self.fit(record, record.first(), ROUGHLY).ok()?;
+    /// Estimates it from the first stretch, the search begun at the best of these starts, and simulates the second; with its
+    /// coefficients. None where the data do not determine it.
+    pub(super) fn scan(&self, record: &Record, starts: Vec<Vec<f64>>) -> Option<(Scanned, Vec<f64>)> {
+        let fit = self.fit(record, record.first(), (ROUGHLY, starts)).ok()?;
         let (closed, follows) = self.follows(&fit.model);
         let percent = |modelled: &[f64]| {
             let error = rms(&record.errors(modelled, record.second()));
@@ -247,7 +249,7 @@ impl Structure {
         let fed = (self.input == Input::Error)
             .then(|| Way::of(&fit.model).filter(|way| way.is_stable().unwrap_or(false)))
             .flatten();
-        Some(Scanned {
+        let scanned = Scanned {
             structure: *self,
             parameters: fit.free_parameters,
             closed,
@@ -255,12 +257,13 @@ impl Structure {
             fed_percent: fed.map(|way| percent(&way.response(&record.input(Input::Error)))),
             // The same number of samples for all: the first few, which lack some of their past, tell no order.
             bic: Criteria::of(fit.loss, fit.free_parameters, record.first().len(), 1).bic,
-        })
+        };
+        Some((scanned, fit.parameters()))
     }
 
     /// Estimates it from all but the held-out part.
     pub(super) fn estimate(&self, record: &Record, chosen_by: Vec<ChosenBy>) -> Option<BlackBox> {
-        let fit = self.fit(record, record.estimation(), NonlinearOptions::default()).ok()?;
+        let fit = self.fit(record, record.estimation(), (NonlinearOptions::default(), Vec::new())).ok()?;
         let (closed, follows) = self.follows(&fit.model);
         let freedom = fit.degrees_of_freedom;
         let named = fit.model.coefficient_names().into_iter().zip(fit.parameters()).zip(fit.standard_errors());

@@ -14,9 +14,9 @@ mod excited;
 mod orders;
 mod paired;
 mod record;
+mod scan;
 mod visibility;
 
-use numerics::parallel;
 use rig::estimation::EstimateError;
 use rig::experiment::Sought;
 use rig::results::{Parameter, Reason, ResidualTest, Stretch, Trace};
@@ -35,8 +35,6 @@ pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, v
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.
 pub const LEVEL: f64 = 0.99;
-/// Structures tried between two reports of progress.
-const BATCH: usize = 16;
 /// What moves T_d*, and the mode in which it does.
 const MOVED: [(Excited, ControlMode); 2] =
     [(Excited::Dynamometer, ControlMode::Tn), (Excited::Engine, ControlMode::Nt)];
@@ -247,7 +245,7 @@ pub fn compare_models(
 }
 
 fn studied(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> ComparedRecording {
-    let scanned = scan(record, orders, done);
+    let scanned = scan::scan(record, orders, done);
     let result = &record.control.result;
     let bar = record.one_sample_late();
     let fit = |range: std::ops::Range<usize>| {
@@ -272,19 +270,6 @@ fn studied(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> C
         black_boxes: choose(&scanned).into_iter().filter_map(|(s, by)| s.estimate(record, by)).collect(),
         scanned,
     }
-}
-
-/// Every structure that the data determine.
-fn scan(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> Vec<Scanned> {
-    let families = [Family::Arx, Family::OutputError];
-    let pairs = families.into_iter().flat_map(|family| [Input::Demand, Input::Error].map(|input| (family, input)));
-    let all: Vec<Structure> = pairs.flat_map(|(family, input)| Structure::all((family, input), orders)).collect();
-    let mut found = Vec::new();
-    for (n, structures) in all.chunks(BATCH).enumerate() {
-        found.extend(parallel::map(structures, |structure| structure.scan(record)).into_iter().flatten());
-        done(((n + 1) * BATCH) as f64 / all.len() as f64);
-    }
-    found
 }
 
 /// Of each family and input the best by fit and by criterion, each once.
@@ -384,7 +369,7 @@ fn judgement(
 fn raise(judgements: &mut [Judgement]) {
     let tested: Vec<(usize, f64)> =
         judgements.iter().enumerate().filter_map(|(n, j)| Some((n, j.test?.p_value))).collect();
-    let raised = paired::holm(&tested.iter().map(|t| t.1).collect::<Vec<_>>());
+    let raised = ident::distributions::holm(&tested.iter().map(|t| t.1).collect::<Vec<_>>());
     for ((n, _), p_value) in tested.into_iter().zip(raised) {
         let judgement = &mut judgements[n];
         judgement.p_value = Some(p_value);

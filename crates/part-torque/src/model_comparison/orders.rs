@@ -18,7 +18,7 @@ impl Default for OrdersTried {
 }
 
 /// What drives a black box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Input {
     /// T_d*, as in (6.8).

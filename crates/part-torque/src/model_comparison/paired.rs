@@ -42,34 +42,9 @@ pub(super) fn compare(bar: &[f64], model: &[f64], sample_time_s: f64) -> PairedT
     PairedTest { difference_nm2, standard_error_nm2: variance.sqrt(), degrees_of_freedom, p_value }
 }
 
-/// Probabilities of several tests, each raised so that the chance of any false alarm among them is what the least says.
-///
-/// # Source
-/// Holm, *A simple sequentially rejective multiple test procedure*, Scandinavian Journal of Statistics 6, 1979.
-pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..p_values.len()).collect();
-    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
-    let mut raised = vec![1.0; p_values.len()];
-    let mut least: f64 = 0.0;
-    for (rank, index) in order.into_iter().enumerate() {
-        least = least.max((p_values.len() - rank) as f64 * p_values[index]).min(1.0);
-        raised[index] = least;
-    }
-    raised
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn exact_holm() {
-        let raised = holm(&[0.01, 0.04, 0.03, 0.005]);
-        for (found, expected) in raised.iter().zip([0.03, 0.06, 0.06, 0.02]) {
-            assert!((found - expected).abs() < 1e-12, "{raised:?}");
-        }
-        assert_eq!(holm(&[0.6, 0.7]), [1.0, 1.0]);
-    }
 
     /// Errors that hang together for 20 samples, equal in size: false alarms at 5 % of the tests.
     #[test]

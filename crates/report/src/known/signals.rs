@@ -31,11 +31,7 @@ fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
         None => "No second method checks it.".to_owned(),
     });
     if let Some(bend) = &delay.against_speed_bend {
-        why.push(format!(
-            "{} is {} behind the moment N_d begins to bend.",
-            delay.role.symbol(),
-            number::parameter(bend)
-        ));
+        why.push(format!("Against the moment N_d begins to bend its delay is {}.", number::parameter(bend)));
     }
     let name = format!("delay of {}", delay.role.symbol());
     Some(Known::new("", &name, by_width, number::parameter(own), why))

@@ -1,5 +1,5 @@
 use signal::distributions::{
-    chi_squared_quantile, chi_squared_tail, f_quantile, f_tail, interval, normal_quantile, student_t_quantile,
+    chi_squared_quantile, chi_squared_tail, f_quantile, f_tail, holm, interval, normal_quantile, student_t_quantile,
 };
 
 fn close(a: f64, b: f64, relative: f64) {
@@ -65,4 +65,13 @@ fn ref_chi_squared_quantiles_of_few_and_many_degrees() {
     for (p, freedom, expected) in cases {
         close(chi_squared_quantile(p, freedom), expected, 1e-9);
     }
+}
+
+#[test]
+fn exact_holm_raises_probabilities_of_several_tests() {
+    let raised = holm(&[0.01, 0.04, 0.03, 0.005]);
+    for (found, expected) in raised.iter().zip([0.03, 0.06, 0.06, 0.02]) {
+        assert!((found - expected).abs() < 1e-12, "{raised:?}");
+    }
+    assert_eq!(holm(&[0.6, 0.7]), [1.0, 1.0]);
 }

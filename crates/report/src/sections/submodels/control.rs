@@ -1,6 +1,8 @@
 //! Speed control, feed-forward and torque control.
 
-use rig::results::{DelayPlace, Estimate, FeedForward, Outcome, Quantity, SpeedController, TorqueControl};
+use rig::results::{
+    DelayPlace, Estimate, FeedForward, Outcome, Quantity, ResidualTest, SpeedController, TorqueControl,
+};
 use study::Study;
 
 use page::{Block, Blocks};
@@ -51,16 +53,22 @@ fn delay_evidence(part: &SpeedController) -> Blocks {
         return residual_test(&part.validation).into();
     };
     let extent = Extent::of(&[with, without]);
-    let text = format!(
-        "Without the delay, and with K_p and K_i estimated again, the fit is {}; with the delay it is {}. The residuals \
-         show more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
-         with it.",
+    let fits = format!(
+        "Without the delay, and with K_p and K_i estimated again, the fit is {}; with the delay it is {}.",
         number::fit(part.without_delay.fit_percent),
-        number::fit(part.validation.fit_percent),
-        with.input,
-        cross_outside(without),
-        cross_outside(with)
+        number::fit(part.validation.fit_percent)
     );
+    let correlated = match is_within(with) && is_within(without) {
+        true => format!("The residuals are not correlated with {} either way.", with.input),
+        false => format!(
+            "The residuals show more than the fit. Their correlation with {} lies outside the region at {} without the \
+             delay, and at {} with it.",
+            with.input,
+            cross_outside(without),
+            cross_outside(with)
+        ),
+    };
+    let text = format!("{fits} {correlated}");
     let figures =
         vec![correlations("With the delay", with, extent), correlations("Without the delay", without, extent)];
     vec![Block::paragraph(text), Block::Row { figures }].into()
@@ -90,6 +98,10 @@ pub(crate) fn feed_forward(study: &Study) -> Blocks {
         residual_test(&part.validation).into(),
     ];
     all.into_iter().collect()
+}
+
+fn is_within(test: &ResidualTest) -> bool {
+    test.cross_correlation.iter().all(|value| value.abs() <= test.cross_correlation_bound)
 }
 
 /// Where the controller's delay acts, as far as the recording shows it.
