@@ -32,7 +32,7 @@ pub use html::html;
 pub use logo::{Logo, LogoError};
 pub use markdown::markdown;
 pub use model::{Block, Blocks, Card, Finding, Page, Weight};
-pub use pdf::{Day, Paper, PdfError, PdfOptions, pdf};
+pub use pdf::{Day, Paper, PdfError, PdfOptions, pdf, without_glyph};
 pub use png::{PngError, png};
 pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};

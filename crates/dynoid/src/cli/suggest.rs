@@ -31,10 +31,18 @@ pub(super) fn improved(mut error: Error, program: &Command) -> Error {
                 error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(meant));
             }
         }
-        ErrorKind::UnknownArgument if arguments.starts_with(&["study".into(), "run".into()]) => {
-            let tip = "`study` takes the bench file at once: dynoid study BENCH.toml".to_owned().into();
+        ErrorKind::UnknownArgument => {
+            let tip = if arguments.starts_with(&["study".into(), "run".into()]) {
+                "`study` takes the bench file at once: dynoid study BENCH.toml".to_owned()
+            } else if let Some(ContextValue::String(size)) = error.get(ContextKind::InvalidArg)
+                && arguments.windows(2).any(|pair| pair[0] == "--pdf" && pair[1] == size.as_str())
+            {
+                format!("the size of the paper follows an equals sign: --pdf={size}")
+            } else {
+                return error;
+            };
             error.remove(ContextKind::SuggestedArg);
-            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
         }
         _ => {}
     }

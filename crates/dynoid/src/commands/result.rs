@@ -36,7 +36,7 @@ pub(super) fn show_with<J: Serialize>(
     let is_printed = !result.json && !terminal.is_quiet();
     let page = (is_printed || result.plot.is_some()).then(page);
     if let (Some(path), Some(page)) = (&result.plot, &page) {
-        write_page(path, page)?;
+        write_page(path, page, terminal)?;
     }
     if result.json {
         return terminal.json(&json());
@@ -51,8 +51,23 @@ pub(super) fn show_with<J: Serialize>(
 }
 
 /// Writes a page, or its figures, as the file's ending asks for.
-pub(super) fn write_page(path: &Path, page: &Page) -> Result<(), CliError> {
-    replace_file(path, &draw(path, page)?)
+pub(super) fn write_page(path: &Path, page: &Page, terminal: &mut Terminal) -> Result<(), CliError> {
+    replace_file(path, &draw(path, page)?)?;
+    match kind(path)? {
+        Kind::Pdf | Kind::Png => warn_without_glyph(&path.display().to_string(), page, terminal),
+        Kind::Page | Kind::Svg => Ok(()),
+    }
+}
+
+/// Names the characters of a page that a file with fonts of its own cannot show.
+pub(super) fn warn_without_glyph(file: &str, page: &Page, terminal: &mut Terminal) -> Result<(), CliError> {
+    let missing = page::without_glyph(page).map_err(CliError::internal)?;
+    if !missing.is_empty() {
+        terminal.warning(&format!(
+            "{file}: its fonts lack the characters {missing}; it shows \u{fffd} instead. An HTML page shows them."
+        ));
+    }
+    Ok(())
 }
 
 /// Checks before any work that results can be written to these places, and refuses to write over a file that is read.

@@ -110,7 +110,7 @@ pub(crate) fn study(
     let origin = origin(&text);
     let (study, analyses) = studied(campaign, wanted.extent, &progress).map_err(|error| no_study(bench, error))?;
     progress.say("writing the report");
-    let pages = Pages::of(&study, &origin, analyses.as_ref(), logo.as_ref());
+    let pages = Pages::of((&study, &origin), analyses.as_ref(), logo.as_ref(), wanted);
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = document(&study, &text);
@@ -128,6 +128,9 @@ pub(crate) fn study(
     let of_earlier =
         [FULL_REPORT, FULL_REPORT_PDF].into_iter().filter(is_of_earlier).map(|name| out.join(name)).collect();
     drop(progress);
+    if let Some((file, page)) = pages.on_paper(wanted) {
+        super::result::warn_without_glyph(file, page, terminal)?;
+    }
     Ok(Written {
         report: out.join(REPORT),
         full_report: path(FULL_REPORT),
@@ -211,16 +214,21 @@ fn studied(
 struct Pages {
     report: Page,
     full: Option<Page>,
-    summary: Page,
+    summary: Option<Page>,
 }
 
 impl Pages {
-    fn of(study: &Study, origin: &Origin, analyses: Option<&Analyses>, logo: Option<&Logo>) -> Self {
+    fn of(
+        (study, origin): (&Study, &Origin),
+        analyses: Option<&Analyses>,
+        logo: Option<&Logo>,
+        wanted: Wanted,
+    ) -> Self {
         let with_logo = |page: Page| Page { logo: logo.cloned(), ..page };
         Pages {
             report: with_logo(report::study(study, origin)),
             full: analyses.map(|found| with_logo(report::full_study(study, origin, found))),
-            summary: with_logo(report::summary_page(study, origin)),
+            summary: wanted.summary.map(|_| with_logo(report::summary_page(study, origin))),
         }
     }
 
@@ -240,10 +248,20 @@ impl Pages {
         if let (Some(paper), Some(full)) = (wanted.pdf, &self.full) {
             all.push((FULL_REPORT_PDF, pdf(full, paper, false)?));
         }
-        if let Some(paper) = wanted.summary {
-            all.push((SUMMARY_PDF, pdf(&self.summary, paper, true)?));
+        if let (Some(paper), Some(summary)) = (wanted.summary, &self.summary) {
+            all.push((SUMMARY_PDF, pdf(summary, paper, true)?));
         }
         Ok(all)
+    }
+
+    /// The page with the most text of those that are written for paper, and its file.
+    fn on_paper(&self, wanted: Wanted) -> Option<(&'static str, &Page)> {
+        match (wanted.pdf, &self.full, &self.summary) {
+            (Some(_), Some(full), _) => Some((FULL_REPORT_PDF, full)),
+            (Some(_), None, _) => Some((REPORT_PDF, &self.report)),
+            (None, _, Some(summary)) => Some((SUMMARY_PDF, summary)),
+            (None, _, None) => None,
+        }
     }
 }
 

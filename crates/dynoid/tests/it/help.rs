@@ -115,6 +115,7 @@ fn exact_a_command_that_is_not_there_leads_to_one_that_is() {
         ("resid model.json", "'model residuals'"),
         ("studdy bench.toml", "'study'"),
         ("study run bench.toml", "dynoid study BENCH.toml"),
+        ("study bench.toml --pdf letter", "--pdf=letter"),
     ] {
         let arguments: Vec<&str> = line.split(' ').collect();
         dynoid(&std::env::temp_dir(), &arguments).assert_refused(2, &["tip:", meant]);

@@ -22,7 +22,7 @@ fn report_and_data_lie_beside_the_bench_file() {
 #[test]
 fn reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
     let campaign = Campaign::whole();
-    let report = "\n[report]\nauthor = \"A. Meyer\"\nlogo = \"logo.svg\"\n";
+    let report = "\n[report]\nauthor = \"A. Meyer\"\ncustomer = \"試験社\"\nlogo = \"logo.svg\"\n";
     std::fs::write(campaign.path("bench.toml"), campaign.read("bench.toml") + report).unwrap();
     let refused = campaign.run(&["study", "--pdf", "bench.toml"]);
     refused
@@ -35,6 +35,7 @@ fn reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     let names = ["model.json", "report.html", "report.pdf", "study-series.parquet", "study.json", "summary.pdf"];
     assert_eq!(campaign.results(), names);
+    assert!(ran.stderr.contains("report.pdf: its fonts lack the characters 社試験"), "{}", ran.stderr);
     assert!(ran.stdout.contains("study/report.pdf") && ran.stdout.contains("study/summary.pdf"), "{}", ran.stdout);
     assert!(campaign.read("study/report.html").contains("<img class=\"logo\""));
     let has = |file: &str, words: &str| {

@@ -64,6 +64,19 @@ pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
     write(page, options, found, &fonts)
 }
 
+/// Characters of a page's texts that the fonts lack, each once. A PDF and a figure drawn to pixels show a sign in their place; a page for
+/// a browser shows them.
+///
+/// # Errors
+/// [`PdfError`] where the fonts that are built in cannot be used.
+pub fn without_glyph(page: &Page) -> Result<String, PdfError> {
+    let fonts = Fonts::new()?;
+    // All texts of a page, whatever holds them.
+    let texts = serde_json::to_string(page).unwrap_or_default();
+    let is_missing = |c: &char| !c.is_ascii() && !fonts.has(Face::Regular, *c);
+    Ok(texts.chars().filter(is_missing).collect::<BTreeSet<char>>().into_iter().collect())
+}
+
 /// A page in sheets of paper.
 struct LaidOut<'l> {
     format: Format,

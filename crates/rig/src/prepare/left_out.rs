@@ -16,6 +16,8 @@ use crate::role::Role;
 const SPIKE_FALSE_ALARM: f64 = 1e-6;
 /// A slower controller's demand rests for more of its samples.
 const MINORITY: f64 = 0.5;
+/// A demand with more pulses of one sample than this part of its samples is meant to have them.
+const MOST_PULSES: f64 = 0.01;
 /// A torque this part of the demanded range beyond that range was not demanded: a drive overshoots less.
 const BEYOND_DEMAND: f64 = 0.5;
 
@@ -23,7 +25,10 @@ const BEYOND_DEMAND: f64 = 0.5;
 /// of a speed controller that rests for a minority of its samples does not.
 pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &ExperimentLabel, log: &mut Log) -> Vec<bool> {
     let is_computed = source.role == Role::DynoTorqueDemand && label.mode == ControlMode::Nt;
-    if !is_measured(source.role) && !is_computed {
+    if source.role.is_demand() && !is_computed {
+        return spikes_of_demand(source, log);
+    }
+    if !is_measured(source.role) {
         return Vec::new();
     }
     match find_stale(source.samples) {
@@ -62,7 +67,34 @@ fn spikes(source: &Source<'_>, all: &[Source<'_>], log: &mut Log) -> Vec<bool> {
     let possible = demanded(source.role, all);
     let si = |i: &usize| source.factor * source.samples[*i];
     let is_impossible = |i: &usize| possible.as_ref().is_none_or(|range| !range.contains(&si(i)));
-    let found: Vec<usize> = quality.spikes.into_iter().filter(is_impossible).collect();
+    left_out(source, quality.spikes.into_iter().filter(is_impossible).collect(), log)
+}
+
+/// Single samples of a held demand beyond those before and after them, which rest: no controller asks for a torque or a speed for one
+/// sample. A demand that changes from sample to sample, or often for one, has none.
+fn spikes_of_demand(source: &Source<'_>, log: &mut Log) -> Vec<bool> {
+    let x = source.samples;
+    let resting = x.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if (resting as f64) < MINORITY * x.len() as f64 {
+        return Vec::new();
+    }
+    let is_spike = |around: &[f64]| {
+        let [before, one, after] = [around[1], around[2], around[3]];
+        let is_beyond = one > before.max(after) || one < before.min(after);
+        // What a spike beside it interrupts goes on behind that.
+        let is_alone = one != around[0] && one != around[4];
+        is_beyond && is_alone && (around[0] == before || after == around[4])
+    };
+    let found: Vec<usize> = x.windows(5).enumerate().filter(|(_, w)| is_spike(w)).map(|(i, _)| i + 2).collect();
+    if found.len() as f64 > MOST_PULSES * x.len() as f64 {
+        return Vec::new();
+    }
+    left_out(source, found, log)
+}
+
+/// Notes spikes, and leaves them out.
+fn left_out(source: &Source<'_>, found: Vec<usize>, log: &mut Log) -> Vec<bool> {
+    let si = |i: &usize| source.factor * source.samples[*i];
     let Some(first) = found.first() else { return Vec::new() };
     let usual = numerics::order::lower_median_streamed(|| source.samples.iter().copied().filter(|v| v.is_finite()));
     let from_usual = |i: &usize| (source.samples[*i] - usual.unwrap_or(0.0)).abs();

@@ -79,6 +79,36 @@ fn regress_spikes_are_left_out_of_speeds_and_of_torques_that_nobody_asked_for() 
     }
 }
 
+/// A change of level, a ramp, and pulses that come often stay.
+#[test]
+fn regress_spikes_are_left_out_of_demands_that_are_held() {
+    let held = |i: usize| 10.0 + 10.0 * ((i / 10) * 7 % 5) as f64;
+    let spiked = |every: usize| move |i: usize| if i % every == 0 { 3.0 * held(i) + 100.0 } else { held(i) };
+    let demand = |value: &dyn Fn(usize) -> f64| {
+        let mut length = 0;
+        let recording = with("DynoTorqueDemand", 1e-3, |x| {
+            length = x.len();
+            (0..length).map(value).collect()
+        });
+        let (experiment, diagnostics) = prepared(&recording);
+        let count = |finding: &&Finding| if let Finding::Spikes { count, .. } = finding { *count } else { 0 };
+        let count: usize = found(&diagnostics, "DynoTorqueDemand").iter().map(count).sum();
+        (experiment.signal(Role::DynoTorqueDemand).unwrap().samples.clone(), count, length)
+    };
+    let (clean, none, length) = demand(&held);
+    assert_eq!(none, 0);
+    for every in [137, 203] {
+        let (mended, count, _) = demand(&spiked(every));
+        assert_eq!(count, (2..length - 2).filter(|i| i % every == 0).count(), "{every}");
+        // Between two levels a sample may belong to either.
+        let differ: Vec<usize> = (2..clean.len()).filter(|i| mended[*i] != clean[*i]).collect();
+        assert!(differ.iter().all(|i| (mended[*i] - clean[*i]).abs() <= 30.0), "{differ:?}");
+        assert!(differ.len() <= count / 4, "{differ:?}");
+    }
+    assert_eq!(demand(&spiked(30)).1, 0);
+    assert_eq!(demand(&|i| i.clamp(1000, 1200) as f64 / 10.0).1, 0);
+}
+
 #[test]
 fn regress_torques_that_are_not_alike() {
     let kinds = |recording: &Recording| {

@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
         assumptions: &bench.stated.assumed_for(&plan),
         optimal: optimal.as_ref().map(Optimal::shown),
     });
-    write_page(&targets.plot, &page)?;
+    write_page(&targets.plot, &page, terminal)?;
     if arguments.on.result.json {
         let mut facts = facts(&bench, &plan, &demands, &targets, &predicted, &doubts);
         facts["optimal"] = json!(optimal.as_ref().map(Optimal::facts));

@@ -4,7 +4,7 @@ mod reader;
 
 use page::{
     Align, Axis, Block, Card, Cell, Day, Figure, Finding, Layer, Logo, Page, Panel, Paper, PdfOptions, Prose, Quantity,
-    Style, Table, Tone, Weight, pdf,
+    Style, Table, Tone, Weight, pdf, without_glyph,
 };
 
 use crate::renderers;
@@ -140,6 +140,17 @@ fn exact_fonts_are_embedded_in_parts_and_can_be_read_as_text() {
     assert_eq!(pdf.with("/FontFile2").count(), 3);
     assert_eq!(pdf.with("/ToUnicode").count(), 3);
     assert!(pdf.text.len() < 100_000, "{} bytes", pdf.text.len());
+}
+
+#[test]
+fn exact_characters_that_the_fonts_lack_are_named_once_each() {
+    let texts = |title: &str, text: &str| Page {
+        title: title.to_owned(),
+        blocks: vec![Block::paragraph(text.to_owned())],
+        ..Page::default()
+    };
+    assert_eq!(without_glyph(&texts("ω_d in µs — “Prüfstand”", "Испытание, δοκιμή, 1 → 2")).unwrap(), "");
+    assert_eq!(without_glyph(&texts("試験", "験台")).unwrap(), "台試験");
 }
 
 #[test]
