@@ -83,7 +83,7 @@ fn regress_spikes_are_left_out_of_speeds_and_of_torques_that_nobody_asked_for() 
 #[test]
 fn regress_spikes_are_left_out_of_demands_that_are_held() {
     let held = |i: usize| 10.0 + 10.0 * ((i / 10) * 7 % 5) as f64;
-    let spiked = |every: usize| move |i: usize| if i % every == 0 { 3.0 * held(i) + 100.0 } else { held(i) };
+    let spiked = |every: usize| move |i: usize| if i.is_multiple_of(every) { 3.0 * held(i) + 100.0 } else { held(i) };
     let demand = |value: &dyn Fn(usize) -> f64| {
         let mut length = 0;
         let recording = with("DynoTorqueDemand", 1e-3, |x| {
@@ -99,7 +99,7 @@ fn regress_spikes_are_left_out_of_demands_that_are_held() {
     assert_eq!(none, 0);
     for every in [137, 203] {
         let (mended, count, _) = demand(&spiked(every));
-        assert_eq!(count, (2..length - 2).filter(|i| i % every == 0).count(), "{every}");
+        assert_eq!(count, (2..length - 2).filter(|i| i.is_multiple_of(every)).count(), "{every}");
         // Between two levels a sample may belong to either.
         let differ: Vec<usize> = (2..clean.len()).filter(|i| mended[*i] != clean[*i]).collect();
         assert!(differ.iter().all(|i| (mended[*i] - clean[*i]).abs() <= 30.0), "{differ:?}");
