@@ -25,11 +25,8 @@ const BEYOND_DEMAND: f64 = 0.5;
 /// of a speed controller that rests for a minority of its samples does not.
 pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &ExperimentLabel, log: &mut Log) -> Vec<bool> {
     let is_computed = source.role == Role::DynoTorqueDemand && label.mode == ControlMode::Nt;
-    if source.role.is_demand() && !is_computed {
-        return spikes_of_demand(source, log);
-    }
-    if !is_measured(source.role) {
-        return Vec::new();
+    if !is_measured(source.role) && !is_computed {
+        return if source.role.is_demand() { spikes_of_demand(source, log) } else { Vec::new() };
     }
     match find_stale(source.samples) {
         Some(stale) if !is_computed || is_repeated_at_times(&stale) => stale_samples(source, stale, log),
