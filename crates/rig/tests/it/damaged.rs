@@ -65,6 +65,18 @@ fn regress_repeated_samples_are_left_out() {
 }
 
 #[test]
+fn regress_repeated_samples_of_a_computed_demand_are_named() {
+    let recording = with("DynoTorqueDemand", 1e-3, |x| {
+        let mut repeated: Vec<f64> = (0..x.len()).map(|i| 20.0 + (0.7 * i as f64).sin()).collect();
+        (1..x.len()).filter(|i| i * i % 7 == 1).for_each(|i| repeated[i] = repeated[i - 1]);
+        repeated
+    });
+    let (_, diagnostics) = labelled(&recording, "BS_T_NT").unwrap();
+    let found = found(&diagnostics, "DynoTorqueDemand");
+    assert!(found.iter().any(|finding| matches!(finding, Finding::SamplesRepeated { .. })), "{found:?}");
+}
+
+#[test]
 fn regress_spikes_are_left_out_of_speeds_and_of_torques_that_nobody_asked_for() {
     for (name, step_s) in [("DynoSpeed", 1e-3), ("EngineSpeed", 2e-3), ("DynoTorqueCalc", 4e-3)] {
         let recording = with(name, step_s, |x| {
