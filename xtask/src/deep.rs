@@ -29,6 +29,9 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
         let suites = program.suites()?.into_iter();
         chosen.extend(suites.filter(|s| filter.is_none_or(|f| s.name.contains(f))).map(|suite| (program, suite)));
     }
+    if let (true, Some(filter)) = (chosen.is_empty(), filter) {
+        return Err(format!("no suite's name contains {filter}"));
+    }
     let (all, mut results, mut text) = (chosen.len(), Vec::new(), String::new());
     for (program, suite) in chosen {
         results.push(suite.run(program, python.as_deref(), &skipped)?);

@@ -65,6 +65,7 @@ pub fn root_mean_square(x: &[f64]) -> f64 {
 }
 
 /// Adds `factor · x` to `y`, over the length of the shorter slice.
+#[inline]
 pub fn add_scaled(factor: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }

@@ -1,6 +1,9 @@
 //! The bench as it is, without any sensor.
 
+use rig::experiment::UPDATE_S;
 use serde::Serialize;
+
+use crate::numerics::Numerics;
 
 /// The bench as it really is, without any sensor, at uniform instants from the recording's start on. SI.
 ///
@@ -25,29 +28,18 @@ pub struct HiddenTruth {
 }
 
 impl HiddenTruth {
-    pub(super) fn new(sample_time_s: f64) -> Self {
+    /// Empty, with room for so many updates.
+    pub(super) fn new(updates: usize, numerics: &Numerics) -> Self {
+        let (steps, every) = (numerics.steps_per_update, numerics.steps_per_hidden_sample);
+        let room = || Vec::with_capacity(every.map_or(0, |every| (updates * steps).div_ceil(every)));
         Self {
-            sample_time_s,
-            dyno_speed_rad_s: Vec::new(),
-            engine_speed_rad_s: Vec::new(),
-            shaft_torque_nm: Vec::new(),
-            engine_torque_nm: Vec::new(),
-            air_gap_torque_nm: Vec::new(),
-            friction_torque_nm: Vec::new(),
-        }
-    }
-
-    /// Makes room for samples.
-    pub(super) fn reserve(&mut self, samples: usize) {
-        for signal in [
-            &mut self.dyno_speed_rad_s,
-            &mut self.engine_speed_rad_s,
-            &mut self.shaft_torque_nm,
-            &mut self.engine_torque_nm,
-            &mut self.air_gap_torque_nm,
-            &mut self.friction_torque_nm,
-        ] {
-            signal.reserve_exact(samples);
+            sample_time_s: every.unwrap_or(steps) as f64 * (UPDATE_S / steps as f64),
+            dyno_speed_rad_s: room(),
+            engine_speed_rad_s: room(),
+            shaft_torque_nm: room(),
+            engine_torque_nm: room(),
+            air_gap_torque_nm: room(),
+            friction_torque_nm: room(),
         }
     }
 }

@@ -57,7 +57,7 @@ pub use truth::Truth;
 pub struct VirtualRun {
     /// What the bench recorded.
     pub recording: Recording,
-    /// What really happened.
+    /// What really happened, where it was asked for.
     pub hidden: HiddenTruth,
 }
 
@@ -90,7 +90,7 @@ pub fn simulate(
     plan: &ExperimentPlan,
     seed: u64,
 ) -> Result<Recording, VirtualBenchError> {
-    simulate_hidden(parameters, plan, seed, Numerics::default()).map(|run| run.recording)
+    simulate_hidden(parameters, plan, seed, Numerics::WITHOUT_TRUTH).map(|run| run.recording)
 }
 
 /// As [`simulate`], with a choice of the step size, and with the hidden truth.
@@ -122,6 +122,6 @@ pub fn simulate_with_progress(
     parameters.check()?;
     plan.check()?;
     numerics.check(parameters.drive.machine.is_some())?;
-    let (registers, hidden) = run::run(parameters, plan, seed, &numerics, progress)?;
-    Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
+    let (recording, hidden) = run::run(parameters, plan, seed, &numerics, progress)?;
+    Ok(VirtualRun { recording, hidden })
 }

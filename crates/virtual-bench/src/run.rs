@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use recording::Recording;
 use rig::ControlMode;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
@@ -13,22 +14,12 @@ use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
 use super::sensors::{Readings, Sensors, rounded};
 use super::train::{Torques, Train};
+use super::write::{Recorder, Registers};
 use crate::hidden::HiddenTruth;
 use crate::numerics::Numerics;
 
 /// Updates from one word about progress to the next.
 const PROGRESS_EVERY: usize = 500;
-
-/// What the automation system holds in its registers at every update of the recording. SI.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Registers {
-    pub(super) readings: Vec<Readings>,
-    pub(super) dyno_speed_demand_rad_s: Vec<f64>,
-    pub(super) dyno_torque_demand_nm: Vec<f64>,
-    pub(super) shaft_torque_demand_nm: Vec<f64>,
-    /// Empty where the engine gets a torque.
-    pub(super) throttle: Vec<f64>,
-}
 
 /// Runs a plan on a bench.
 pub(super) fn run(
@@ -37,12 +28,11 @@ pub(super) fn run(
     seed: u64,
     numerics: &Numerics,
     progress: &mut dyn FnMut(u64, u64),
-) -> Result<(Registers, HiddenTruth), VirtualBenchError> {
+) -> Result<(Recording, HiddenTruth), VirtualBenchError> {
     let updates = plan.updates();
     let settling = (plan.settling_s / UPDATE_S).round() as usize;
     let demands = Demands::of(plan, seed, parameters.controller.demand_hold_s);
     let mut bench = Bench::new(parameters, plan, seed, numerics, &demands, settling)?;
-    bench.reserve(updates);
     for update in 0..settling + updates {
         if update.is_multiple_of(PROGRESS_EVERY) {
             progress(update as u64, (settling + updates) as u64);
@@ -53,10 +43,8 @@ pub(super) fn run(
             return Err(VirtualBenchError::Diverged { time_s: bench.time_s() });
         }
     }
-    bench.registers.dyno_speed_demand_rad_s = demands.speed_rad_s;
-    bench.registers.shaft_torque_demand_nm = demands.dyno_torque_nm;
-    bench.registers.throttle = demands.throttle;
-    Ok((bench.registers, bench.hidden))
+    drop(demands);
+    Ok((bench.recorder.finish(plan), bench.hidden))
 }
 
 /// What the dynamometer controls.
@@ -90,7 +78,7 @@ struct Bench {
     /// Steps from the start of the recording, negative while settling.
     step: i64,
     sensors: Sensors,
-    registers: Registers,
+    recorder: Recorder,
     /// The recorded T_d* is rounded to this.
     demand_resolution_nm: f64,
     hidden: HiddenTruth,
@@ -138,26 +126,18 @@ impl Bench {
             step_s,
             step: -((settling * numerics.steps_per_update) as i64),
             sensors: Sensors::new(parameters, &train, rest.air_gap_nm, step_s, seed)?,
-            registers: Registers::default(),
+            recorder: Recorder::new(parameters, plan),
             demand_resolution_nm: parameters.sensors.demand_resolution_nm,
-            hidden: HiddenTruth::new(numerics.steps_per_hidden_sample as f64 * step_s),
+            hidden: HiddenTruth::new(plan.updates(), numerics),
             train,
         })
-    }
-
-    /// Makes room for what will be recorded.
-    fn reserve(&mut self, updates: usize) {
-        self.registers.readings.reserve_exact(updates);
-        self.registers.dyno_torque_demand_nm.reserve_exact(updates);
-        let samples = (updates as f64 * UPDATE_S / self.hidden.sample_time_s).ceil() as usize + 1;
-        self.hidden.reserve(samples);
     }
 
     fn time_s(&self) -> f64 {
         self.step as f64 * self.step_s
     }
 
-    /// One update of sensors, controllers and registers; `k` counts from the recording's start on.
+    /// One update of sensors, controllers and recorder; `k` counts from the recording's start on.
     fn update(&mut self, demands: &Demands, k: Option<usize>) {
         let at = k.unwrap_or(0);
         let computed_nm = self.air_gap_torque_nm / self.knowledge.gain();
@@ -166,9 +146,13 @@ impl Bench {
         let torque_demand_nm = self.control_dyno(demands, at, &readings);
         self.control_engine(demands, at, &readings);
         if k.is_some() {
-            let recorded_nm = rounded(torque_demand_nm, self.demand_resolution_nm);
-            self.registers.dyno_torque_demand_nm.push(recorded_nm);
-            self.registers.readings.push(readings);
+            self.recorder.record(&Registers {
+                readings,
+                dyno_speed_demand_rad_s: demands.speed_rad_s[at],
+                dyno_torque_demand_nm: rounded(torque_demand_nm, self.demand_resolution_nm),
+                shaft_torque_demand_nm: demands.dyno_torque_nm[at],
+                throttle: demands.throttle.get(at).copied().unwrap_or(0.0),
+            });
         }
     }
 
@@ -209,7 +193,7 @@ impl Bench {
     /// From one update to the next, step by step.
     fn advance(&mut self, numerics: &Numerics, is_recorded: bool) {
         for _ in 0..numerics.steps_per_update {
-            if is_recorded && (self.step as usize).is_multiple_of(numerics.steps_per_hidden_sample) {
+            if is_recorded && numerics.steps_per_hidden_sample.is_some_and(|n| (self.step as usize).is_multiple_of(n)) {
                 self.show();
             }
             self.advance_one_step();

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use faer::MatRef;
-use numerics::vector::add_scaled;
 
 use super::sparse::{SparseRow, sparse_rows};
 use super::steady::Memory;
@@ -62,6 +61,7 @@ struct Filter<'a> {
     /// Room for a product.
     product: Vec<f64>,
     column: Vec<f64>,
+    seen: Vec<f64>,
 }
 
 impl Forward {
@@ -96,6 +96,7 @@ impl Forward {
             p: by_rows(start.covariance.as_ref()),
             product: vec![0.0; n * n],
             column: vec![0.0; n],
+            seen: vec![0.0; n],
         };
         for sample in 0..samples {
             if keep {
@@ -204,17 +205,16 @@ impl Filter<'_> {
     /// P ← L P Lᵀ + r K Kᵀ with L = I − K cᵀ and K in `column`: Joseph's form, positive where P is far above r.
     fn joseph(&mut self, c: &SparseRow, r: f64) {
         let n = self.x.len();
-        for row in self.p.chunks_exact_mut(n.max(1)) {
-            // A row of P Lᵀ.
-            let seen = c.dot(row);
-            add_scaled(-seen, &self.column, row);
-        }
-        // r K − P Lᵀ c, which each row takes up by its gain.
-        let more = &mut self.product[..n];
-        c.times(&self.p, n, more);
-        more.iter_mut().zip(&self.column).for_each(|(more, gain)| *more = r * gain - *more);
-        for (row, gain) in self.p.chunks_exact_mut(n.max(1)).zip(&self.column) {
-            add_scaled(*gain, more, row);
+        let Filter { p, product, column, seen, .. } = self;
+        p.chunks_exact(n.max(1)).zip(seen.iter_mut()).for_each(|(row, seen)| *seen = c.dot(row));
+        // r K − P Lᵀ c, which each row of P Lᵀ takes up by its gain.
+        let more = &mut product[..n];
+        c.times(p, n, more);
+        let shown = c.dot(seen);
+        more.iter_mut().zip(&*column).for_each(|(more, gain)| *more = r * gain - (*more - shown * gain));
+        for ((row, seen), gain) in p.chunks_exact_mut(n.max(1)).zip(&*seen).zip(&*column) {
+            let entries = row.iter_mut().zip(&*column).zip(&*more);
+            entries.for_each(|((entry, column), more)| *entry = (*entry - seen * column) + gain * more);
         }
     }
 
@@ -240,8 +240,8 @@ impl Filter<'_> {
                 self.p[j * n + i] = self.product[i * n + j];
             }
         }
-        for (row, product) in a.iter().zip(self.product.chunks_exact_mut(n.max(1))) {
-            row.times(&self.p, n, product);
+        for (i, (row, product)) in a.iter().zip(self.product.chunks_exact_mut(n.max(1))).enumerate() {
+            row.times(&self.p, n, &mut product[..=i]);
         }
         let noise = &self.system.process_covariance;
         for i in 0..n {

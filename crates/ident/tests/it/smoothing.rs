@@ -266,6 +266,55 @@ fn stat_noise_levels_by_maximum_likelihood() {
     assert!(errors[0].abs() < 0.01 && errors[1].abs() < 0.05, "{errors:?}");
 }
 
+/// A level that wanders and a lightly damped line, in sum; a second output has the level alone, at every third sample.
+fn level_and_line(parameters: &[f64]) -> Result<(NoisySystem, Belief), IdentError> {
+    let (omega, damping) = (0.7_f64, 0.003);
+    let (c, s) = ((-damping * omega).exp() * omega.cos(), (-damping * omega).exp() * omega.sin());
+    let a = mat![[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]];
+    let outputs = mat![[1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let system = StateSpace::discrete(a, Mat::zeros(3, 0), outputs, Mat::zeros(2, 0), 1.0)?;
+    let (level, line) = (parameters[0].exp(), parameters[1].exp());
+    let system = NoisySystem::new(system, diagonal(&[level, line, line]), vec![1.0, 4.0])?;
+    Ok((system, Belief { mean: vec![0.0; 3], covariance: diagonal(&[1e6, 1e4, 1e4]) }))
+}
+
+#[test]
+fn stat_the_likeliest_levels_of_a_lightly_damped_line() {
+    let (truth, samples) = ([-3.0, -4.0], 4000);
+    for seed in 0..5 {
+        let mut random = Random::new(seed);
+        let (system, _) = level_and_line(&truth).unwrap();
+        let mut x = [3.0, 2.0, 0.0];
+        let mut outputs = Mat::from_fn(samples, 2, |k, _| if k.is_multiple_of(3) { 0.0 } else { f64::NAN });
+        for k in 0..samples {
+            outputs[(k, 0)] = x[0] + x[1] + random.normal();
+            outputs[(k, 1)] += x[0] + 2.0 * random.normal();
+            let a = system.system().a();
+            let next = |i: usize| (0..3).map(|j| a[(i, j)] * x[j]).sum::<f64>();
+            let noise = [truth[0], truth[1], truth[1]].map(|q: f64| (0.5 * q).exp());
+            x = [0, 1, 2].map(|i| next(i) + noise[i] * random.normal());
+        }
+        let inputs = Mat::zeros(samples, 0);
+        let bounds = [Bounds::new(-20.0, 10.0); 2];
+        let found = likeliest(&[0.0, 0.0], &bounds, level_and_line, inputs.as_ref(), outputs.as_ref()).unwrap();
+        assert!(found.termination.converged());
+        let at = |moved: [f64; 2]| {
+            let (system, start) = level_and_line(&[0, 1].map(|i| found.parameters[i] + moved[i])).unwrap();
+            let innovations = system.innovations(&start, inputs.as_ref(), outputs.as_ref()).unwrap();
+            let scale = innovations.iter().map(|v| v * v).sum::<f64>() / innovations.len() as f64;
+            system.log_likelihood(&start, inputs.as_ref(), outputs.as_ref()).unwrap()
+                - 0.5 * innovations.len() as f64 * (scale.ln() + 1.0 - scale)
+        };
+        // The exact likelihood of the levels around it is no greater, and falls away from it.
+        let best = at([0.0, 0.0]);
+        for moved in [[0.03, 0.0], [-0.03, 0.0], [0.0, 0.03], [0.0, -0.03]] {
+            assert!(at(moved) < best + 2e-3, "{moved:?}: {} for {best}", at(moved));
+            assert!(at(moved.map(|by| 10.0 * by)) < best - 0.5);
+        }
+        assert!((found.parameters[0] - truth[0]).abs() < 0.6 && (found.parameters[1] - truth[1]).abs() < 0.6);
+    }
+}
+
 #[test]
 fn regress_what_cannot_be_smoothed_is_refused() {
     let (inputs, outputs) = data();

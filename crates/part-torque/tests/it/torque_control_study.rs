@@ -194,7 +194,7 @@ fn stat_current_control_is_separated_from_a_lag_where_that_was_predicted() {
     parameters.drive.machine = Some(InductionMachine::default());
     (parameters.drive.additive_ripple_nm, parameters.drive.multiplicative_ripple) = (0.0, 0.0);
     let plan = ExperimentPlan::white_noise_t_tn(1200.0, DURATION_S);
-    let numerics = Numerics { steps_per_update: 20, steps_per_hidden_sample: 5 };
+    let numerics = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(5) };
     let run = simulate_hidden(&parameters, &plan, 3, numerics).unwrap();
     let whole = prepare("WhiteNoise_T_TN.mf4", &run.recording, &default_bench(), plan.label.clone()).unwrap().0;
     let demand = whole.signal(Role::DynoTorqueDemand).unwrap();

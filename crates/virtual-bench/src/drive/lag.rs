@@ -8,31 +8,42 @@ use crate::drive::timed::TimedDemand;
 #[derive(Debug, Clone)]
 pub(super) struct Lag {
     bandwidth_rad_s: f64,
+    /// What is left of a difference after a step in which the demand stays.
+    left_of_a_step: f64,
     held_nm: f64,
     torque_nm: f64,
 }
 
 impl Lag {
-    /// The loop at rest at a torque.
-    pub(super) fn new(bandwidth_rad_s: f64, torque_nm: f64) -> Self {
-        Self { bandwidth_rad_s, held_nm: torque_nm, torque_nm }
+    /// The loop at rest at a torque, for steps of a length.
+    pub(super) fn new(bandwidth_rad_s: f64, torque_nm: f64, step_s: f64) -> Self {
+        let left_of_a_step = (-bandwidth_rad_s * step_s).exp();
+        Self { bandwidth_rad_s, left_of_a_step, held_nm: torque_nm, torque_nm }
     }
 
-    /// Torque at `end_s`, Nm, where the last call ended at `start_s`; takes the demands that come before.
+    /// Torque at `end_s`, Nm, a step after the last call, which ended at `start_s`; takes the demands that come before.
     pub(super) fn advance(&mut self, on_the_way: &mut VecDeque<TimedDemand>, start_s: f64, end_s: f64) -> f64 {
+        if on_the_way.front().is_none_or(|next| next.time_s >= end_s) {
+            self.relax(self.left_of_a_step);
+            return self.torque_nm;
+        }
         let mut now_s = start_s;
         while let Some(&next) = on_the_way.front().filter(|next| next.time_s < end_s) {
             on_the_way.pop_front();
-            self.relax((next.time_s - now_s).max(0.0));
+            self.relax(self.left_after((next.time_s - now_s).max(0.0)));
             now_s = next.time_s.max(now_s);
             self.held_nm = next.torque_nm;
         }
-        self.relax(end_s - now_s);
+        self.relax(self.left_after(end_s - now_s));
         self.torque_nm
     }
 
-    fn relax(&mut self, duration_s: f64) {
-        let decay = (-self.bandwidth_rad_s * duration_s).exp();
-        self.torque_nm = self.held_nm + (self.torque_nm - self.held_nm) * decay;
+    /// What is left of a difference after a time.
+    fn left_after(&self, duration_s: f64) -> f64 {
+        (-self.bandwidth_rad_s * duration_s).exp()
+    }
+
+    fn relax(&mut self, left: f64) {
+        self.torque_nm = self.held_nm + (self.torque_nm - self.held_nm) * left;
     }
 }

@@ -5,10 +5,10 @@ mod field_oriented;
 mod knowledge;
 mod lag;
 mod machine;
+mod ripple;
 mod timed;
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 
 use lti::Complex64;
 use rig::bench_parameters::DriveParameters;
@@ -17,6 +17,7 @@ use field_oriented::FieldOrientedControl;
 pub(super) use knowledge::Knowledge;
 use lag::Lag;
 use machine::{Electrical, Machine};
+use ripple::Ripple;
 pub(crate) use timed::TimedDemand;
 
 /// Samples of the drive's control in a millisecond.
@@ -29,6 +30,7 @@ pub(super) struct Drive {
     /// Demands on their way, the oldest first, at the times when they take effect.
     on_the_way: VecDeque<TimedDemand>,
     fidelity: Fidelity,
+    ripple: Ripple,
 }
 
 #[derive(Debug, Clone)]
@@ -58,8 +60,9 @@ impl Drive {
         speed_rad_s: f64,
         (update_s, steps_per_update): (f64, usize),
     ) -> Self {
+        let step_s = update_s / steps_per_update as f64;
         let fidelity = match &parameters.machine {
-            None => Fidelity::Lag(Lag::new(parameters.bandwidth_rad_s, torque_nm)),
+            None => Fidelity::Lag(Lag::new(parameters.bandwidth_rad_s, torque_nm, step_s)),
             Some(induction) => {
                 let machine = Machine::new(induction);
                 let sample_s = update_s / SAMPLES_PER_UPDATE as f64;
@@ -78,7 +81,8 @@ impl Drive {
                 }))
             }
         };
-        Self { parameters: parameters.clone(), on_the_way: VecDeque::with_capacity(64), fidelity }
+        let ripple = Ripple::new(parameters.ripple_hz, step_s);
+        Self { parameters: parameters.clone(), on_the_way: VecDeque::with_capacity(64), fidelity, ripple }
     }
 
     /// The demand changes; times must not decrease from call to call.
@@ -99,10 +103,9 @@ impl Drive {
         }
     }
 
-    /// Air-gap torque with ripple, Nm: T (1 + r_m sin 2πft) + r_a sin 2πft.
-    pub(super) fn with_ripple_nm(&self, torque_nm: f64, time_s: f64) -> f64 {
-        let ripple = &self.parameters;
-        let sine = (TAU * ripple.ripple_hz * time_s).sin();
+    /// Air-gap torque with ripple, Nm, a step after the last call: T (1 + r_m sin 2πft) + r_a sin 2πft.
+    pub(super) fn with_ripple_nm(&mut self, torque_nm: f64, time_s: f64) -> f64 {
+        let (ripple, sine) = (&self.parameters, self.ripple.sine(time_s));
         torque_nm + (ripple.multiplicative_ripple * torque_nm + ripple.additive_ripple_nm) * sine
     }
 }

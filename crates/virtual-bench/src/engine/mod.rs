@@ -3,6 +3,7 @@
 mod control;
 mod cylinder;
 mod pulsation;
+mod pulse;
 mod slider_crank;
 mod step;
 

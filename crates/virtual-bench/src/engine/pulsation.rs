@@ -1,11 +1,10 @@
 //! The engine's torque as harmonics of the firing order.
 
-use std::f64::consts::TAU;
-
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
 
+use crate::engine::pulse::Pulse;
 use crate::engine::step::{Combustion, EngineStep};
 use crate::train::{Jump, Train};
 
@@ -20,9 +19,7 @@ pub(crate) struct Pulsation {
     next_firing_rad: f64,
     cylinder: usize,
     firing_torque_nm: f64,
-    pulsation: f64,
-    /// (a_n cos φ_n, a_n sin φ_n).
-    harmonics: Vec<(f64, f64)>,
+    pulse: Pulse,
 }
 
 impl Pulsation {
@@ -35,10 +32,7 @@ impl Pulsation {
         level_nm: f64,
     ) -> Self {
         let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
-        let harmonics = parameters.firing_harmonics.iter().map(|h| {
-            let (sine, cosine) = h.phase_rad.sin_cos();
-            (h.relative_amplitude * cosine, h.relative_amplitude * sine)
-        });
+        let size = if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation };
         Self {
             combustion,
             random: Source::Firing.stream(seed),
@@ -46,8 +40,7 @@ impl Pulsation {
             next_firing_rad: ((angle_rad / interval_rad).floor() + 1.0) * interval_rad,
             cylinder: 0,
             firing_torque_nm: level_nm,
-            pulsation: if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation },
-            harmonics: harmonics.collect(),
+            pulse: Pulse::new(&parameters.firing_harmonics, size, interval_rad),
             parameters: parameters.clone(),
         }
     }
@@ -57,20 +50,9 @@ impl Pulsation {
         self.torque_nm(train.engine_angle_rad())
     }
 
-    /// Torque at a crank angle, Nm: T_j (1 + p Σ a_n cos(2n c θ/s + φ_n)).
+    /// Torque at a crank angle, Nm.
     fn torque_nm(&self, angle_rad: f64) -> f64 {
-        self.firing_torque_nm * self.pulse(angle_rad)
-    }
-
-    fn pulse(&self, angle_rad: f64) -> f64 {
-        let (sine, cosine) = (TAU * angle_rad / self.firing_interval_rad).sin_cos();
-        let (mut s, mut c) = (sine, cosine);
-        let mut sum = 0.0;
-        for &(in_phase, quadrature) in &self.harmonics {
-            sum += in_phase * c - quadrature * s;
-            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
-        }
-        1.0 + self.pulsation * sum
+        self.firing_torque_nm * self.pulse.at(angle_rad)
     }
 
     /// The torque over the next step, with the crank's angle predicted to second order; `level_nm` is used where a
@@ -102,7 +84,7 @@ impl Pulsation {
                 level_nm * factor * (1.0 + self.parameters.cycle_variation * self.random.normal())
             }
         };
-        let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse(self.next_firing_rad);
+        let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse.at(self.next_firing_rad);
         self.next_firing_rad += self.firing_interval_rad;
         jump_nm
     }

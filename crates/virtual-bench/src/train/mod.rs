@@ -15,6 +15,11 @@ use shaft_law::ShaftLaw;
 /// Speed below which Coulomb friction falls linearly to zero, rad/s; it keeps the friction law single-valued.
 const COULOMB_TRANSITION_RAD_S: f64 = 0.1;
 
+/// States that a column of the step's matrix has room for; more take further columns.
+const LANES: usize = 8;
+/// Torques of a step: of brake and engine at its start and at its end, and of what the shaft has beyond linear all along.
+const STEP_INPUTS: usize = 2 * 2 + 1;
+
 /// Torques on the train at an instant: T_d on the rotor, T_e on the engine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Torques {
@@ -42,19 +47,23 @@ pub(super) struct Train {
     assembly: Assembly,
     law: ShaftLaw,
     is_connected: bool,
+    /// Whether the shaft is connected and more than K φ + B φ̇.
+    is_bent: bool,
     coulomb_nm: f64,
-    /// Rows [Φ Γ_0 Γ_1].
-    step_matrix: Vec<f64>,
+    /// The columns of [Φ Γ], in blocks of as many rows as there are lanes. Γ: Γ_0 and Γ_1 of brake and engine, Γ_0 + Γ_1 of
+    /// the shaft.
+    step_blocks: Vec<Vec<[f64; LANES]>>,
     /// Γ_1 by columns.
     from_end: [Vec<f64>; INPUTS],
     /// b, A b and A² b of the engine's torque: what a jump does in the rest of a step.
     after_jump: [Vec<f64>; 3],
-    /// T_shaft and the torque on the engine, as rows on the states.
-    shaft_row: Vec<f64>,
-    engine_row: Vec<f64>,
-    /// x, u_k, u_{k+1}.
+    /// T_shaft and the torque on the engine: places and weights of states.
+    shaft_row: Vec<(usize, f64)>,
+    engine_row: Vec<(usize, f64)>,
+    /// x and the torques of the step.
     point: Vec<f64>,
-    next: Vec<f64>,
+    /// x a step later, by blocks.
+    next: Vec<[f64; LANES]>,
 }
 
 impl Train {
@@ -71,28 +80,39 @@ impl Train {
         let assembly = Assembly::new(parameters, is_connected);
         let hold = assembly.state_space()?.to_discrete_foh(step_s)?;
         let n = assembly.states();
-        let mut step_matrix = Vec::with_capacity(n * (n + 2 * INPUTS));
-        for i in 0..n {
-            step_matrix.extend((0..n).map(|j| hold.a()[(i, j)]));
-            step_matrix.extend((0..INPUTS).map(|j| hold.b0()[(i, j)]));
-            step_matrix.extend((0..INPUTS).map(|j| hold.b1()[(i, j)]));
-        }
+        let torques = |i: usize| {
+            let (start, end) = (|j| hold.b0()[(i, j)], |j| hold.b1()[(i, j)]);
+            [start(BRAKE), start(ENGINE), end(BRAKE), end(ENGINE), start(SHAFT) + end(SHAFT)]
+        };
+        let entry = |i: usize, j: usize| match j.checked_sub(n) {
+            _ if i >= n => 0.0,
+            None => hold.a()[(i, j)],
+            Some(input) => torques(i)[input],
+        };
+        let column = |block: usize, j: usize| std::array::from_fn(|lane| entry(block * LANES + lane, j));
+        let columns = |block: usize| (0..n + STEP_INPUTS).map(|j| column(block, j)).collect();
+        let row = |connection: usize| {
+            let row = assembly.torque_row(connection).into_iter().enumerate();
+            row.filter(|(_, weight)| *weight != 0.0).collect()
+        };
         let (a, b) = assembly.matrices();
         let first = b.col(ENGINE).to_owned();
         let second = &a * &first;
         let third = &a * &second;
         let shaft = assembly.connections[assembly.shaft];
+        let law = ShaftLaw::new(parameters, shaft.stiffness, shaft.damping);
         Ok(Self {
-            law: ShaftLaw::new(parameters, shaft.stiffness, shaft.damping),
+            is_bent: is_connected && !law.is_linear(),
+            law,
             is_connected,
             coulomb_nm: parameters.coulomb_friction_nm,
-            step_matrix,
+            step_blocks: (0..n.div_ceil(LANES)).map(columns).collect(),
             from_end: [0, 1, 2].map(|j| (0..n).map(|i| hold.b1()[(i, j)]).collect()),
             after_jump: [first, second, third].map(|column| column.iter().copied().collect()),
-            shaft_row: assembly.torque_row(assembly.shaft),
-            engine_row: assembly.torque_row(assembly.connections.len() - 1),
-            point: vec![0.0; n + 2 * INPUTS],
-            next: vec![0.0; n],
+            shaft_row: row(assembly.shaft),
+            engine_row: row(assembly.connections.len() - 1),
+            point: vec![0.0; n + STEP_INPUTS],
+            next: vec![[0.0; LANES]; n.div_ceil(LANES)],
             assembly,
         })
     }
@@ -115,18 +135,13 @@ impl Train {
 
     /// One step under torques that run straight from `start` to `end`, but for a jump of the engine's.
     pub(super) fn advance(&mut self, start: Torques, end: Torques, jump: Option<Jump>) {
-        let n = self.next.len();
+        let n = self.assembly.states();
         let coulomb_nm = self.coulomb_nm(self.dyno_speed_rad_s());
         let beyond_nm = self.beyond_linear_nm();
-        let inputs = [
-            [start.air_gap_nm + coulomb_nm, start.engine_nm, beyond_nm],
-            [end.air_gap_nm + coulomb_nm, end.engine_nm, beyond_nm],
-        ];
-        self.point[n..].copy_from_slice(inputs.as_flattened());
-        for (next, row) in self.next.iter_mut().zip(self.step_matrix.chunks_exact(n + 2 * INPUTS)) {
-            *next = row.iter().zip(&self.point).map(|(m, x)| m * x).sum();
-        }
-        self.point[..n].copy_from_slice(&self.next);
+        let brakes_nm = [start.air_gap_nm, end.air_gap_nm].map(|torque| torque + coulomb_nm);
+        let torques = [brakes_nm[0], start.engine_nm, brakes_nm[1], end.engine_nm, beyond_nm];
+        self.point[n..].copy_from_slice(&torques);
+        self.multiply();
         if let Some(jump) = jump {
             self.add_jump(jump);
         }
@@ -134,6 +149,20 @@ impl Train {
         self.correct(BRAKE, friction_change_nm);
         let beyond_change_nm = self.beyond_linear_nm() - beyond_nm;
         self.correct(SHAFT, beyond_change_nm);
+    }
+
+    /// x ← [Φ Γ] (x, torques).
+    fn multiply(&mut self) {
+        let n = self.assembly.states();
+        let used = if self.is_bent { self.point.len() } else { self.point.len() - 1 };
+        for (next, columns) in self.next.iter_mut().zip(&self.step_blocks) {
+            let mut sums = [0.0; LANES];
+            for (x, column) in self.point[..used].iter().zip(columns) {
+                sums.iter_mut().zip(column).for_each(|(sum, m)| *sum += m * x);
+            }
+            *next = sums;
+        }
+        self.point[..n].copy_from_slice(&self.next.as_flattened()[..n]);
     }
 
     /// Adds torque of the engine that ended the last step beside what was foreseen.
@@ -161,7 +190,7 @@ impl Train {
 
     /// Torque of the shaft beyond K φ + B φ̇, Nm.
     fn beyond_linear_nm(&self) -> f64 {
-        if self.law.is_linear() || !self.is_connected {
+        if !self.is_bent {
             return 0.0;
         }
         let shaft = self.assembly.shaft;
@@ -169,8 +198,8 @@ impl Train {
         self.law.beyond_linear_nm(self.point[self.assembly.twist(shaft)], rate_rad_s)
     }
 
-    fn row_nm(&self, row: &[f64]) -> f64 {
-        row.iter().zip(&self.point).map(|(m, x)| m * x).sum()
+    fn row_nm(&self, row: &[(usize, f64)]) -> f64 {
+        row.iter().map(|(place, weight)| weight * self.point[*place]).sum()
     }
 
     /// T_shaft, Nm, at the dynamometer's end.
@@ -186,7 +215,7 @@ impl Train {
 
     /// Coulomb friction at a speed, Nm.
     fn coulomb_nm(&self, dyno_speed_rad_s: f64) -> f64 {
-        self.coulomb_nm * (dyno_speed_rad_s / COULOMB_TRANSITION_RAD_S).clamp(-1.0, 1.0)
+        self.coulomb_nm * (dyno_speed_rad_s * (1.0 / COULOMB_TRANSITION_RAD_S)).clamp(-1.0, 1.0)
     }
 
     /// All friction of the dynamometer's bearings at a speed, Nm.
@@ -222,6 +251,6 @@ impl Train {
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        self.next.iter().all(|x| x.is_finite())
+        self.point.iter().all(|x| x.is_finite())
     }
 }

@@ -22,7 +22,7 @@ fn exact_torque_balance_of_the_hidden_truth() {
     let mut parameters = BenchParameters::default();
     parameters.mechanics.coulomb_friction_nm = 1.5;
     parameters.mechanics.viscous_friction_nm_s_per_rad = 0.01;
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let hidden = run(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 2.0), fine).hidden;
     let h = &hidden;
     let on_dyno = |k: usize| h.shaft_torque_nm[k] - h.air_gap_torque_nm[k] - h.friction_torque_nm[k];
@@ -39,7 +39,7 @@ fn exact_torque_balance_of_the_hidden_truth() {
 
 #[test]
 fn exact_energy_balance_of_the_shaft() {
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let hidden = run(&smooth(), &ExperimentPlan::bs_t_nt(1200.0, 2.0), fine).hidden;
     let h = &hidden;
     let (stiffness, damping) = (2437.7, 5.8);
@@ -97,7 +97,7 @@ fn exact_feed_forward_adds_to_the_pi_part() {
 
 #[test]
 fn exact_inverter_is_a_delay_and_a_lag() {
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let hidden = run(&clean(), &ExperimentPlan::step_t_tn(1200.0, 3.0), fine).hidden;
     let bandwidth = 90.0 * TAU;
     for (k, torque) in hidden.air_gap_torque_nm.iter().enumerate() {
@@ -119,7 +119,7 @@ fn exact_same_seed_same_bits() {
 fn difference(plan: &ExperimentPlan, coarse: usize, fine: usize) -> (f64, f64) {
     let mut parameters = BenchParameters::default();
     parameters.sensors.speed_resolution_rad_s = 0.0;
-    let hidden = |n| run(&parameters, plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }).hidden;
+    let hidden = |n| run(&parameters, plan, Numerics { steps_per_update: n, steps_per_hidden_sample: Some(n) }).hidden;
     let (a, b) = (hidden(coarse), hidden(fine));
     let largest = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     (largest(&a.engine_speed_rad_s, &b.engine_speed_rad_s), largest(&a.shaft_torque_nm, &b.shaft_torque_nm))
@@ -187,7 +187,7 @@ fn exact_load_cell_is_late_and_rings() {
 
 #[test]
 fn exact_encoder_reads_the_mean_over_its_gate() {
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let run = run(&clean(), &ExperimentPlan::bs_t_nt(1200.0, 1.0), fine);
     let (speed, truth) = (samples(&run.recording, "EngineSpeed"), &run.hidden.engine_speed_rad_s);
     for (k, reading) in speed.iter().enumerate().skip(1) {

@@ -74,8 +74,8 @@ fn exact_slider_crank_converges_with_the_square_of_the_step() {
     parameters.engine.cylinder_factors = vec![1.0, 0.93, 1.05, 0.98];
     let mut plan = steady(1200.0, 45.0);
     (plan.duration_s, plan.settling_s) = (1.0, 0.0);
-    let runs =
-        [20, 40, 80].map(|n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }));
+    let runs = [20, 40, 80]
+        .map(|n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: Some(n) }));
     let error = |coarse: usize| {
         let pairs = runs[coarse].hidden.shaft_torque_nm.iter().zip(&runs[coarse + 1].hidden.shaft_torque_nm);
         pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)

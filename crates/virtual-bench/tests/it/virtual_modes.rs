@@ -10,7 +10,7 @@ use virtual_bench::{Numerics, simulate, simulate_hidden};
 
 use bench_testkit::runs::{amplitude, clean, mean, run, samples, smooth};
 
-const FINE: Numerics = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+const FINE: Numerics = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
 
 #[test]
 fn exact_shaft_torque_control_reaches_its_demand() {
@@ -264,7 +264,7 @@ fn exact_machine_converges_with_the_square_of_the_step() {
     parameters.drive.machine = Some(InductionMachine::default());
     let mut plan = ExperimentPlan::white_noise_t_tn(1200.0, 1.0);
     plan.settling_s = 0.0;
-    let hidden = |n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }).hidden;
+    let hidden = |n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: Some(n) }).hidden;
     let runs = [20, 40, 80].map(hidden);
     let error = |coarse: usize| {
         let pairs = runs[coarse].shaft_torque_nm.iter().zip(&runs[coarse + 1].shaft_torque_nm);
@@ -272,7 +272,7 @@ fn exact_machine_converges_with_the_square_of_the_step() {
     };
     println!("machine: {:e} Nm, halved {:e} Nm", error(0), error(1));
     assert!((2.8..6.0).contains(&(error(0) / error(1))), "{} {}", error(0), error(1));
-    let steps = Numerics { steps_per_update: 10, steps_per_hidden_sample: 10 };
+    let steps = Numerics { steps_per_update: 10, steps_per_hidden_sample: Some(10) };
     assert!(simulate_hidden(&parameters, &plan, 1, steps).is_err(), "10 steps are no whole number for each sample");
 }
 

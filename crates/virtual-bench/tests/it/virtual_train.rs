@@ -125,7 +125,7 @@ fn exact_loss_factor_holds_over_its_band() {
 fn exact_stiffening_follows_its_cubic() {
     let mut parameters = without_pulsation();
     parameters.mechanics.shaft_stiffening_nm_per_rad3 = 4e6;
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let hidden = run(&parameters, &sine(17.0, 30.0), fine).hidden;
     // From rest at −15.8 Nm on, the twist is the integral of the slip.
     let mut twist_rad = {
@@ -155,7 +155,7 @@ fn reversing() -> ExperimentPlan {
 fn exact_no_torque_crosses_the_play() {
     let mut parameters = clean();
     parameters.mechanics.shaft_backlash_rad = 0.01;
-    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: 1 };
+    let fine = Numerics { steps_per_update: 20, steps_per_hidden_sample: Some(1) };
     let hidden = run(&parameters, &reversing(), fine).hidden;
     let free = hidden.shaft_torque_nm.iter().filter(|t| t.abs() < 1e-9).count() as f64;
     let share = free / hidden.shaft_torque_nm.len() as f64;
@@ -193,7 +193,7 @@ fn exact_everything_rests_where_it_starts() {
 
 /// Largest differences of ω_e and T_shaft from one step size to its half.
 fn difference(parameters: &BenchParameters, plan: &ExperimentPlan, steps: usize) -> (f64, f64) {
-    let hidden = |n| run(parameters, plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }).hidden;
+    let hidden = |n| run(parameters, plan, Numerics { steps_per_update: n, steps_per_hidden_sample: Some(n) }).hidden;
     let (coarse, fine): (HiddenTruth, HiddenTruth) = (hidden(steps), hidden(2 * steps));
     let largest = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     let torque_nm = largest(&coarse.shaft_torque_nm, &fine.shaft_torque_nm);
@@ -241,7 +241,8 @@ fn exact_coulomb_friction_converges_with_the_square_of_the_step() {
     let reverses = run(&parameters, &plan, Numerics::default()).hidden;
     assert!(reverses.friction_torque_nm.contains(&1.5) && reverses.friction_torque_nm.contains(&-1.5));
     let difference = |steps| {
-        let hidden = |n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }).hidden;
+        let hidden =
+            |n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: Some(n) }).hidden;
         let (coarse, fine) = (hidden(steps), hidden(2 * steps));
         let pairs = coarse.dyno_speed_rad_s.iter().zip(&fine.dyno_speed_rad_s);
         pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)

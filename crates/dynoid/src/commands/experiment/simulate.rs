@@ -34,7 +34,8 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     let progress = terminal.long(&format!("simulating {}", plan.label));
     let seed = settings.seed();
     let at = &mut |done, all| progress.at(done, all);
-    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, Numerics::default(), at);
+    let numerics = if arguments.truth.is_some() { Numerics::default() } else { Numerics::WITHOUT_TRUTH };
+    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, numerics, at);
     drop(progress);
     let VirtualRun { mut recording, hidden } =
         simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;
