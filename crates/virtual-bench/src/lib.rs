@@ -28,6 +28,7 @@
 //! Glans & Kärnell, Chalmers EX112/2018, chapters 2, 5 and 6 for the bench and its equations.
 
 mod control;
+mod cubic;
 mod drive;
 mod engine;
 mod error;

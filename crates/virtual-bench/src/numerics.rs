@@ -17,7 +17,7 @@ pub struct Numerics {
 impl Default for Numerics {
     /// Steps of 50 µs, hidden truth every 1 ms.
     fn default() -> Self {
-        Self { steps_per_update: 20, steps_per_hidden_sample: Some(20) }
+        Self { steps_per_hidden_sample: Some(20), ..Self::WITHOUT_TRUTH }
     }
 }
 

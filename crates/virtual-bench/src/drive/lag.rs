@@ -23,18 +23,15 @@ impl Lag {
 
     /// Torque at `end_s`, Nm, a step after the last call, which ended at `start_s`; takes the demands that come before.
     pub(super) fn advance(&mut self, on_the_way: &mut VecDeque<TimedDemand>, start_s: f64, end_s: f64) -> f64 {
-        if on_the_way.front().is_none_or(|next| next.time_s >= end_s) {
-            self.relax(self.left_of_a_step);
-            return self.torque_nm;
-        }
-        let mut now_s = start_s;
+        let (mut now_s, mut left) = (start_s, self.left_of_a_step);
         while let Some(&next) = on_the_way.front().filter(|next| next.time_s < end_s) {
             on_the_way.pop_front();
             self.relax(self.left_after((next.time_s - now_s).max(0.0)));
             now_s = next.time_s.max(now_s);
             self.held_nm = next.torque_nm;
+            left = self.left_after(end_s - now_s);
         }
-        self.relax(self.left_after(end_s - now_s));
+        self.relax(left);
         self.torque_nm
     }
 

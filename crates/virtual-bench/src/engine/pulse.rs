@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use rig::bench_parameters::Harmonic;
 
+use crate::cubic;
+
 /// Points of the table: a power of two, so that the place in it is a part of the bits.
 const POINTS: usize = 2048;
 
@@ -38,9 +40,6 @@ impl Pulse {
         let towards_zero = place as i64;
         let below = towards_zero - i64::from(towards_zero as f64 > place);
         let index = (below & (POINTS as i64 - 1)) as usize;
-        let ((from, slope_from), (to, slope_to)) = (self.points[index], self.points[index + 1]);
-        let (u, rise) = (place - below as f64, to - from);
-        let v = 1.0 - u;
-        from + u * rise + u * v * (v * (slope_from - rise) - u * (slope_to - rise))
+        cubic::between(self.points[index], self.points[index + 1], place - below as f64)
     }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::cubic;
+
 /// Part of a step below which a time counts as a whole number of steps.
 const WHOLE: f64 = 1e-6;
 
@@ -42,8 +44,7 @@ impl Rotation {
         }
         let left = newest - age.ceil() as usize;
         let u = age.ceil() - age;
-        let ((from, speed_from), (to, speed_to)) = (self.points[left], self.points[left + 1]);
-        let (v, rise) = (1.0 - u, to - from);
-        from + u * rise + u * v * (v * (speed_from * self.step_s - rise) - u * (speed_to * self.step_s - rise))
+        let point = |k: usize| (self.points[k].0, self.points[k].1 * self.step_s);
+        cubic::between(point(left), point(left + 1), u)
     }
 }
