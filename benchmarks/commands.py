@@ -12,6 +12,7 @@ import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -21,7 +22,10 @@ HERE = Path(__file__).resolve().parent
 TURNS = 3
 LONG_S = 20.0
 """A task whose first turn takes longer has no other."""
+LONG_OUTPUT = 10**6
+"""Numbers of so many bytes are not read: a spectrum, whose error is not compared."""
 LIMIT_S = 300.0
+"""Where ten times the samples would take longer, growth ends."""
 BENCH = """[bench]
 name = "bench"
 variant = "load-cell"
@@ -57,24 +61,36 @@ def make_campaign(dynoid, folder, seconds):
     return bench
 
 
+def make_demo(dynoid, folder):
+    demo = folder / "demo"
+    if not (demo / "bench.toml").exists():
+        part = folder / "demo.part"
+        subprocess.run([dynoid, "demo", "--out", part, "--quiet"], check=True)
+        part.replace(demo)
+    return demo / "bench.toml"
+
+
 class Run:
-    """Wall and processor time in s, peak memory in MB, and what was printed."""
+    """Wall and processor time in s, peak memory in MB, and what was printed, unless it is long."""
 
     def __init__(self, command):
         start = time.perf_counter()
-        with open(os.devnull) as nothing:
-            process = subprocess.Popen(
-                [str(word) for word in command], stdin=nothing, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-            )
-        self.output, errors = process.stdout.read().decode(), process.stderr.read().decode()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.wall_s = time.perf_counter() - start
-        self.processor_s = usage.ru_utime + usage.ru_stime
-        self.memory_mb = usage.ru_maxrss / 1000
-        # A bad verdict is a result too.
-        if process.returncode not in (0, 1):
-            raise RuntimeError(f"{command}: {errors.strip().splitlines()[-1:]}")
+        # Into a file: the peak of a process counts the memory that its parent had when it started it.
+        with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as errors:
+            streams = {"stdin": subprocess.DEVNULL, "stdout": printed, "stderr": errors}
+            process = subprocess.Popen([str(word) for word in command], **streams)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.wall_s = time.perf_counter() - start
+            self.processor_s = usage.ru_utime + usage.ru_stime
+            self.memory_mb = usage.ru_maxrss / 1000
+            # A bad verdict is a result too.
+            if process.returncode not in (0, 1):
+                errors.seek(0)
+                raise RuntimeError(f"{command}: {errors.read().decode().strip().splitlines()[-1:]}")
+            if os.fstat(printed.fileno()).st_size < LONG_OUTPUT:
+                printed.seek(0)
+                self.output = printed.read().decode()
 
 
 def coefficient_error(found, truth):
@@ -100,7 +116,8 @@ class Task:
         self.name, self.ours, self.error, self.peers = name, ours, error, peers
 
 
-def tasks(dynoid, folder, stem, campaign, seconds):
+def tasks(dynoid, folder, stem):
+    """What grows with the number of samples."""
     csv, parquet, mdf = (stem.with_suffix(end) for end in (".csv", ".parquet", ".mf4"))
     script = HERE / "commands_peer.py"
     octave = shutil.which("octave-cli")
@@ -155,8 +172,23 @@ def tasks(dynoid, folder, stem, campaign, seconds):
         Task("convert CSV to Parquet", [dynoid, "convert", csv, "--out", folder / "converted.parquet", "--overwrite", "--quiet"], None, [
             ("pyarrow", python("convert", csv), None, "no check of the time column"),
         ]),
-        Task(f"study, 4 × {seconds // 60} min", [dynoid, "study", campaign, "--out", folder / "study", "--quiet"], None, []),
-        Task("simulate 1 h", [dynoid, "experiment", "simulate", campaign, "BS_T_NT", "--duration", "3600", "--out", folder / "hour.mf4", "--overwrite", "--quiet"], None, []),
+    ]
+
+
+def bench_tasks(dynoid, folder, seconds):
+    """A campaign of four recordings, an hour of simulation, and the demo's nine recordings, about five minutes of data."""
+    campaign, demo = make_campaign(dynoid, folder / f"campaign-{seconds}", seconds), make_demo(dynoid, folder)
+    studies = [
+        ("study, demo", [demo]),
+        ("study --full, demo", [demo, "--full"]),
+        (f"study, 4 × {seconds // 60} min", [campaign]),
+    ]
+    parts = ("lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction")
+    hour = ["--duration", "3600", "--out", folder / "hour.mf4", "--overwrite", "--quiet"]
+    return [
+        *[Task(name, [dynoid, "study", *what, "--out", folder / "study", "--quiet"]) for name, what in studies],
+        *[Task(f"{part}, demo", [dynoid, part, demo, "--json", "--quiet"]) for part in parts],
+        Task("simulate 1 h", [dynoid, "experiment", "simulate", campaign, "BS_T_NT", *hour]),
     ]
 
 
@@ -204,16 +236,21 @@ def growth(dynoid, folder, sizes, chosen):
     """Time and memory of every command over the number of samples."""
     print("| command | samples | wall s | CPU s | MB | CPU µs a sample |")
     print("| --- | --- | --- | --- | --- | --- |")
+    last = {}
     for samples in sizes:
         stem = data(dynoid, folder, samples)
-        for task in tasks(dynoid, folder, stem, folder / "bench.toml", 0):
-            if chosen not in task.name or task.name.startswith(("study", "simulate")):
+        for task in tasks(dynoid, folder, stem):
+            if chosen not in task.name:
+                continue
+            if last.get(task.name, 0.0) > LIMIT_S / 10.0:
+                print(f"| {task.name} | {samples} | not run |")
                 continue
             try:
                 run = Run(task.ours)
             except RuntimeError as problem:
                 print(f"| {task.name} | {samples} | failed: {problem} |")
                 continue
+            last[task.name] = run.wall_s
             per_sample = 1e6 * run.processor_s / samples
             print(f"| {task.name} | {samples} | {run.wall_s:.2f} | {run.processor_s:.2f} | {run.memory_mb:.0f} | {per_sample:.2f} |", flush=True)
 
@@ -237,13 +274,12 @@ def main(arguments):
     folder.mkdir(parents=True, exist_ok=True)
     quick = "--quick" in flags
     if "--growth" in flags:
-        return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7], chosen)
+        return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7, 10**8], chosen)
     samples = 10**5 if quick else 10**6
     stem = data(dynoid, folder, samples)
-    seconds = 60 if quick else 600
-    campaign = make_campaign(dynoid, folder / f"campaign-{seconds}", seconds)
+    of_benches = bench_tasks(dynoid, folder, 60 if quick else 600)
     print(f"{samples} samples, {os.cpu_count()} cores; medians of {TURNS} turns\n")
-    table([task for task in tasks(dynoid, folder, stem, campaign, seconds) if chosen in task.name])
+    table([task for task in tasks(dynoid, folder, stem) + of_benches if chosen in task.name])
 
 
 main(sys.argv[1:])

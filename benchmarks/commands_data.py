@@ -18,31 +18,70 @@ GAIN, LAG_S, DELAY_S = 2.0, 0.05, 0.013
 """Of the column `lag`, for continuous models."""
 
 
-def make_data(stem, samples):
+BLOCK = 10**6
+"""Samples that are made and written at once, a multiple of HELD."""
+HELD = 20
+
+
+class Filter:
+    """A filter from rest that goes on where the block before ended."""
+
+    def __init__(self, b, a):
+        self.b, self.a, self.state = b, a, [0.0] * (max(len(b), len(a)) - 1)
+
+    def __call__(self, x):
+        from scipy.signal import lfilter
+
+        y, self.state = lfilter(self.b, self.a, x, zi=self.state)
+        return y
+
+
+def blocks(samples):
     """Columns: `y` ARX of `u`, `y2` ARX of `u` and `u2`, `oe` output error of `u`, `lag` first order with delay of `held`."""
     import numpy as np
     import pyarrow
-    import pyarrow.csv
-    import pyarrow.parquet
-    from scipy.signal import lfilter
 
     rng = np.random.default_rng(1)
-    u, u2, e, e2, noise = rng.standard_normal((5, samples))
-    held = np.repeat(np.sign(rng.standard_normal(samples // 20 + 1)), 20)[:samples]
-    y = lfilter(B, A, u) + lfilter([1.0], A, 0.1 * e)
-    y2 = lfilter(B_2, A, u2) + 0.3 * lfilter(B, A, u) + lfilter([1.0], A, 0.1 * e2)
     late = round(DELAY_S / SAMPLE_TIME_S)
     pole = math.exp(-SAMPLE_TIME_S / LAG_S)
-    lag = lfilter([0.0] * (late + 1) + [GAIN * (1.0 - pole)], [1.0, -pole], held) + 0.1 * noise
-    columns = {"u": u, "u2": u2, "held": held, "y": y, "y2": y2, "oe": lfilter(B, A, u) + 0.3 * noise, "lag": lag}
-    columns = {"time_s": (np.arange(samples) * SAMPLE_TIME_S).round(3)} | {k: v.round(9) for k, v in columns.items()}
-    table = pyarrow.table(columns)
+    of_u, of_u2, noise_y, noise_y2 = Filter(B, A), Filter(B_2, A), Filter([1.0], A), Filter([1.0], A)
+    of_held = Filter([0.0] * (late + 1) + [GAIN * (1.0 - pole)], [1.0, -pole])
+    for first in range(0, samples, BLOCK):
+        count = min(BLOCK, samples - first)
+        u, u2, e, e2, noise = rng.standard_normal((5, count))
+        held = np.repeat(np.sign(rng.standard_normal(-(-count // HELD))), HELD)[:count]
+        driven = of_u(u)
+        columns = {
+            "u": u,
+            "u2": u2,
+            "held": held,
+            "y": driven + noise_y(0.1 * e),
+            "y2": of_u2(u2) + 0.3 * driven + noise_y2(0.1 * e2),
+            "oe": driven + 0.3 * noise,
+            "lag": of_held(held) + 0.1 * noise,
+        }
+        clock = (np.arange(first, first + count) * SAMPLE_TIME_S).round(3)
+        yield pyarrow.table({"time_s": clock} | {k: v.round(9) for k, v in columns.items()})
+
+
+def make_data(stem, samples):
+    import pyarrow.csv
+    import pyarrow.parquet
+
     # A name only for what is whole.
-    part = stem.with_suffix(".part")
-    pyarrow.parquet.write_table(table, part)
-    part.replace(stem.with_suffix(".parquet"))
-    pyarrow.csv.write_csv(table, part, pyarrow.csv.WriteOptions(quoting_style="none"))
-    part.replace(stem.with_suffix(".csv"))
+    parts = [stem.with_suffix(end + ".part") for end in (".parquet", ".csv")]
+    parquet = csv = None
+    for table in blocks(samples):
+        parquet = parquet or pyarrow.parquet.ParquetWriter(parts[0], table.schema)
+        csv = csv or pyarrow.csv.CSVWriter(
+            parts[1], table.schema, write_options=pyarrow.csv.WriteOptions(quoting_style="none")
+        )
+        parquet.write_table(table)
+        csv.write_table(table)
+    parquet.close()
+    csv.close()
+    for part in parts:
+        part.replace(part.with_suffix(""))
 
 
 if __name__ == "__main__":

@@ -93,17 +93,14 @@ impl Modulated {
             return Err(IdentError::TooFewSamples { samples: count, parameters: 2 * last_bin });
         }
         let mean = values.iter().sum::<f64>() / count as f64;
-        let position = |i: usize| (offset + i as f64 * dt) / window.duration_s;
-        let windowed: Vec<[f64; ORDERS]> =
-            (0..count).map(|i| window_derivatives(position(i), window.duration_s)).collect();
+        let windowed = window_derivatives(offset / window.duration_s, dt / window.duration_s, count, window.duration_s);
+        let turning = turning(0.0, -offset / window.duration_s, last_bin + 1);
         let moment = |order: usize| -> Result<Vec<Complex64>, IdentError> {
             let weigh = |(value, windowed): (&f64, &[f64; ORDERS])| dt * (value - mean) * windowed[order];
             let weighted: Vec<f64> = values.iter().zip(&windowed).map(weigh).collect();
             let mut spectrum = signal::spectrum::fft_real(&weighted)?;
             spectrum.truncate(last_bin + 1);
-            for (k, value) in spectrum.iter_mut().enumerate() {
-                *value *= Complex64::cis(-TAU * k as f64 * offset / window.duration_s);
-            }
+            spectrum.iter_mut().zip(&turning).for_each(|(value, turning)| *value *= turning);
             Ok(spectrum)
         };
         let (h0, h1, h2) = (moment(0)?, moment(1)?, moment(2)?);
@@ -153,16 +150,39 @@ pub fn samples_in(signal: &Signal, window: Window) -> Result<Samples, IdentError
     Ok(Samples { values, offset_s: 0.0, sample_time_s })
 }
 
-/// h and its derivatives at a part of its length `duration_s`: it rises as sin²(πx/2) over the first [`TAPER`] of its length, is one,
-/// and falls over the last; neither it nor its slope jumps.
-fn window_derivatives(position: f64, duration_s: f64) -> [f64; ORDERS] {
-    let edge = position.min(1.0 - position) / TAPER;
-    if edge >= 1.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let ((sin, cos), rate) = ((PI * edge).sin_cos(), PI / (TAPER * duration_s));
-    let slope = if position < 0.5 { sin } else { -sin };
-    [0.5 * (1.0 - cos), 0.5 * rate * slope, 0.5 * rate * rate * cos]
+/// h and its derivatives at so many instants of a window of length `duration_s`, given as parts of it: it rises as sin²(πx/2) over the
+/// first [`TAPER`] of its length, is one, and falls over the last; neither it nor its slope jumps.
+fn window_derivatives(first: f64, step: f64, count: usize, duration_s: f64) -> Vec<[f64; ORDERS]> {
+    let (rate, end) = (PI / (TAPER * duration_s), Complex64::cis(PI / TAPER));
+    let at = |(i, turning): (usize, Complex64)| {
+        let position = first + i as f64 * step;
+        let (edge, slope) = match position < 0.5 {
+            true => (turning, turning.im),
+            false => (end * turning.conj(), -(end * turning.conj()).im),
+        };
+        match position.min(1.0 - position) < TAPER {
+            true => [0.5 * (1.0 - edge.re), 0.5 * rate * slope, 0.5 * rate * rate * edge.re],
+            false => [1.0, 0.0, 0.0],
+        }
+    };
+    turning(0.5 * first / TAPER, 0.5 * step / TAPER, count).into_iter().enumerate().map(at).collect()
+}
+
+/// A phasor from a number of turns on, so many more turns each time.
+fn turning(first: f64, step: f64, count: usize) -> Vec<Complex64> {
+    // Restarted now and then so that rounding does not build up.
+    const STRAIGHT: usize = 64;
+    let turn = Complex64::cis(TAU * step);
+    let mut at = Complex64::ONE;
+    let next = |k: usize| {
+        at = if k.is_multiple_of(STRAIGHT) {
+            Complex64::cis(TAU * (first + k as f64 * step).fract())
+        } else {
+            at * turn
+        };
+        at
+    };
+    (0..count).map(next).collect()
 }
 
 /// One signal of the equation: its transform, what the record holds beside it, and the noise on its samples.
@@ -377,20 +397,12 @@ fn neighbour_products(fit: &Minimum, bins: &[usize]) -> faer::Mat<f64> {
         fit.jacobian[(2 * k, j)] * fit.residuals[2 * k] + fit.jacobian[(2 * k + 1, j)] * fit.residuals[2 * k + 1]
     };
     let scores = faer::Mat::from_fn(bins.len(), n, contribution);
-    let mut middle = scores.transpose() * &scores;
-    for lag in 1..=REACH {
-        for k in lag..bins.len() {
-            if bins[k] - bins[k - lag] != lag {
-                continue;
-            }
-            for i in 0..n {
-                for j in 0..n {
-                    middle[(i, j)] += scores[(k, i)] * scores[(k - lag, j)] + scores[(k - lag, i)] * scores[(k, j)];
-                }
-            }
-        }
-    }
-    middle
+    let neighbours = faer::Mat::from_fn(bins.len(), n, |k, j| {
+        let near = (k.saturating_sub(REACH)..k).filter(|other| bins[k] - bins[*other] == k - other);
+        near.map(|other| scores[(other, j)]).sum::<f64>()
+    });
+    let across = scores.transpose() * &neighbours;
+    scores.transpose() * &scores + &across + across.transpose()
 }
 
 impl<E: Equation> ErrorsInVariables<'_, E> {

@@ -7,6 +7,11 @@ use crate::state_space::{Information, Search, StateSpaceModel, estimate};
 use crate::subspace::{StateOrder, Subspace};
 use crate::{Dataset, Doubt, Fit, Focus, IdentError, LinearModel};
 
+/// Data of so many samples are searched in part first: the steps that are left from there are few ...
+const LONG: usize = 100_000;
+/// ... in one of so many of them.
+const PART: usize = 10;
+
 /// Prediction-error estimation of a state-space model in innovations form.
 ///
 /// `x(t+1) = A x(t) + B u(t) + K e(t)`, `y(t) = C x(t) + D u(t) + e(t)`.
@@ -107,7 +112,13 @@ impl StateSpacePem {
         let start = self.starting_point(data)?;
         let n = start.system().states();
         let (estimated, zero) = (if self.from_rest { 0 } else { n }, vec![vec![0.0; n]; data.experiments().len()]);
-        let mut search = Search::new(data, start, zero, estimated)?;
+        let mut search = Search::new(data, start, zero.clone(), estimated)?;
+        if let Some(nearer) = self.found_in_part(data, search.model())
+            && let Ok(from_there) = Search::new(data, nearer, zero, estimated)
+            && from_there.criterion() < search.criterion()
+        {
+            search = from_there.near_the_end();
+        }
         let termination = search.run(self.iteration_limit)?;
         let (iterations, initial_states, model) = search.into_parts();
         let mut fit = estimate(data, &model, initial_states, estimated, Information::All)?;
@@ -120,6 +131,17 @@ impl StateSpacePem {
         }
         let fit = if self.focus == Focus::Simulation { fit.doubting_feedback(data) } else { fit };
         Ok(fit.made_by(self.focus.method(), data))
+    }
+
+    /// The model of a part of long data; none where it cannot be found.
+    fn found_in_part(&self, data: &Dataset, start: &StateSpaceModel) -> Option<StateSpaceModel> {
+        if data.samples() < LONG {
+            return None;
+        }
+        let (part, n) = (data.excerpts(data.samples() / PART), start.system().states());
+        let mut search = Search::new(&part, start.clone(), vec![vec![0.0; n]; part.experiments().len()], n).ok()?;
+        search.run(self.iteration_limit).ok()?;
+        Some(search.into_parts().2)
     }
 
     fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {

@@ -5,4 +5,5 @@ pub mod order;
 pub mod parallel;
 pub mod random;
 pub mod search;
+pub mod sliding_median;
 pub mod vector;

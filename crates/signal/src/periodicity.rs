@@ -13,6 +13,11 @@ use crate::spectrum::{fft_real, fourier_sum};
 
 /// Bins on each side whose median gives the noise about a line.
 const NEIGHBOURS: usize = 100;
+/// Samples over which a phasor turns before rounding is taken out, and those at which it is known at once.
+const STRAIGHT: usize = 256;
+const LANES: usize = 8;
+/// Within this part of a bin of its centre, a [`Demodulated`] record has Fourier sums to rounding.
+const NEAR: f64 = 0.01;
 
 /// A sinusoid, `amplitude · cos(2π freq_hz t + phase_rad)` with `t = 0` at the first sample, with standard deviations for
 /// noise that is white about its frequency.
@@ -169,7 +174,8 @@ impl Line {
         let at = |i: i32| low + (high - low) * f64::from(i) / 8.0;
         let best = (0..=8).max_by(|a, b| explained(at(*a)).total_cmp(&explained(at(*b)))).unwrap_or(4);
         let turns = search::maximum((at((best - 1).max(0)), at((best + 1).min(8))), 1e-5 * bin, explained);
-        let fine = Demodulated::new(x, turns);
+        // Near its centre what was summed up in blocks is exact.
+        let fine = if (turns - coarse.centre).abs() < NEAR * bin { coarse } else { Demodulated::new(x, turns) };
         let explained = |turns: f64| Self::fit(fine.sum_at(turns), turns, x.len()).1;
         let turns = search::maximum((turns - 1e-3 * bin, turns + 1e-3 * bin), 1e-8 * bin, explained);
         Self { turns, value: Self::fit(fine.sum_at(turns), turns, x.len()).0 }
@@ -187,13 +193,11 @@ impl Line {
 
     fn add(&self, x: &mut [f64], sign: f64) {
         let value = 2.0 * sign * self.value;
-        const BLOCK: usize = 256;
-        let turn = Complex64::cis(TAU * self.turns);
-        for (index, block) in x.chunks_mut(BLOCK).enumerate() {
-            let mut factor = value * Complex64::cis(TAU * (self.turns * (index * BLOCK) as f64).fract());
-            for v in block {
-                *v += factor.re;
-                factor *= turn;
+        for (index, block) in x.chunks_mut(STRAIGHT).enumerate() {
+            let mut turning = Turning::new(value * from_start(self.turns, index * STRAIGHT), self.turns);
+            for part in block.chunks_mut(LANES) {
+                part.iter_mut().zip(turning.re).for_each(|(v, re)| *v += re);
+                turning.go_on();
             }
         }
     }
@@ -220,54 +224,126 @@ impl Line {
 /// cost next to nothing: in each block the rest of the rotation is taken to second order.
 struct Demodulated {
     centre: f64,
-    /// Samples of each block but the last.
-    length: f64,
-    /// Middle of each block and its moments of order 0, 1 and 2 about that.
-    blocks: Vec<(f64, [Complex64; 3])>,
+    /// Samples of each block but the last, and how many of these there are.
+    length: usize,
+    whole: usize,
+    /// Moments of order 0, 1 and 2 of each such block about its middle, real and imaginary, and of nothing up to whole lanes.
+    moments: [[Vec<f64>; 2]; 3],
+    /// The middle of the last block and its moments.
+    last: (f64, [Complex64; 3]),
 }
 
 impl Demodulated {
     fn new(x: &[f64], centre: f64) -> Self {
         const SMALLEST: usize = 16;
         let length = (x.len() / 256).max(SMALLEST);
-        let turn = Complex64::cis(-TAU * centre);
-        let moments = |(index, block): (usize, &[f64])| {
-            let start = (index * length) as f64;
+        let of_block = |start: usize, block: &[f64]| {
             let middle = 0.5 * (block.len() as f64 - 1.0);
             let mut moments = [Complex64::ZERO; 3];
-            let mut factor = Complex64::ZERO;
-            for (t, v) in block.iter().enumerate() {
-                // Restarted now and then so that rounding does not build up.
-                if t.is_multiple_of(256) {
-                    factor = Complex64::cis(-TAU * (centre * (start + t as f64)).fract());
-                }
-                let (value, distance) = (factor * *v, t as f64 - middle);
-                moments[0] += value;
-                moments[1] += value * distance;
-                moments[2] += value * (distance * distance);
-                factor *= turn;
+            for (part, samples) in block.chunks(STRAIGHT).enumerate() {
+                let first = part * STRAIGHT;
+                let factor = from_start(-centre, start + first);
+                add_moments(samples, Turning::new(factor, -centre), first as f64 - middle, &mut moments);
             }
-            (start + middle, moments)
+            (start as f64 + middle, moments)
         };
-        Self { centre, length: length as f64, blocks: x.chunks(length).enumerate().map(moments).collect() }
+        let whole = x.len().saturating_sub(1) / length;
+        let mut moments: [[Vec<f64>; 2]; 3] = Default::default();
+        for (index, block) in x.chunks(length).take(whole).enumerate() {
+            for ([re, im], moment) in moments.iter_mut().zip(of_block(index * length, block).1) {
+                re.push(moment.re);
+                im.push(moment.im);
+            }
+        }
+        moments.iter_mut().flatten().for_each(|all| all.resize(whole.next_multiple_of(LANES), 0.0));
+        let last = of_block(whole * length, &x[whole * length..]);
+        Self { centre, length, whole, moments, last }
     }
 
     fn sum_at(&self, turns: f64) -> Complex64 {
         let shift = TAU * (turns - self.centre);
-        let local = |[sum, first, second]: &[Complex64; 3]| {
-            sum - Complex64::new(0.0, shift) * first - second * (0.5 * shift * shift)
-        };
-        let (Some((first, _)), Some(((end, moments), before))) = (self.blocks.first(), self.blocks.split_last()) else {
-            return Complex64::ZERO;
-        };
-        // All blocks but the last are as long as each other, and turn on by the same angle.
-        let (mut turn, step) = (Complex64::cis(-shift * first), Complex64::cis(-shift * self.length));
-        let mut sum = Complex64::cis(-shift * end) * local(moments);
-        for (_, moments) in before {
-            sum += turn * local(moments);
-            turn *= step;
+        let square = -0.5 * shift * shift;
+        let (end, [sum, first, second]) = &self.last;
+        let rest = Complex64::cis(-shift * end) * (sum - Complex64::new(0.0, shift) * first + second * square);
+        if self.whole == 0 {
+            return rest;
         }
-        sum
+        // Whole blocks are as long as each other, and turn on by the same angle.
+        let middle = 0.5 * (self.length as f64 - 1.0);
+        let turns_on = (self.centre - turns) * self.length as f64;
+        let mut turning = Turning::new(Complex64::cis(-shift * middle), turns_on);
+        let mut sums = [[0.0; LANES]; 2];
+        let [[sum_re, sum_im], [first_re, first_im], [second_re, second_im]] =
+            self.moments.each_ref().map(|both| both.each_ref().map(|all| all.as_chunks::<LANES>().0));
+        for k in 0..sum_re.len() {
+            for lane in 0..LANES {
+                let re = sum_re[k][lane] + shift * first_im[k][lane] + square * second_re[k][lane];
+                let im = sum_im[k][lane] - shift * first_re[k][lane] + square * second_im[k][lane];
+                sums[0][lane] += turning.re[lane] * re - turning.im[lane] * im;
+                sums[1][lane] += turning.re[lane] * im + turning.im[lane] * re;
+            }
+            turning.go_on();
+        }
+        let [re, im] = sums;
+        rest + Complex64::new(re.iter().sum(), im.iter().sum())
+    }
+}
+
+/// Adds the moments of order 0, 1 and 2 of samples that turn, the first of them at this distance from the middle.
+fn add_moments(samples: &[f64], mut turning: Turning, first: f64, moments: &mut [Complex64; 3]) {
+    let mut sums = [[[0.0; LANES]; 2]; 3];
+    let mut distances: [f64; LANES] = std::array::from_fn(|lane| first + lane as f64);
+    let mut add = |part: &[f64; LANES]| {
+        for lane in 0..LANES {
+            let (distance, value) = (distances[lane], [part[lane] * turning.re[lane], part[lane] * turning.im[lane]]);
+            for (k, value) in value.into_iter().enumerate() {
+                sums[0][k][lane] += value;
+                sums[1][k][lane] += value * distance;
+                sums[2][k][lane] += value * (distance * distance);
+            }
+            distances[lane] += LANES as f64;
+        }
+        turning.go_on();
+    };
+    let (parts, rest) = samples.as_chunks::<LANES>();
+    parts.iter().for_each(&mut add);
+    let mut last = [0.0; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    add(&last);
+    for (moment, [re, im]) in moments.iter_mut().zip(sums) {
+        *moment += Complex64::new(re.iter().sum(), im.iter().sum());
+    }
+}
+
+/// `e^{j2π turns t}`.
+fn from_start(turns: f64, t: usize) -> Complex64 {
+    Complex64::cis(TAU * (turns * t as f64).fract())
+}
+
+/// A phasor at the next samples.
+struct Turning {
+    re: [f64; LANES],
+    im: [f64; LANES],
+    /// By which it turns over all of them.
+    step: Complex64,
+}
+
+impl Turning {
+    fn new(first: Complex64, turns: f64) -> Self {
+        let turn = from_start(turns, 1);
+        let (mut re, mut im, mut at, mut step) = ([0.0; LANES], [0.0; LANES], first, Complex64::ONE);
+        for lane in 0..LANES {
+            (re[lane], im[lane]) = (at.re, at.im);
+            at *= turn;
+            step *= turn;
+        }
+        Turning { re, im, step }
+    }
+
+    fn go_on(&mut self) {
+        for (re, im) in self.re.iter_mut().zip(&mut self.im) {
+            (*re, *im) = (*re * self.step.re - *im * self.step.im, *re * self.step.im + *im * self.step.re);
+        }
     }
 }
 

@@ -75,15 +75,21 @@ impl Line {
 
 /// Divides a signal by `1 + den₁ q⁻¹ + …`; its first values, as many as the coefficients, are the past.
 pub(super) fn divide(den: &[f64], signal: &mut [f64]) {
-    match den {
-        [] => {}
-        [a] => recur_fixed([*a], signal),
-        [a, b] => recur_fixed([*a, *b], signal),
-        [a, b, c] => recur_fixed([*a, *b, *c], signal),
-        [a, b, c, d] => recur_fixed([*a, *b, *c, *d], signal),
-        _ => {
-            for t in den.len()..signal.len() {
-                let past = signal[t - den.len()..t].iter().rev();
+    match den.len() {
+        0 => {}
+        1 => recur_fixed::<1>(den, signal),
+        2 => recur_fixed::<2>(den, signal),
+        3 => recur_fixed::<3>(den, signal),
+        4 => recur_fixed::<4>(den, signal),
+        5 => recur_fixed::<5>(den, signal),
+        6 => recur_fixed::<6>(den, signal),
+        7 => recur_fixed::<7>(den, signal),
+        8 => recur_fixed::<8>(den, signal),
+        9 => recur_fixed::<9>(den, signal),
+        10 => recur_fixed::<10>(den, signal),
+        order => {
+            for t in order..signal.len() {
+                let past = signal[t - order..t].iter().rev();
                 signal[t] -= den.iter().zip(past).map(|(c, v)| c * v).sum::<f64>();
             }
         }
@@ -91,7 +97,8 @@ pub(super) fn divide(den: &[f64], signal: &mut [f64]) {
 }
 
 /// A recursion of known order, whose past stays in registers.
-fn recur_fixed<const N: usize>(den: [f64; N], block: &mut [f64]) {
+fn recur_fixed<const N: usize>(den: &[f64], block: &mut [f64]) {
+    let den: [f64; N] = std::array::from_fn(|j| den[j]);
     let (past, rows) = block.split_at_mut(N);
     let mut latest: [f64; N] = std::array::from_fn(|j| past[N - 1 - j]);
     for row in rows {

@@ -3,6 +3,7 @@
 mod coordinates;
 mod correlated;
 mod derivatives;
+mod extrapolation;
 mod gather;
 mod lineariser;
 mod model;

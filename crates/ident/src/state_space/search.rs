@@ -6,6 +6,7 @@ use numerics::linalg;
 
 use super::StateSpaceModel;
 use super::coordinates::{directions, entry_scales};
+use super::extrapolation::Extrapolation;
 use super::gather::{check_finite, scaled_columns};
 use super::lineariser::Lineariser;
 use super::predictor::{Free, Predictor, Scatter};
@@ -15,13 +16,16 @@ use crate::{Dataset, IdentError, Parametric, Termination};
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
 const DECREASE_TOLERANCE: f64 = 1e-13;
 /// ... or by less than this part of what one standard error in one parameter makes of it.
-const STATISTICAL_TOLERANCE: f64 = 1e-8;
+const STATISTICAL_TOLERANCE: f64 = 1e-4;
 /// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
 /// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
 /// before the other is right.
 const WEIGHT_FLOOR: f64 = 1e-6;
 /// Directions weaker than this part of the strongest are left alone within a step.
 const RANK_TOLERANCE: f64 = 1e-9;
+
+/// A step is damped at least by this part.
+const LEAST_DAMPING: f64 = 1e-12;
 
 /// A model that is searched for along some directions of its matrices' entries.
 pub(crate) trait Searchable: Clone {
@@ -40,6 +44,11 @@ pub(crate) trait Searchable: Clone {
     /// Whether nothing can be gained `towards` this side of a direction, for a bound.
     fn blocked(&self, _direction: usize, _towards: f64) -> bool {
         false
+    }
+
+    /// The entries that the directions change, where steps may be extrapolated.
+    fn entries(&self) -> Option<Vec<f64>> {
+        None
     }
 
     /// For each direction an equation `weight · step = target` that holds with unit variance; weight zero for none.
@@ -69,11 +78,18 @@ impl Searchable for StateSpaceModel {
 
     fn moved(&self, directions: &Mat<f64>, step: &[f64]) -> Option<Self> {
         let mut parameters = self.parameters();
-        for (i, value) in parameters.iter_mut().enumerate() {
-            *value += step.iter().enumerate().map(|(j, s)| directions[(i, j)] * s).sum::<f64>();
-        }
+        parameters.iter_mut().zip(change(directions, step)).for_each(|(value, by)| *value += by);
         self.with_parameters(&parameters).ok()
     }
+
+    fn entries(&self) -> Option<Vec<f64>> {
+        Some(self.parameters())
+    }
+}
+
+/// What a step along directions changes in the entries.
+fn change(directions: &Mat<f64>, step: &[f64]) -> Vec<f64> {
+    (0..directions.nrows()).map(|i| step.iter().enumerate().map(|(j, s)| directions[(i, j)] * s).sum()).collect()
 }
 
 /// The free entries of a model, in the order A, B, C, D, K, each by rows.
@@ -93,6 +109,9 @@ pub(crate) fn entries(model: &Innovations, free: Free) -> Vec<f64> {
     .concat()
 }
 
+/// A model, its initial states and the scatter of its errors.
+type Tried<M> = (M, Vec<Vec<f64>>, Scatter);
+
 /// A model with its initial states and the scatter of its errors.
 pub(crate) struct Search<'a, M> {
     data: &'a Dataset,
@@ -106,6 +125,7 @@ pub(crate) struct Search<'a, M> {
     /// Whether an output misses samples, so that errors have weights that depend on the model.
     misses: bool,
     damping: f64,
+    extrapolation: Extrapolation,
     iterations: usize,
 }
 
@@ -123,7 +143,8 @@ impl<'a, M: Searchable> Search<'a, M> {
         }
         let floor = weight_floor(data);
         let misses = data.experiments().iter().any(crate::Experiment::has_missing);
-        Ok(Search { data, model, x0, scatter, floor, estimated, misses, damping: 1e-2, iterations: 0 })
+        let extrapolation = Extrapolation::default();
+        Ok(Search { data, model, x0, scatter, floor, estimated, misses, damping: 1e-2, extrapolation, iterations: 0 })
     }
 
     /// The predictor of a model whose errors have the covariance found, on which its gain after a missing output depends.
@@ -133,6 +154,16 @@ impl<'a, M: Searchable> Search<'a, M> {
         }
         let (system, k) = (innovations.system().clone(), innovations.k().to_owned());
         Ok(Predictor::new(&Innovations::new(system, k, self.error_covariance())?))
+    }
+
+    /// With next to no damping in its first step.
+    pub(crate) fn near_the_end(self) -> Self {
+        Search { damping: LEAST_DAMPING, ..self }
+    }
+
+    /// Where it is.
+    pub(crate) fn model(&self) -> &M {
+        &self.model
     }
 
     /// Iterations taken, initial states and model.
@@ -190,15 +221,22 @@ impl<'a, M: Searchable> Search<'a, M> {
         let mut growth = 4.0;
         loop {
             let (step, expected) = damped_step(&equations, self.damping)?;
-            if let Some((model, x0, scatter)) =
-                self.tried((&predictor, &basis), &step, &linearised.initial_steps(&step)?)
-            {
-                let now = weighted(&scatter.sum, &whitening) + prior_cost(&model);
-                if now < cost {
-                    (self.model, self.x0, self.scatter) = (model, x0, scatter);
-                    self.damping = (self.damping / 10.0).max(1e-12);
-                    return Ok((cost - now <= negligible).then_some(Termination::SmallDecrease));
+            let further = self.extrapolated(&step, &basis, &equations)?;
+            let cost_of = |(model, _, scatter): &Tried<M>| weighted(&scatter.sum, &whitening) + prior_cost(model);
+            let mut best = None;
+            for step in [Some(&step), further.as_ref()].into_iter().flatten() {
+                let tried = self.tried((&predictor, &basis), step, &linearised.initial_steps(step)?);
+                let least = best.as_ref().map_or(cost, cost_of);
+                best = tried.filter(|tried| cost_of(tried) < least).or(best);
+            }
+            if let Some(best) = best {
+                let gained = cost - cost_of(&best);
+                if let Some(at) = self.model.entries() {
+                    self.extrapolation.remember(at, change(&basis, &step));
                 }
+                (self.model, self.x0, self.scatter) = best;
+                self.damping = (self.damping / 10.0).max(LEAST_DAMPING);
+                return Ok((gained <= negligible).then_some(Termination::SmallDecrease));
             }
             if expected <= negligible {
                 return Ok(Some(Termination::SmallDecrease));
@@ -209,6 +247,17 @@ impl<'a, M: Searchable> Search<'a, M> {
                 return Ok(Some(Termination::NoDescent));
             }
         }
+    }
+
+    /// Where this step and the last ones lead, if the search has come that far.
+    fn extrapolated(
+        &self,
+        step: &[f64],
+        basis: &Mat<f64>,
+        equations: &Mat<f64>,
+    ) -> Result<Option<Vec<f64>>, IdentError> {
+        let Some(at) = self.model.entries() else { return Ok(None) };
+        self.extrapolation.step(&at, step, basis.as_ref(), equations.subcols(0, step.len()))
     }
 
     /// `[Ψ, ε]` in few rows, those of the prior below, columns of blocked directions zero.
@@ -231,12 +280,7 @@ impl<'a, M: Searchable> Search<'a, M> {
 
     /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they have `now`:
     /// with those of the model tried, the search would prefer models that take errors after a gap for uncertain.
-    fn tried(
-        &self,
-        (now, basis): (&Predictor, &Mat<f64>),
-        step: &[f64],
-        initial: &[Vec<f64>],
-    ) -> Option<(M, Vec<Vec<f64>>, Scatter)> {
+    fn tried(&self, (now, basis): (&Predictor, &Mat<f64>), step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();
         x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));

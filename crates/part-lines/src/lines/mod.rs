@@ -31,6 +31,7 @@ mod tracking;
 
 use std::f64::consts::TAU;
 
+use numerics::parallel;
 use rig::facts::Engine;
 use rig::{ControlMode, Experiment, Role};
 use signal::Signal;
@@ -116,19 +117,16 @@ impl Looker<'_> {
         let turns_hz = self.angle.mean_hz(stretch.start_s, stretch.end_s);
         let demand = self.experiment.signal(demand::demand_role(self.experiment));
         let held_hz = demand.and_then(|demand| demand::held_hz(&demand.slice(stretch.start_s, stretch.end_s)));
-        let mut shown: Vec<Shown> = self
-            .experiment
-            .signals
-            .iter()
-            .filter_map(|(role, signal)| self.shown(*role, signal, stretch, held_hz))
-            .collect();
+        let signals: Vec<(&Role, &Signal)> = self.experiment.signals.iter().collect();
+        let shown = parallel::map(&signals, |(role, signal)| self.shown(**role, signal, stretch, held_hz));
+        let mut shown: Vec<Shown> = shown.into_iter().flatten().collect();
         let broad: Vec<Vec<BroadPeak>> =
             shown.iter().map(|one| self.broad(one, &shown, stretch.sines_hz.is_empty())).collect();
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
         let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
         let is_of_firing = |hz: f64| self.is_of_firing(hz, stretch);
         let naming = Naming::new(&shown, demand::demand_role(self.experiment), turns_hz, is_of_firing);
-        let signals = shown.iter().map(|one| SignalLines {
+        let signals = parallel::map(&shown, |one| SignalLines {
             lines: self.named(one, &naming, stretch),
             short: campbell::short_spectra(&one.signal, self.angle),
             tracks: one.tracks.clone(),
@@ -140,7 +138,7 @@ impl Looker<'_> {
             speed_rad_s: TAU * turns_hz,
             speed_range_rad_s: range_hz.map(|hz| TAU * hz),
             demanded_hz: stretch.sines_hz.clone(),
-            signals: signals.collect(),
+            signals,
         }
     }
 

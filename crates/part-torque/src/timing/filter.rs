@@ -14,6 +14,10 @@ const MARGIN: usize = 3 * LONGEST;
 const LAGS: usize = 48;
 /// Values of the torque compared, at most.
 const MOST: usize = 20_000;
+/// An acceleration that varies by less than this part of its mean square is one value and rounding.
+const STEADY: f64 = 1e-10;
+/// What is left of less than this part of the spread is rounding.
+const ROUNDING: f64 = 1e-6;
 /// The best must leave less than this part of the spread of T_d,shaft,calc − T_d,calc.
 const EXPLAINED: f64 = 0.3;
 /// It is separated from the second best by this difference of log-likelihood.
@@ -107,24 +111,25 @@ pub(super) fn detect(speed: &Signal, torque: &Signal, shaft: &Signal) -> Result<
     all.extend(search.lags());
     all.extend(search.delays());
     all.retain(|candidate| candidate.residual_nm.is_finite() && candidate.inertia_kg_m2 > 0.0);
-    all.sort_by(|a, b| a.residual_nm.total_cmp(&b.residual_nm));
+    let spread_nm = search.spread_nm();
+    let left_nm = |candidate: &FilterCandidate| candidate.residual_nm.max(ROUNDING * spread_nm);
+    all.sort_by(|a, b| left_nm(a).total_cmp(&left_nm(b)));
     let Some(best) = all.first().copied() else { return Ok(None) };
     let others = others(&all, &best);
-    let spread_nm = search.spread_nm();
-    let ahead =
-        others.first().map_or(0.0, |second| second.residual_nm.ln() - best.residual_nm.max(1e-12 * spread_nm).ln());
+    let ahead = others.first().map_or(0.0, |second| left_nm(second).ln() - left_nm(&best).ln());
     let log_likelihood_ahead = search.target.len() as f64 * ahead;
     let found = ShaftFilter { best, others, log_likelihood_ahead, spread_nm };
     Ok((best.residual_nm < EXPLAINED * spread_nm).then_some(found))
 }
 
 /// The best of each kind beside the best of all; of averages, the best of another length. An average over one sample is a
-/// delay, and is not held against itself.
+/// delay, and is not compared with itself.
 fn others(all: &[FilterCandidate], best: &FilterCandidate) -> Vec<FilterCandidate> {
     let is_one = |filter: &Filter| matches!(filter, Filter::MovingAverage { length: 1 } | Filter::Delay);
     let is_other = |kind: fn(&Filter) -> bool| {
         let differs = |c: &&FilterCandidate| {
             kind(&c.filter)
+                && !is_same(c, best)
                 && match (c.filter, best.filter) {
                     (Filter::MovingAverage { length: a }, Filter::MovingAverage { length: b }) => a != b,
                     (Filter::Lag { .. }, Filter::Lag { .. }) => false,
@@ -143,10 +148,24 @@ fn others(all: &[FilterCandidate], best: &FilterCandidate) -> Vec<FilterCandidat
     others
 }
 
-/// T_d,shaft,calc − T_d,calc, and the sample of N_d that each value came with.
+/// Whether both make the same of the speed: a central difference is the average of two backward ones.
+fn is_same(a: &FilterCandidate, b: &FilterCandidate) -> bool {
+    let is_central = |c: &FilterCandidate| {
+        c.difference == Difference::Central && matches!(c.filter, Filter::MovingAverage { length: 1 } | Filter::Delay)
+    };
+    let is_average = |c: &FilterCandidate| {
+        c.difference == Difference::Backward && matches!(c.filter, Filter::MovingAverage { length: 2 })
+    };
+    let is_as_late = (a.delay_s - b.delay_s).abs() < 1e-9;
+    is_as_late && (is_central(a) && is_average(b) || is_average(a) && is_central(b))
+}
+
+/// T_d,shaft,calc − T_d,calc less its mean, and the sample of N_d that each value came with.
 struct Search<'a> {
     speed: &'a Signal,
     target: Vec<f64>,
+    /// Σ target².
+    power: f64,
     places: Vec<usize>,
     /// By how much the torque's stamps are later than those of the samples of N_d they came with, s.
     stamped_late_s: f64,
@@ -162,19 +181,20 @@ impl<'a> Search<'a> {
         let times: Vec<f64> = (0..shaft.len()).map(|i| shaft.time_s(i)).filter(is_common).take(MOST).collect();
         let way = Interpolation::BandLimited;
         let (shaft, torque) = (interpolate_at(shaft, &times, way)?, interpolate_at(torque, &times, way)?);
-        let target = shaft.iter().zip(&torque).map(|(s, t)| s - t).collect();
+        let target: Vec<f64> = shaft.iter().zip(&torque).map(|(s, t)| s - t).collect();
+        let mean = target.iter().sum::<f64>() / target.len() as f64;
+        let target: Vec<f64> = target.iter().map(|y| y - mean).collect();
+        let power = target.iter().map(|y| y * y).sum();
         let positions: Vec<f64> = times.iter().map(|t| (t - speed.start_s) / step).collect();
         // Rasters that are offset by a part of a sample are so throughout: no position is then rounded up, the next down.
         let turn = |p: &f64| signal::Complex64::from_polar(1.0, std::f64::consts::TAU * p);
         let offset = positions.iter().map(turn).sum::<signal::Complex64>().arg() / std::f64::consts::TAU;
         let places = positions.iter().map(|p| (p - offset).round().max(0.0) as usize).collect();
-        Ok(Search { speed, target, places, stamped_late_s: offset * step })
+        Ok(Search { speed, target, power, places, stamped_late_s: offset * step })
     }
 
     fn spread_nm(&self) -> f64 {
-        let n = self.target.len() as f64;
-        let mean = self.target.iter().sum::<f64>() / n;
-        (self.target.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt()
+        (self.power / self.target.len() as f64).sqrt()
     }
 
     /// ω_k, or (ω_k + ω_{k+1})/2, of which a backward difference is a central one.
@@ -248,18 +268,18 @@ impl<'a> Search<'a> {
         acceleration: impl Fn(usize) -> f64,
     ) -> Option<FilterCandidate> {
         let step = self.speed.sample_time_s;
-        let (mut n, mut x, mut y, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let (n, mut x, mut xx, mut xy) = (self.target.len() as f64, 0.0, 0.0, 0.0);
         for (place, target) in self.places.iter().zip(&self.target) {
             let a = acceleration(place.checked_add_signed(-late as isize)?);
-            n += 1.0;
-            let (from_x, from_y) = (a - x, target - y);
-            x += from_x / n;
-            y += from_y / n;
-            xx += from_x * (a - x);
-            xy += from_x * (target - y);
-            yy += from_y * (target - y);
+            x += a;
+            xx += a * a;
+            xy += a * target;
         }
-        let inertia_kg_m2 = xy / xx;
+        let spread = xx - x * x / n;
+        if spread <= STEADY * xx {
+            return None;
+        }
+        let inertia_kg_m2 = xy / spread;
         let half = if difference == Difference::Backward { 0.5 } else { 0.0 };
         Some(FilterCandidate {
             filter,
@@ -267,7 +287,7 @@ impl<'a> Search<'a> {
             filter_delay_s: own_samples * step,
             delay_s: (own_samples + late as f64 + half) * step + self.stamped_late_s,
             inertia_kg_m2,
-            residual_nm: ((yy - inertia_kg_m2 * xy) / n).max(0.0).sqrt(),
+            residual_nm: ((self.power - inertia_kg_m2 * xy) / n).max(0.0).sqrt(),
         })
     }
 }

@@ -5,6 +5,7 @@ use faer::Mat;
 use ident::validate::ResidualTest;
 use ident::{Bounds, Dataset, IdentError};
 use serde::Serialize;
+use signal::spectrum::fft_real;
 use signal::{Complex64, Signal};
 
 use super::held::{HeldDemand, Mode};
@@ -96,13 +97,17 @@ impl AirGapTorqueModel {
         let mut errors: Vec<f64> = observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         errors.iter_mut().for_each(|e| *e -= mean);
-        let span = observed.times_s.last().unwrap_or(&0.0) - observed.times_s.first().unwrap_or(&0.0);
-        if span.is_nan() || span <= 0.0 {
-            return Err(IdentError::TooFewSamples { samples: observed.len(), parameters: 1 });
-        }
+        let (Some(first), Some(last)) = (observed.places.first(), observed.places.last()) else {
+            return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
+        };
+        // Without the samples that may not be used, on a grid of a quarter of the resolution or finer.
+        let mut raster = vec![0.0; (4 * (last - first + 1)).next_power_of_two()];
+        observed.places.iter().zip(&errors).for_each(|(place, error)| raster[place - first] = *error);
+        let bins_per_hz = raster.len() as f64 * observed.sample_time_s;
+        let spectrum = fft_real(&raster)?;
         let known = self.ripple.lines.iter().map(|line| line.frequency_hz);
         let seen = known.filter(|frequency_hz| !stands_still(*frequency_hz, observed.sample_time_s));
-        Ok(seen.map(|frequency_hz| strongest_near(&errors, observed, frequency_hz, span)).collect())
+        Ok(seen.map(|frequency_hz| strongest_near(&spectrum, bins_per_hz, frequency_hz)).collect())
     }
 
     /// Lines of the ripple that samples of T_d,calc so far apart fold to zero frequency: what the torque does there by itself, they do
@@ -132,26 +137,17 @@ impl AirGapTorqueModel {
     }
 }
 
-/// The frequency within [`DRIFT_HZ`] of `about_hz` where the errors have most power, on a grid of a quarter of the
-/// resolution.
-fn strongest_near(errors: &[f64], observed: &Observed, about_hz: f64, span_s: f64) -> f64 {
-    let steps = (4.0 * DRIFT_HZ * span_s).ceil() as i64;
-    let frequency = |k: i64| about_hz + 0.25 * k as f64 / span_s;
-    let mut sums = vec![Complex64::ZERO; (2 * steps + 1) as usize];
-    for (error, time_s) in errors.iter().zip(&observed.times_s) {
-        // From one frequency to the next every sample turns by an angle of its own.
-        let since = std::f64::consts::TAU * (time_s - observed.reference_s);
-        let turn = Complex64::cis(0.25 * since / span_s);
-        let mut wave = Complex64::cis(frequency(-steps) * since) * *error;
-        for sum in &mut sums {
-            *sum += wave;
-            wave *= turn;
-        }
-    }
-    (-steps..=steps)
-        .zip(&sums)
-        .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
-        .map_or(about_hz, |(k, _)| frequency(k))
+/// The frequency within [`DRIFT_HZ`] of `about_hz` where a spectrum, that of a raster of even length, has most power; it may be
+/// beyond half the raster's rate.
+fn strongest_near(spectrum: &[Complex64], bins_per_hz: f64, about_hz: f64) -> f64 {
+    let length = 2 * (spectrum.len() - 1);
+    let power = |bin: &i64| {
+        let within = bin.rem_euclid(length as i64) as usize;
+        spectrum[within.min(length - within)].norm_sqr()
+    };
+    let (middle, reach) = ((about_hz * bins_per_hz).round() as i64, (DRIFT_HZ * bins_per_hz).ceil() as i64);
+    let bins = middle - reach..=middle + reach;
+    bins.max_by(|a, b| power(a).total_cmp(&power(b))).map_or(about_hz, |bin| bin as f64 / bins_per_hz)
 }
 
 /// Statistics of residuals; whiteness is tested on the longest stretch without a missing sample.

@@ -78,10 +78,16 @@ impl FrequencyResponse {
     #[must_use]
     pub fn magnitude_interval(&self, output: usize, input: usize, level: f64) -> Vec<(f64, f64)> {
         let gains = self.response_of(output, input).into_iter().zip(self.variance_of(output, input));
+        // Most frequencies have as many degrees of freedom as the one before.
+        let (mut known, mut reach, mut clear) = (f64::NAN, 0.0, 0.0);
         let one = |((gain, variance), freedom): ((Complex64, f64), &f64)| {
-            let (low, high) = interval(gain.norm(), (0.5 * variance).sqrt(), *freedom, level);
-            let is_clear = *freedom > 0.0 && gain.norm_sqr() > variance * f_quantile(level, 2.0, *freedom);
-            (if is_clear { low.max(0.0) } else { 0.0 }, high)
+            if *freedom != known {
+                (known, reach) = (*freedom, interval(0.0, 1.0, *freedom, level).1);
+                clear = if *freedom > 0.0 { f_quantile(level, 2.0, *freedom) } else { f64::INFINITY };
+            }
+            let (size, error) = (gain.norm(), (0.5 * variance).sqrt());
+            let low = if size * size > variance * clear { (size - reach * error).max(0.0) } else { 0.0 };
+            (low, size + reach * error)
         };
         gains.zip(&self.degrees_of_freedom).map(one).collect()
     }

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use numerics::order::upper_median;
+use numerics::sliding_median::{Ranked, Window};
 
 /// A peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,9 @@ const FEWEST: usize = 3;
 pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: usize, excess: f64) -> Vec<SpectralPeak> {
     let count = freq_hz.len().min(values.len()).min(intervals.len());
     let lobe = lobe.max(1);
-    let mut room = Vec::new();
+    let ranked = Ranked::of(&values[..count]);
+    let mut background =
+        Background { freq_hz: &freq_hz[..count], lobe, below: ranked.window(), above: ranked.window() };
     let mut found = Vec::new();
     for index in 1..count.saturating_sub(1) {
         let near = &values[index.saturating_sub(lobe)..(index + lobe + 1).min(count)];
@@ -48,7 +50,7 @@ pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: us
         if !is_top || lower <= 0.0 || lower.is_nan() {
             continue;
         }
-        let Some(background) = background(&freq_hz[..count], values, index, lobe, &mut room) else { continue };
+        let Some(background) = background.at(index) else { continue };
         if values[index] >= excess * background && lower > background {
             found.push(SpectralPeak { index, excess: values[index] / background });
         }
@@ -95,16 +97,23 @@ fn without_ripples(
     kept
 }
 
-fn background(freq_hz: &[f64], values: &[f64], index: usize, lobe: usize, room: &mut Vec<f64>) -> Option<f64> {
-    let first = freq_hz.partition_point(|f| *f < 0.5 * freq_hz[index]);
-    let end = freq_hz.partition_point(|f| *f <= 2.0 * freq_hz[index]);
-    let below = median_of_finite(values.get(first..index.saturating_sub(lobe))?, room)?;
-    let above = median_of_finite(values.get(index + lobe + 1..end)?, room)?;
-    Some((below * above).sqrt())
+/// What lies about a value: the octave below and the octave above.
+struct Background<'a> {
+    freq_hz: &'a [f64],
+    lobe: usize,
+    below: Window<'a>,
+    above: Window<'a>,
 }
 
-fn median_of_finite(values: &[f64], room: &mut Vec<f64>) -> Option<f64> {
-    room.clear();
-    room.extend(values.iter().filter(|v| v.is_finite()));
-    (room.len() >= FEWEST).then(|| upper_median(room)).flatten()
+impl Background<'_> {
+    fn at(&mut self, index: usize) -> Option<f64> {
+        let (freq_hz, at_hz) = (self.freq_hz, self.freq_hz[index]);
+        let first = freq_hz.partition_point(|f| *f < 0.5 * at_hz);
+        let end = freq_hz.partition_point(|f| *f <= 2.0 * at_hz);
+        self.below.slide_to(first..index.saturating_sub(self.lobe));
+        self.above.slide_to(index + self.lobe + 1..end);
+        let is_enough = self.below.count().min(self.above.count()) >= FEWEST;
+        let (below, above) = (self.below.upper_median()?, self.above.upper_median()?);
+        is_enough.then(|| (below * above).sqrt())
+    }
 }

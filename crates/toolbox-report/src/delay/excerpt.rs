@@ -2,27 +2,26 @@
 
 use ident::{Dataset, Experiment, IdentError};
 
-/// Data of more samples are looked at in part first. Instants are trusted to a part of a sample, so that as a rule more data
-/// make no shorter interval.
-const LONG: usize = 200_000;
-/// Samples of that part.
-const PART: usize = 100_000;
+/// Samples of the parts of long data that are looked at first, the shortest first. Instants are trusted to a part of a sample, so
+/// that as a rule more data make no shorter interval.
+pub(super) const PARTS: [usize; 2] = [25_000, 100_000];
 
-/// The stretch of the longest experiment in which the inputs vary most; none of data that are not long.
-pub(super) fn liveliest(data: &Dataset) -> Result<Option<Dataset>, IdentError> {
+/// The stretch of the longest experiment, of so many samples, in which the inputs vary most; none of data that are hardly longer.
+pub(super) fn liveliest(data: &Dataset, samples: usize) -> Result<Option<Dataset>, IdentError> {
     let all = data.experiments().iter().enumerate();
-    let Some((longest, experiment)) = all.max_by_key(|(_, e)| e.len()).filter(|(_, e)| e.len() > LONG) else {
+    let Some((longest, experiment)) = all.max_by_key(|(_, e)| e.len()).filter(|(_, e)| e.len() > 2 * samples) else {
         return Ok(None);
     };
-    let firsts = (0..=experiment.len() - PART).step_by(PART / 2);
+    let firsts = (0..=experiment.len() - samples).step_by(samples / 2);
     let wholes: Vec<f64> = (0..data.inputs()).map(|k| variance(experiment.input(k))).collect();
     let liveliness = |first: &usize| {
-        let part = |k: usize| variance(&experiment.input(k)[*first..first + PART]) / wholes[k].max(f64::MIN_POSITIVE);
+        let part =
+            |k: usize| variance(&experiment.input(k)[*first..first + samples]) / wholes[k].max(f64::MIN_POSITIVE);
         (0..data.inputs()).map(part).sum::<f64>()
     };
     let first = firsts.max_by(|a, b| liveliness(a).total_cmp(&liveliness(b))).unwrap_or(0);
     let part = |e: &Experiment| {
-        let cut = |m: &faer::Mat<f64>| m.subrows(first, PART).to_owned();
+        let cut = |m: &faer::Mat<f64>| m.subrows(first, samples).to_owned();
         let start_s = e.start_s + first as f64 * data.sample_time_s();
         Ok(Experiment { name: e.name.clone(), start_s, inputs: cut(&e.inputs), outputs: cut(&e.outputs) })
     };

@@ -20,6 +20,9 @@ use others::Others;
 /// A time stamp is trusted to this part of the clock either way.
 const DATED: f64 = 1.0 / 20.0;
 
+/// More data are read for intervals that could become shorter by this part.
+const WORTHWHILE: f64 = 0.2;
+
 /// What is known of data before their delays are looked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {
@@ -39,13 +42,13 @@ pub struct Delays {
     clock_is_given: bool,
     others: Others,
     modelled: Modelled,
-    /// Samples there are, where the delays are those of a part.
-    of_samples: Option<usize>,
+    /// Samples there are, and by what part they could shorten the intervals, where the delays are those of a part.
+    part_of: Option<(usize, f64)>,
 }
 
 impl Delays {
     /// Delays of up to `longest` samples; `step` hears what is done next. Those of long data come from the part in which the
-    /// inputs vary most, unless it leaves one open.
+    /// inputs vary most, unless it leaves one open or more data would sharpen it.
     ///
     /// # Errors
     /// Where the data are too short.
@@ -55,11 +58,14 @@ impl Delays {
         longest: usize,
         step: impl Fn(&'static str),
     ) -> Result<Self, IdentError> {
-        if let Some(part) = excerpt::liveliest(&data)?
-            && let Ok(found) = Self::of_all(part, known, longest, &step)
-            && found.modelled.is_settled()
-        {
-            return Ok(Delays { of_samples: Some(data.samples()), ..found });
+        let dating = dating(known.adjustments, data.sample_time_s());
+        for samples in excerpt::PARTS {
+            if let Some(part) = excerpt::liveliest(&data, samples)?
+                && let Ok(found) = Self::of_all(part, known, longest, &step)
+                && let Some(gain) = found.modelled.could_shrink_by(dating).filter(|gain| *gain < WORTHWHILE)
+            {
+                return Ok(Delays { part_of: Some((data.samples(), gain)), ..found });
+            }
         }
         Self::of_all(data, known, longest, step)
     }
@@ -76,7 +82,7 @@ impl Delays {
         let dating = dating(known.adjustments, data.sample_time_s());
         let options = ModelledDelay { longest, dating, level: LEVEL };
         let modelled = Modelled::of(&options, (&data, known.adjustments), &others, known.between_is_given);
-        Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled, of_samples: None })
+        Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled, part_of: None })
     }
 
     /// What each method says, what is claimed, and what to doubt.
@@ -109,9 +115,12 @@ impl Delays {
     }
 
     fn notes(&self) -> Vec<String> {
-        let part = self.of_samples.map(|all| {
-            let part = self.data.samples();
-            format!("found from the {part} of {all} samples in which the inputs vary most; the others would hardly sharpen it")
+        let part = self.part_of.map(|(all, gain)| {
+            let (part, percent) = (self.data.samples(), (100.0 * gain).ceil());
+            format!(
+                "found from the {part} of {all} samples in which the inputs vary most; the others would shorten the interval by \
+                 {percent} % at most"
+            )
         });
         part.into_iter().chain(self.modelled.notes()).collect()
     }

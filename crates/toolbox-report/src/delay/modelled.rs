@@ -52,9 +52,11 @@ impl Modelled {
         self.unclaimed[input].is_none()
     }
 
-    /// Whether a model could be relied on, whatever keeps its interval from being claimed.
-    pub(super) fn is_settled(&self) -> bool {
-        self.found.as_ref().is_ok_and(|found| found.claimed().is_some())
+    /// By what part more data could shorten the intervals at most, if a model can be relied on: beside the uncertainty of the
+    /// instants, `dating` in samples, whatever keeps an interval from being claimed.
+    pub(super) fn could_shrink_by(&self, dating: f64) -> Option<f64> {
+        let claimed = self.found.as_ref().ok().and_then(DelayModels::claimed)?;
+        Some(claimed.dead_times.iter().map(|delay| 1.0 - dating / delay.standard_error).fold(0.0, f64::max))
     }
 
     /// What the best model says of an input, in samples, claimed or not.
