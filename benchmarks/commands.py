@@ -58,7 +58,6 @@ def make_campaign(dynoid, folder, seconds):
             options = ["--speed", "1200", "--duration", str(seconds), "--out", part, "--quiet", "--overwrite"]
             subprocess.run([dynoid, "experiment", "simulate", bench, test, *options], check=True)
             part.replace(to)
-    return bench
 
 
 def make_demo(dynoid, folder):
@@ -67,7 +66,6 @@ def make_demo(dynoid, folder):
         part = folder / "demo.part"
         subprocess.run([dynoid, "demo", "--out", part, "--quiet"], check=True)
         part.replace(demo)
-    return demo / "bench.toml"
 
 
 class Run:
@@ -177,7 +175,7 @@ def tasks(dynoid, folder, stem):
 
 def bench_tasks(dynoid, folder, seconds):
     """A campaign of four recordings, an hour of simulation, and the demo's nine recordings, about five minutes of data."""
-    campaign, demo = make_campaign(dynoid, folder / f"campaign-{seconds}", seconds), make_demo(dynoid, folder)
+    campaign, demo = (folder / name / "bench.toml" for name in (f"campaign-{seconds}", "demo"))
     studies = [
         ("study, demo", [demo]),
         ("study --full, demo", [demo, "--full"]),
@@ -249,6 +247,7 @@ def growth(dynoid, folder, sizes, chosen):
                 run = Run(task.ours)
             except RuntimeError as problem:
                 print(f"| {task.name} | {samples} | failed: {problem} |")
+                last[task.name] = LIMIT_S
                 continue
             last[task.name] = run.wall_s
             per_sample = 1e6 * run.processor_s / samples
@@ -277,9 +276,15 @@ def main(arguments):
         return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7, 10**8], chosen)
     samples = 10**5 if quick else 10**6
     stem = data(dynoid, folder, samples)
-    of_benches = bench_tasks(dynoid, folder, 60 if quick else 600)
+    seconds = 60 if quick else 600
+    chosen_tasks = [task for task in tasks(dynoid, folder, stem) + bench_tasks(dynoid, folder, seconds) if chosen in task.name]
+    used = {word for task in chosen_tasks for word in task.ours if isinstance(word, Path)}
+    if folder / f"campaign-{seconds}" / "bench.toml" in used:
+        make_campaign(dynoid, folder / f"campaign-{seconds}", seconds)
+    if folder / "demo" / "bench.toml" in used:
+        make_demo(dynoid, folder)
     print(f"{samples} samples, {os.cpu_count()} cores; medians of {TURNS} turns\n")
-    table([task for task in tasks(dynoid, folder, stem) + of_benches if chosen in task.name])
+    table(chosen_tasks)
 
 
 main(sys.argv[1:])

@@ -18,7 +18,8 @@ const PART: usize = 10;
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ` over all of `A`, `B`, `C`, `D`, `K` and the initial state of each experiment by damped
 /// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of
-/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate.
+/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate; of 100 000 samples or
+/// more, at the model of a tenth of them, where that is better. Steps that shrink slowly are extrapolated.
 /// Data are taken as they are: remove offsets first.
 ///
 /// Outputs may miss samples. At a missing one the predictor makes a time update alone, and goes on with the gain of the
@@ -40,7 +41,8 @@ const PART: usize = 10;
 ///
 /// # Source
 /// McKelvey, Helmersson & Ribarits, *Data driven local coordinates for multivariable linear systems and their
-/// application to system identification*, Automatica 40(9), 2004; Ljung 1999, (7.89) for the criterion.
+/// application to system identification*, Automatica 40(9), 2004; Ljung 1999, (7.89) for the criterion; Walker & Ni, *Anderson
+/// acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49(4), 2011.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpacePem {
     /// Number of states, where no start is given.
@@ -53,7 +55,7 @@ pub struct StateSpacePem {
     pub from_rest: bool,
     /// Where the search starts; at a subspace estimate where `None`.
     pub start: Option<StateSpaceModel>,
-    /// Most iterations.
+    /// Most iterations, on all data.
     pub iteration_limit: usize,
 }
 

@@ -16,7 +16,7 @@ const NEIGHBOURS: usize = 100;
 /// Samples over which a phasor turns before rounding is taken out, and those at which it is known at once.
 const STRAIGHT: usize = 256;
 const LANES: usize = 8;
-/// Within this part of a bin of its centre, a [`Demodulated`] record has Fourier sums to rounding.
+/// Within this part of a bin of its centre, a [`Demodulated`] record of a thousand samples or more has Fourier sums to rounding.
 const NEAR: f64 = 0.01;
 
 /// A sinusoid, `amplitude · cos(2π freq_hz t + phase_rad)` with `t = 0` at the first sample, with standard deviations for
@@ -174,7 +174,7 @@ impl Line {
         let at = |i: i32| low + (high - low) * f64::from(i) / 8.0;
         let best = (0..=8).max_by(|a, b| explained(at(*a)).total_cmp(&explained(at(*b)))).unwrap_or(4);
         let turns = search::maximum((at((best - 1).max(0)), at((best + 1).min(8))), 1e-5 * bin, explained);
-        // Near its centre what was summed up in blocks is exact.
+        // Near its centre what was summed up in blocks serves.
         let fine = if (turns - coarse.centre).abs() < NEAR * bin { coarse } else { Demodulated::new(x, turns) };
         let explained = |turns: f64| Self::fit(fine.sum_at(turns), turns, x.len()).1;
         let turns = search::maximum((turns - 1e-3 * bin, turns + 1e-3 * bin), 1e-8 * bin, explained);

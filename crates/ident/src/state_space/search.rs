@@ -15,8 +15,10 @@ use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
 const DECREASE_TOLERANCE: f64 = 1e-13;
-/// ... or by less than this part of what one standard error in one parameter makes of it.
+/// ... or by less than this part of what one standard error in one parameter makes of it; a search whose steps are not extrapolated
+/// may have many small ones before it.
 const STATISTICAL_TOLERANCE: f64 = 1e-4;
+const STATISTICAL_TOLERANCE_OF_SMALL_STEPS: f64 = 1e-8;
 /// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
 /// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
 /// before the other is right.
@@ -217,11 +219,15 @@ impl<'a, M: Searchable> Search<'a, M> {
         check_finite(&linearised.factor)?;
         let equations = self.equations(&linearised.factor);
         let cost = weighted(&self.scatter.sum, &whitening) + prior_cost(&self.model);
-        let negligible = DECREASE_TOLERANCE.max(STATISTICAL_TOLERANCE / instants) * cost;
+        let statistical = match self.model.entries() {
+            Some(_) => STATISTICAL_TOLERANCE,
+            None => STATISTICAL_TOLERANCE_OF_SMALL_STEPS,
+        };
+        let negligible = DECREASE_TOLERANCE.max(statistical / instants) * cost;
         let mut growth = 4.0;
         loop {
             let (step, expected) = damped_step(&equations, self.damping)?;
-            let further = self.extrapolated(&step, &basis, &equations)?;
+            let further = self.extrapolated(&step, &basis, &equations);
             let cost_of = |(model, _, scatter): &Tried<M>| weighted(&scatter.sum, &whitening) + prior_cost(model);
             let mut best = None;
             for step in [Some(&step), further.as_ref()].into_iter().flatten() {
@@ -250,14 +256,9 @@ impl<'a, M: Searchable> Search<'a, M> {
     }
 
     /// Where this step and the last ones lead, if the search has come that far.
-    fn extrapolated(
-        &self,
-        step: &[f64],
-        basis: &Mat<f64>,
-        equations: &Mat<f64>,
-    ) -> Result<Option<Vec<f64>>, IdentError> {
-        let Some(at) = self.model.entries() else { return Ok(None) };
-        self.extrapolation.step(&at, step, basis.as_ref(), equations.subcols(0, step.len()))
+    fn extrapolated(&self, step: &[f64], basis: &Mat<f64>, equations: &Mat<f64>) -> Option<Vec<f64>> {
+        let at = self.model.entries()?;
+        self.extrapolation.step(&at, step, basis.as_ref(), equations.subcols(0, step.len())).ok().flatten()
     }
 
     /// `[Ψ, ε]` in few rows, those of the prior below, columns of blocked directions zero.

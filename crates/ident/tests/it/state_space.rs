@@ -284,3 +284,20 @@ fn ref_robot_arm_output_error_of_order_four() {
     println!("{fits:?} {:?} {}", fit.termination, fit.iterations);
     assert!(fits[0] > 91.6 && fits[1] > 89.5, "{fits:?}");
 }
+
+/// Long data with a gap are begun with a tenth of them; the end is that of a search from nearby.
+#[test]
+fn exact_long_data_and_an_order_that_is_too_low() {
+    let truth = siso(0.1);
+    let (first, second) = (data(&truth, 80_000, &[0.0; 4], 3), data(&truth, 30_000, &[1.0; 4], 4));
+    let second = &second.experiments()[0];
+    let mut y = second.outputs.clone();
+    (5000..25_000).for_each(|t| y[(t, 0)] = f64::NAN);
+    let all = first.merge(&Dataset::new(0.1, second.inputs.clone(), y).unwrap()).unwrap();
+    let fit = StateSpacePem::new(2).fit(&all).unwrap();
+    assert!(fit.termination.converged(), "{:?}", fit.termination);
+    let moved: Vec<f64> =
+        fit.parameters().iter().enumerate().map(|(i, v)| v * (1.0 + 1e-3 * (i as f64).sin())).collect();
+    let again = StateSpacePem::from_model(fit.model.with_parameters(&moved).unwrap()).fit(&all).unwrap();
+    assert!((again.loss / fit.loss - 1.0).abs() < 1e-8, "{} {}", again.loss, fit.loss);
+}

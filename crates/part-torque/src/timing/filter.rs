@@ -73,9 +73,10 @@ pub struct FilterCandidate {
 pub struct ShaftFilter {
     /// The best.
     pub best: FilterCandidate,
-    /// The best moving average of another length, the best lag, the best delay; the best first.
+    /// The best moving average of another length, the best lag, the best delay; the best first. What makes the same of the speed as
+    /// the best is not among them.
     pub others: Vec<FilterCandidate>,
-    /// ln of how much likelier the best is than the second, as if what is left were white.
+    /// ln of how much likelier the best is than the second, as if what is left were white, and no less than rounding.
     pub log_likelihood_ahead: f64,
     /// Standard deviation of T_d,shaft,calc − T_d,calc, Nm.
     pub spread_nm: f64,
@@ -268,9 +269,12 @@ impl<'a> Search<'a> {
         acceleration: impl Fn(usize) -> f64,
     ) -> Option<FilterCandidate> {
         let step = self.speed.sample_time_s;
+        let at = |place: &usize| Some(acceleration(place.checked_add_signed(-late as isize)?));
+        // About one of them, so that a ramp takes no digits from what is beside it.
+        let first = at(self.places.first()?)?;
         let (n, mut x, mut xx, mut xy) = (self.target.len() as f64, 0.0, 0.0, 0.0);
         for (place, target) in self.places.iter().zip(&self.target) {
-            let a = acceleration(place.checked_add_signed(-late as isize)?);
+            let a = at(place)? - first;
             x += a;
             xx += a * a;
             xy += a * target;

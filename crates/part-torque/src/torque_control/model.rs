@@ -100,8 +100,8 @@ impl AirGapTorqueModel {
         let (Some(first), Some(last)) = (observed.places.first(), observed.places.last()) else {
             return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
         };
-        // Without the samples that may not be used, on a grid of a quarter of the resolution or finer.
-        let mut raster = vec![0.0; (4 * (last - first + 1)).next_power_of_two()];
+        // Without the samples that may not be used, on a grid of half the resolution or finer: within that a search has one minimum.
+        let mut raster = vec![0.0; (2 * (last - first + 1)).next_power_of_two()];
         observed.places.iter().zip(&errors).for_each(|(place, error)| raster[place - first] = *error);
         let bins_per_hz = raster.len() as f64 * observed.sample_time_s;
         let spectrum = fft_real(&raster)?;
@@ -147,7 +147,10 @@ fn strongest_near(spectrum: &[Complex64], bins_per_hz: f64, about_hz: f64) -> f6
     };
     let (middle, reach) = ((about_hz * bins_per_hz).round() as i64, (DRIFT_HZ * bins_per_hz).ceil() as i64);
     let bins = middle - reach..=middle + reach;
-    bins.max_by(|a, b| power(a).total_cmp(&power(b))).map_or(about_hz, |bin| bin as f64 / bins_per_hz)
+    // Mirrored at half the rate, two have the same power.
+    let nearer = |a: &i64, b: &i64| (b - middle).abs().cmp(&(a - middle).abs());
+    bins.max_by(|a, b| power(a).total_cmp(&power(b)).then_with(|| nearer(a, b)))
+        .map_or(about_hz, |bin| bin as f64 / bins_per_hz)
 }
 
 /// Statistics of residuals; whiteness is tested on the longest stretch without a missing sample.

@@ -3,7 +3,7 @@
 use std::io::{Cursor, Result as Io, Seek, SeekFrom, Write};
 use std::ops::Range;
 
-use flate2::{Compression, write::ZlibEncoder};
+use libdeflater::{CompressionLvl, Compressor};
 
 use crate::source::unwritable;
 use crate::{Channel, Raster, Recording, RecordingError, StartTime};
@@ -253,10 +253,11 @@ fn deflated(records: &[u8], record: usize) -> Vec<u8> {
     for byte in 0..record {
         columns.extend((0..rows).map(|row| records[row * record + byte]));
     }
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
-    // Writing to memory does not fail.
-    let packed = encoder.write_all(&columns).and_then(|()| encoder.finish());
-    let packed = packed.unwrap_or_default();
+    let mut compressor = Compressor::new(CompressionLvl::default());
+    let mut packed = vec![0; compressor.zlib_compress_bound(columns.len())];
+    // The room is enough for whatever is packed.
+    let length = compressor.zlib_compress(&columns, &mut packed).unwrap_or_default();
+    packed.truncate(length);
     let mut data = Vec::with_capacity(packed.len() + 24);
     data.extend_from_slice(b"DT\x01\0");
     // The record size fits: the channel group holds it in the same width.

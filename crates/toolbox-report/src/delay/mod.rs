@@ -42,7 +42,7 @@ pub struct Delays {
     clock_is_given: bool,
     others: Others,
     modelled: Modelled,
-    /// Samples there are, and by what part they could shorten the intervals, where the delays are those of a part.
+    /// Samples there are, and by what part they could shorten the intervals of dead times, where the delays are those of a part.
     part_of: Option<(usize, f64)>,
 }
 
@@ -118,8 +118,8 @@ impl Delays {
         let part = self.part_of.map(|(all, gain)| {
             let (part, percent) = (self.data.samples(), (100.0 * gain).ceil());
             format!(
-                "found from the {part} of {all} samples in which the inputs vary most; the others would shorten the interval by \
-                 {percent} % at most"
+                "found from the {part} of {all} samples in which the inputs vary most; with all of them no interval of a dead time would \
+                 be more than {percent} % shorter"
             )
         });
         part.into_iter().chain(self.modelled.notes()).collect()

@@ -6,13 +6,18 @@ use ident::{Dataset, IdentError, Intersample};
 use page::decimal::{probability, range, significant};
 use page::{Block, Table, Tone};
 use serde_json::{Value, json};
+use signal::distributions::normal_quantile;
 
+use super::level::LEVEL;
 use super::others::Others;
 use crate::blocks::{finding, name};
 use crate::words::counted;
 
 /// A share of samples that differ from the one before above this is that of an input that is not held for longer.
 const RESTLESS: f64 = 0.5;
+
+/// Standard deviation of what lies anywhere within a sample, in samples: 1/√12.
+const A_SAMPLE: f64 = 0.288_675_134_594_812_9;
 
 /// Data, and what was done to bring them onto their clock.
 pub(super) type Clocked<'a> = (&'a Dataset, &'a [Adjustment]);
@@ -52,11 +57,13 @@ impl Modelled {
         self.unclaimed[input].is_none()
     }
 
-    /// By what part more data could shorten the intervals at most, if a model can be relied on: beside the uncertainty of the
-    /// instants, `dating` in samples, whatever keeps an interval from being claimed.
+    /// By what part more data could shorten the intervals of the dead times at most, if a model can be relied on, whatever keeps an
+    /// interval from being claimed: the instants are uncertain by `dating` samples, and a gain under a held input leaves one sample open.
     pub(super) fn could_shrink_by(&self, dating: f64) -> Option<f64> {
         let claimed = self.found.as_ref().ok().and_then(DelayModels::claimed)?;
-        Some(claimed.dead_times.iter().map(|delay| 1.0 - dating / delay.standard_error).fold(0.0, f64::max))
+        let left = if claimed.poles == 0 { dating.hypot(A_SAMPLE) } else { dating };
+        let least = 2.0 * normal_quantile(0.5 + 0.5 * LEVEL) * left;
+        Some(claimed.intervals.iter().map(|(low, high)| 1.0 - least / (high - low)).fold(0.0, f64::max))
     }
 
     /// What the best model says of an input, in samples, claimed or not.

@@ -1,6 +1,7 @@
 //! Integration tests of `toolbox-report`: what a result holds is in its page and in its JSON.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod delay;
 mod periodic;
 
 use ident::validate::judge;
