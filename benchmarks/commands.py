@@ -273,7 +273,7 @@ def main(arguments):
     folder.mkdir(parents=True, exist_ok=True)
     quick = "--quick" in flags
     if "--growth" in flags:
-        return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7, 10**8], chosen)
+        return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7], chosen)
     samples = 10**5 if quick else 10**6
     stem = data(dynoid, folder, samples)
     seconds = 60 if quick else 600
