@@ -100,8 +100,8 @@ impl AirGapTorqueModel {
         let (Some(first), Some(last)) = (observed.places.first(), observed.places.last()) else {
             return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
         };
-        // Without the samples that may not be used, on a grid of half the resolution or finer: within that a search has one minimum.
-        let mut raster = vec![0.0; (2 * (last - first + 1)).next_power_of_two()];
+        // Without the samples that may not be used, on a grid of a quarter of the resolution or finer.
+        let mut raster = vec![0.0; (4 * (last - first + 1)).next_power_of_two()];
         observed.places.iter().zip(&errors).for_each(|(place, error)| raster[place - first] = *error);
         let bins_per_hz = raster.len() as f64 * observed.sample_time_s;
         let spectrum = fft_real(&raster)?;
