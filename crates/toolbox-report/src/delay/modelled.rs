@@ -16,9 +16,6 @@ use crate::words::counted;
 /// A share of samples that differ from the one before above this is that of an input that is not held for longer.
 const RESTLESS: f64 = 0.5;
 
-/// Standard deviation of what lies anywhere within a sample, in samples: 1/√12.
-const A_SAMPLE: f64 = 0.288_675_134_594_812_9;
-
 /// Data, and what was done to bring them onto their clock.
 pub(super) type Clocked<'a> = (&'a Dataset, &'a [Adjustment]);
 
@@ -61,7 +58,7 @@ impl Modelled {
     /// interval from being claimed: the instants are uncertain by `dating` samples, and a gain under a held input leaves one sample open.
     pub(super) fn could_shrink_by(&self, dating: f64) -> Option<f64> {
         let claimed = self.found.as_ref().ok().and_then(DelayModels::claimed)?;
-        let left = if claimed.poles == 0 { dating.hypot(A_SAMPLE) } else { dating };
+        let left = if claimed.poles == 0 { dating.hypot(1.0 / 12f64.sqrt()) } else { dating };
         let least = 2.0 * normal_quantile(0.5 + 0.5 * LEVEL) * left;
         Some(claimed.intervals.iter().map(|(low, high)| 1.0 - least / (high - low)).fold(0.0, f64::max))
     }
