@@ -112,7 +112,7 @@ impl<'a> Problem<'a> {
             let outputs = self.means(longest, &left);
             let none = Mat::zeros(outputs.nrows(), 0);
             let bounds = [Bounds::new(WALK.1, WALK.2)];
-            let found = likeliest(&[self.walk], &bounds, |p| walk(p[0]), none.as_ref(), outputs.as_ref())?;
+            let found = likeliest(&[vec![self.walk]], &bounds, |p| walk(p[0]), none.as_ref(), outputs.as_ref())?;
             let change = found.parameters[0] - self.walk;
             self.walk = found.parameters[0];
             if change.abs() < 0.01 {

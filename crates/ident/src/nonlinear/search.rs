@@ -132,16 +132,15 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
             trial[*j] = self.bounds[*j].clamp(trial[*j] + step[position]);
         }
         let moved: Vec<f64> = free.iter().map(|j| trial[*j] - self.parameters[*j]).collect();
-        let predicted = predicted_decrease(factor, &moved).max(0.0);
         let relative_step = self.relative_step(free, &moved);
         let cost = self.objective.cost(&trial).unwrap_or(f64::INFINITY);
         self.stopped |= !cost.is_finite();
         if cost.is_nan() || cost >= self.cost {
-            return Ok(Attempt::Rejected {
-                predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
-                relative_step,
-            });
+            // Of the whole step: the part of it within the bounds may promise nothing where a shorter step would.
+            let predicted_decrease = predicted_decrease(factor, &step).max(0.0) / self.cost.max(f64::MIN_POSITIVE);
+            return Ok(Attempt::Rejected { predicted_decrease, relative_step });
         }
+        let predicted = predicted_decrease(factor, &moved).max(0.0);
         let ratio = (self.cost - cost) / predicted.max(f64::MIN_POSITIVE);
         self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
         let relative_decrease = (self.cost - cost) / self.cost;

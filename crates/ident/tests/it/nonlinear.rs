@@ -1,4 +1,4 @@
-use faer::{Mat, MatMut};
+use faer::{Mat, MatMut, mat};
 use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
 
 /// y = a exp(−b t) + c.
@@ -90,6 +90,42 @@ fn exact_active_bound_is_kept_and_reported() {
     assert_eq!(fit.at_bound, [false, true, false]);
     assert_eq!(fit.unscaled_covariance[(1, 1)], 0.0);
     assert!(fit.unscaled_covariance[(0, 0)] > 0.0);
+}
+
+/// x + y = −1 is seen sharply, x − y = 2000 dimly: the step to both leads far beyond any bounds, into their wrong corner.
+struct Slanted;
+
+impl ResidualModel for Slanted {
+    fn parameter_count(&self) -> usize {
+        2
+    }
+
+    fn residual_count(&self) -> usize {
+        3
+    }
+
+    fn evaluate(
+        &mut self,
+        p: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        residuals.copy_from_slice(&[p[0] + p[1] + 1.0, 1e-3 * (p[0] - p[1]) - 2.0, 0.0]);
+        if let Some(mut j) = jacobian {
+            j.copy_from(mat![[1.0, 1.0], [1e-3, -1e-3], [0.0, 0.0]]);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn regress_a_step_that_bounds_bend_uphill_does_not_end_the_search() {
+    let bounds = [Bounds::new(-10.0, 10.0), Bounds::new(-5.0, 5.0)];
+    let fit = minimise(&mut Slanted, &[0.0, 0.0], &bounds, NonlinearOptions::default()).unwrap();
+    // On the bound y = −5 the least of (x − 4)² + (0.001 (x + 5) − 2)².
+    let x = (4.0 + 1e-3 * (2.0 - 0.005)) / (1.0 + 1e-6);
+    assert!(fit.termination.converged() && (fit.parameters[0] - x).abs() < 1e-6, "{fit:?}");
+    assert_eq!((fit.parameters[1], fit.at_bound.as_slice()), (-5.0, [false, true].as_slice()));
 }
 
 #[test]

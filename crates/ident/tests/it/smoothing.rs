@@ -244,7 +244,7 @@ fn stat_noise_levels_by_maximum_likelihood() {
         let outputs = wandering(wander, noise, seed);
         let inputs = Mat::zeros(2000, 0);
         let bounds = [Bounds::new(-20.0, 10.0)];
-        let found = likeliest(&[0.0], &bounds, level, inputs.as_ref(), outputs.as_ref()).unwrap();
+        let found = likeliest(&[vec![0.0]], &bounds, level, inputs.as_ref(), outputs.as_ref()).unwrap();
         assert!(found.termination.converged());
         let (system, start) = level(&found.parameters).unwrap();
         // The best of a grid is no likelier.
@@ -296,7 +296,7 @@ fn stat_the_likeliest_levels_of_a_lightly_damped_line() {
         }
         let inputs = Mat::zeros(samples, 0);
         let bounds = [Bounds::new(-20.0, 10.0); 2];
-        let found = likeliest(&[0.0, 0.0], &bounds, level_and_line, inputs.as_ref(), outputs.as_ref()).unwrap();
+        let found = likeliest(&[vec![0.0, 0.0]], &bounds, level_and_line, inputs.as_ref(), outputs.as_ref()).unwrap();
         assert!(found.termination.converged());
         let at = |moved: [f64; 2]| {
             let (system, start) = level_and_line(&[0, 1].map(|i| found.parameters[i] + moved[i])).unwrap();
@@ -313,6 +313,27 @@ fn stat_the_likeliest_levels_of_a_lightly_damped_line() {
         }
         assert!((found.parameters[0] - truth[0]).abs() < 0.6 && (found.parameters[1] - truth[1]).abs() < 0.6);
     }
+}
+
+#[test]
+fn regress_of_several_starts_the_likeliest_is_searched_from() {
+    let outputs = wandering(0.3, 2.0, 1);
+    let inputs = Mat::zeros(outputs.nrows(), 0);
+    // No model there: the logarithm of a level may not be as large.
+    let fenced = |parameters: &[f64]| {
+        if parameters[0] > 5.0 { Err(IdentError::Constant { what: "the level" }) } else { level(parameters) }
+    };
+    let bounds = [Bounds::new(-20.0, 10.0)];
+    let found = |starts: &[f64]| {
+        let starts: Vec<Vec<f64>> = starts.iter().map(|start| vec![*start]).collect();
+        likeliest(&starts, &bounds, fenced, inputs.as_ref(), outputs.as_ref())
+    };
+    let alone = found(&[0.0]).unwrap();
+    for starts in [[8.0, 0.0], [0.0, 8.0], [-15.0, 0.0]] {
+        let several = found(&starts).unwrap();
+        assert!((several.parameters[0] - alone.parameters[0]).abs() < 1e-2, "{starts:?}: {several:?} {alone:?}");
+    }
+    assert!(found(&[8.0, 9.0]).is_err() && found(&[]).is_err());
 }
 
 #[test]

@@ -15,13 +15,13 @@ use super::TorqueSmoother;
 use super::states::{DAMPING, Levels, TORQUE, WANDERING};
 use crate::torque_smoother::observations::Observations;
 
-/// ln of the density of the slope's noise where the search starts, tried one after the other, (Nm/s)²/s.
+/// ln of the density of the slope's noise where searches start, (Nm/s)²/s.
 const STARTS: [f64; 5] = [9.0, 13.0, 17.0, 21.0, 25.0];
 /// The same of the error of T_d, Nm²/Hz.
 const TORQUE_START: f64 = 1e-4;
 /// Amplitude of a line, Nm, and its damping ratio, where the search starts.
 const LINE: (f64, f64) = (5.0, 0.01);
-/// Range of every logarithm.
+/// Range of every logarithm; a damping ratio stays below one.
 const LARGEST: f64 = 30.0;
 
 /// The noise levels of greatest likelihood.
@@ -49,22 +49,19 @@ impl TorqueSmoother<'_> {
     pub fn levels(&self, used_s: f64) -> Result<Levels, IdentError> {
         let middle = self.observed.middle(used_s);
         let part = TorqueSmoother { mechanics: self.mechanics, observed: &middle };
-        let likelihood = |start: &[f64]| -> Result<f64, IdentError> {
-            let (system, belief) = part.system(start, 1.0)?;
-            system.log_likelihood(&belief, middle.torque.as_ref(), middle.speeds.as_ref())
-        };
-        let mut best = (f64::NEG_INFINITY, Vec::new());
-        for wandering in STARTS {
-            let start = part.start_logarithms(wandering);
-            let found = likelihood(&start)?;
-            if found > best.0 || best.1.is_empty() {
-                best = (found, start);
-            }
-        }
-        let bounds = vec![Bounds::new(-LARGEST, LARGEST); best.1.len()];
+        let starts = STARTS.map(|wandering| part.start_logarithms(wandering));
+        let bounds = part.bounds();
         let at = |p: &[f64]| part.system(p, 1.0);
-        let found = likeliest(&best.1, &bounds, at, middle.torque.as_ref(), middle.speeds.as_ref())?;
+        let found = likeliest(&starts, &bounds, at, middle.torque.as_ref(), middle.speeds.as_ref())?;
         Ok(Levels { logarithms: found.parameters, scale: found.scale, converged: found.termination.converged() })
+    }
+
+    fn bounds(&self) -> Vec<Bounds> {
+        let bound = |at: usize| {
+            let is_damping = at == DAMPING && !self.observed.lines_hz.is_empty();
+            Bounds::new(-LARGEST, if is_damping { 0.0 } else { LARGEST })
+        };
+        (0..self.start_logarithms(STARTS[0]).len()).map(bound).collect()
     }
 
     fn start_logarithms(&self, wandering: f64) -> Vec<f64> {
