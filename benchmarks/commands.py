@@ -60,10 +60,9 @@ def make_campaign(dynoid, folder, seconds):
             part.replace(to)
 
 
-def make_demo(dynoid, folder):
-    demo = folder / "demo"
+def make_demo(dynoid, demo):
     if not (demo / "bench.toml").exists():
-        part = folder / "demo.part"
+        part = demo.with_suffix(".part")
         subprocess.run([dynoid, "demo", "--out", part, "--quiet"], check=True)
         part.replace(demo)
 
@@ -173,9 +172,14 @@ def tasks(dynoid, folder, stem):
     ]
 
 
+def bench_folders(folder, seconds):
+    """The campaign's, and the demo's."""
+    return folder / f"campaign-{seconds}", folder / "demo"
+
+
 def bench_tasks(dynoid, folder, seconds):
     """A campaign of four recordings, an hour of simulation, and the demo's nine recordings, about five minutes of data."""
-    campaign, demo = (folder / name / "bench.toml" for name in (f"campaign-{seconds}", "demo"))
+    campaign, demo = (one / "bench.toml" for one in bench_folders(folder, seconds))
     studies = [
         ("study, demo", [demo]),
         ("study --full, demo", [demo, "--full"]),
@@ -279,10 +283,11 @@ def main(arguments):
     seconds = 60 if quick else 600
     chosen_tasks = [task for task in tasks(dynoid, folder, stem) + bench_tasks(dynoid, folder, seconds) if chosen in task.name]
     used = {word for task in chosen_tasks for word in task.ours if isinstance(word, Path)}
-    if folder / f"campaign-{seconds}" / "bench.toml" in used:
-        make_campaign(dynoid, folder / f"campaign-{seconds}", seconds)
-    if folder / "demo" / "bench.toml" in used:
-        make_demo(dynoid, folder)
+    campaign, demo = bench_folders(folder, seconds)
+    if campaign / "bench.toml" in used:
+        make_campaign(dynoid, campaign, seconds)
+    if demo / "bench.toml" in used:
+        make_demo(dynoid, demo)
     print(f"{samples} samples, {os.cpu_count()} cores; medians of {TURNS} turns\n")
     table(chosen_tasks)
 
