@@ -111,7 +111,11 @@ pub(super) fn rebuild(
     let engine = RebuiltEngine {
         start_s: observed.start_s,
         sample_time_s: observed.sample_time_s,
-        standard_deviation_nm: of_noise_nm.iter().zip(&of_masses_nm).map(|(a, b)| a.hypot(*b)).collect(),
+        standard_deviation_nm: of_noise_nm
+            .iter()
+            .zip(&of_masses_nm)
+            .map(|(a, b)| (noise.widening() * a).hypot(*b))
+            .collect(),
         zero_phase_nm: recorded.zero_phase(&values, (observed.start_s, observed.sample_time_s, smoothed_nm.len())),
         smoothed_nm,
         of_masses_nm,
@@ -264,7 +268,7 @@ fn motion(
     Ok(Motion {
         engine_speed_rad_s: speed.iter().map(|w| w + first_rad_s).collect(),
         impulse: impulse.collect(),
-        momentum_variance: deviation.iter().map(|s| s * s).collect(),
+        momentum_variance: deviation.iter().map(|s| (noise.widening() * s).powi(2)).collect(),
         torque_density: noise.torque_nm_per_root_hz.powi(2),
     })
 }

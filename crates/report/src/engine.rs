@@ -46,7 +46,7 @@ pub fn rebuilt(engine: &RebuiltEngine) -> String {
         TorqueSource::Calculated => "T_d,calc",
     };
     let half = |deviations: &[f64]| number::significant_with_unit(BAND * median(deviations), 2, "Nm");
-    let doubt = if engine.noise.converged { "" } else { "; its noise levels did not settle" };
+    let doubt = crate::torque::doubt(&engine.noise);
     format!(
         "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. Not \
          included: each 0.01 % of a once-a-turn error of the engine's encoder adds {} at order 1, and bearing friction of the \

@@ -3,7 +3,7 @@
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
-use part_torque::torque_smoother::TorqueSource;
+use part_torque::torque_smoother::{NoiseLevels, TorqueSource};
 use rig::Role;
 use rig::results::{Parameter, Quantity, SignalDelay, TorqueControl, Trace};
 
@@ -15,6 +15,8 @@ const HEIGHT: u32 = 220;
 const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
+/// Intervals that are widened by more than this are worth a remark.
+const WORTH_SAYING: f64 = 1.2;
 
 /// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
 pub fn filter(candidate: &FilterCandidate) -> String {
@@ -148,8 +150,20 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
             format!("not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1", worth(nm))
         }
     };
-    let doubt = if shaft.noise.converged { "" } else { "; its noise levels did not settle" };
-    format!("{certain}; {once}{doubt}")
+    format!("{certain}; {once}{}", doubt(&shaft.noise))
+}
+
+/// Why a rebuilt torque is less certain than it could be; nothing where its smoother's model explains the speeds.
+pub(crate) fn doubt(noise: &NoiseLevels) -> String {
+    let widening = noise.widening();
+    let widened = match widening > WORTH_SAYING {
+        true => format!(
+            "; the intervals are {widening:.1} times as wide as noise alone makes them: the speeds hold what the model lacks, such as an error of an encoder"
+        ),
+        false => String::new(),
+    };
+    let settled = if noise.converged { "" } else { "; its noise levels did not settle" };
+    format!("{widened}{settled}")
 }
 
 /// What it takes to hold T_d,calc against the load cell.

@@ -88,7 +88,8 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     let smoother = TorqueSmoother { mechanics: &mechanics, observed: &observed };
     let levels = smoother.levels(FOR_LEVELS_S).map_err(failed)?;
     let smoothed = smoother.smooth(&levels).map_err(failed)?;
-    let (smoothed_nm, standard_deviation_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
+    let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
+    let noise = smoother.noise(&levels).map_err(failed)?;
     let count = smoothed_nm.len();
     let filtered = |x: &Signal, wanted, gate_s, late_s: f64| {
         ZeroPhase { band_hz: BAND_HZ, gate_s, wanted }.at(x, clock.start_s + late_s, speed.sample_time_s, count)
@@ -101,14 +102,14 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
         sample_time_s: speed.sample_time_s,
         zero_phase_nm: slope.iter().zip(&torque).map(|(a, t)| known.inertia_kg_m2 * a + t).collect(),
         smoothed_nm,
-        standard_deviation_nm,
+        standard_deviation_nm: of_noise_nm.iter().map(|one| noise.widening() * one).collect(),
         system: experiment.signal(Role::SystemShaftTorque).map(|recorded| Trace {
             start_s: recorded.start_s,
             sample_time_s: recorded.sample_time_s,
             values: recorded.samples.clone(),
         }),
         torque: source,
-        noise: smoother.noise(&levels).map_err(failed)?,
+        noise,
         once_a_turn: match encoder.eccentricity() {
             0.0 => OnceATurn::Unknown(1e-4 * known.inertia_kg_m2 * mean * mean),
             error => OnceATurn::TakenOut(error * known.inertia_kg_m2 * mean * mean),

@@ -21,6 +21,8 @@ const STARTS: [f64; 5] = [9.0, 13.0, 17.0, 21.0, 25.0];
 const TORQUE_START: f64 = 1e-4;
 /// Amplitude of a line, Nm, and its damping ratio, where the search starts.
 const LINE: (f64, f64) = (5.0, 0.01);
+/// Largest correlation of innovations that is taken at its word: the standard deviations are ten times as large.
+const LARGEST_CORRELATION: f64 = 0.98;
 /// Range of every logarithm; a damping ratio stays below one.
 const LARGEST: f64 = 30.0;
 
@@ -39,6 +41,19 @@ pub struct NoiseLevels {
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,
+}
+
+impl NoiseLevels {
+    /// By what the smoother's standard deviations are to be multiplied: innovations that hang together count less than as many
+    /// white ones, (1 − ρ)/(1 + ρ) of them where each has the correlation ρ with the next and takes no more from those before.
+    /// A once-a-turn error of an encoder does that.
+    ///
+    /// # Source
+    /// Bartlett, *Some aspects of the time-correlation problem*, Journal of the Royal Statistical Society 98, 1935.
+    pub fn widening(&self) -> f64 {
+        let largest = self.innovations_correlation.iter().copied().fold(0.0, f64::max).min(LARGEST_CORRELATION);
+        ((1.0 + largest) / (1.0 - largest)).sqrt()
+    }
 }
 
 impl TorqueSmoother<'_> {
