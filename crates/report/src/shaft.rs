@@ -167,6 +167,10 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
     others.iter().filter_map(remark).collect()
 }
 
+/// How true the intervals of a black box are where the torque control is estimated too.
+const BLACK_BOX_INTERVALS: &str = "Black box: the intervals of the inertias are too narrow; in 11 simulated recordings J_d was within \
+     0.2 % and J_e within 0.4 %, but their intervals contained them in 2 and 4";
+
 /// Reasons not to take a black box's parameters for the bench's.
 fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
     let doubt = |doubt: &BlackBoxDoubt| match doubt {
@@ -183,7 +187,7 @@ fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
             "Black box: the antiresonance cannot be separated from the resonance".to_owned()
         }
     };
-    found.doubts.iter().map(doubt).collect()
+    std::iter::once(BLACK_BOX_INTERVALS.to_owned()).chain(found.doubts.iter().map(doubt)).collect()
 }
 
 /// Reasons to doubt the estimate from means over periods.
