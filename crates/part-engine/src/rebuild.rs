@@ -106,16 +106,13 @@ pub(super) fn rebuild(
     let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
     let of_masses_nm = recorded.of_masses(masses, &levels, (observed.start_s, observed.sample_time_s, &smoothed_nm))?;
     let noise = smoother.noise(&levels).map_err(failed)?;
+    let widening = noise.widening();
     let motion = motion(&smoother, &smoothed, (&values, observed.first_rad_s), &noise).map_err(failed)?;
     let mean = recorded.engine_speed.mean().unwrap_or(0.0);
     let engine = RebuiltEngine {
         start_s: observed.start_s,
         sample_time_s: observed.sample_time_s,
-        standard_deviation_nm: of_noise_nm
-            .iter()
-            .zip(&of_masses_nm)
-            .map(|(a, b)| (noise.widening() * a).hypot(*b))
-            .collect(),
+        standard_deviation_nm: of_noise_nm.iter().zip(&of_masses_nm).map(|(a, b)| (widening * a).hypot(*b)).collect(),
         zero_phase_nm: recorded.zero_phase(&values, (observed.start_s, observed.sample_time_s, smoothed_nm.len())),
         smoothed_nm,
         of_masses_nm,
@@ -258,6 +255,7 @@ fn motion(
     let (dyno, _) = smoothed.combination(&weights(&[one(DYNO, 1.0)]))?;
     let parts = weights(&[one(DYNO, values.dyno_inertia), one(ENGINE, values.engine_inertia)]);
     let (momentum, deviation) = smoothed.combination(&parts)?;
+    let widening = noise.widening();
     let mut taken = 0.0;
     let impulse = (0..momentum.len()).map(|k| {
         let so_far = momentum[k] - momentum[0] + taken;
@@ -268,7 +266,7 @@ fn motion(
     Ok(Motion {
         engine_speed_rad_s: speed.iter().map(|w| w + first_rad_s).collect(),
         impulse: impulse.collect(),
-        momentum_variance: deviation.iter().map(|s| (noise.widening() * s).powi(2)).collect(),
+        momentum_variance: deviation.iter().map(|s| (widening * s).powi(2)).collect(),
         torque_density: noise.torque_nm_per_root_hz.powi(2),
     })
 }

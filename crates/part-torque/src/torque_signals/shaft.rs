@@ -90,7 +90,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     let smoothed = smoother.smooth(&levels).map_err(failed)?;
     let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
     let noise = smoother.noise(&levels).map_err(failed)?;
-    let count = smoothed_nm.len();
+    let (count, widening) = (smoothed_nm.len(), noise.widening());
     let filtered = |x: &Signal, wanted, gate_s, late_s: f64| {
         ZeroPhase { band_hz: BAND_HZ, gate_s, wanted }.at(x, clock.start_s + late_s, speed.sample_time_s, count)
     };
@@ -102,7 +102,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
         sample_time_s: speed.sample_time_s,
         zero_phase_nm: slope.iter().zip(&torque).map(|(a, t)| known.inertia_kg_m2 * a + t).collect(),
         smoothed_nm,
-        standard_deviation_nm: of_noise_nm.iter().map(|one| noise.widening() * one).collect(),
+        standard_deviation_nm: of_noise_nm.iter().map(|one| widening * one).collect(),
         system: experiment.signal(Role::SystemShaftTorque).map(|recorded| Trace {
             start_s: recorded.start_s,
             sample_time_s: recorded.sample_time_s,
