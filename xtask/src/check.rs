@@ -1,14 +1,13 @@
 //! `cargo xtask check`: what every change must pass, in minutes.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::Instant;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, run, step};
-use crate::{axe, dependencies, fmu, folder, layers, python, wording};
+use crate::{axe, dependencies, fmu, layers, python, wording};
 
-/// Format, rules of the source, lints, all fast tests, docs, and the fuzz targets. The slow tests are `cargo xtask deep`.
+/// Format, rules of the source, lints, all fast tests, and docs. The slow tests and the fuzz targets are in `cargo xtask deep`.
 pub(crate) fn all() -> Result<(), String> {
     let start = Instant::now();
     cargo("format", &["fmt", "--all", "--check"])?;
@@ -22,10 +21,9 @@ pub(crate) fn all() -> Result<(), String> {
     cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
     let skipped = step("tests", || tests(python.as_deref(), axe.as_deref()))?;
     cargo("docs", &["doc", "--workspace", "--release", "--no-deps", "--quiet"])?;
-    step("fuzz targets", fuzz_targets)?;
     println!("all checks passed in {:.0} s", start.elapsed().as_secs_f64());
     skipped.print();
-    println!("not run: the slow tests, which `cargo xtask deep` runs");
+    println!("not run: the slow tests and the fuzz targets, which `cargo xtask deep` runs");
     if !binaries {
         println!("not run: the comparison of the FMUs' binary with its sources, since Zig cannot be installed");
     }
@@ -42,17 +40,4 @@ fn tests(python: Option<&Path>, axe: Option<&Path>) -> Result<Skipped, String> {
     cargo.envs(axe.map(|script| (axe::VARIABLE, script)));
     run("the tests", skipped.gather(&mut cargo))?;
     Ok(skipped)
-}
-
-/// The fuzz targets, which are a workspace of their own, compile.
-fn fuzz_targets() -> Result<(), String> {
-    let (root, target) = (folder::root(), folder::target()?);
-    // The versions that everything else is checked with.
-    let (lock, copy) = (root.join("Cargo.lock"), root.join("fuzz/Cargo.lock"));
-    std::fs::copy(&lock, &copy).map_err(|error| format!("{}: {error}", copy.display()))?;
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["check", "--release", "--quiet", "--manifest-path"]).arg(root.join("fuzz/Cargo.toml"));
-    // Nothing is linked, so that the fuzzer's own library in C++ need not be built.
-    cargo.arg("--target-dir").arg(target.join("fuzz")).env("CUSTOM_LIBFUZZER_PATH", "not/linked/libfuzzer.a");
-    run("the check of the fuzz targets", &mut cargo)
 }

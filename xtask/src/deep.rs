@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo_command, output, step, surroundings};
-use crate::{fmu, folder, python};
+use crate::{fmu, folder, fuzz, python};
 
 /// The page that a person commits.
 const PAGE: &str = "docs/deep-check.md";
@@ -20,6 +20,9 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     let heading = heading()?;
     if filter.is_none() && !step("binaries of the FMUs", fmu::check)? {
         return Err("the FMUs' binaries cannot be compared with their sources".to_owned());
+    }
+    if filter.is_none() {
+        step("fuzz targets", fuzz::check)?;
     }
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;

@@ -8,6 +8,7 @@ mod deep;
 mod dependencies;
 mod fmu;
 mod folder;
+mod fuzz;
 mod layers;
 mod profile;
 mod python;
@@ -20,8 +21,8 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage: cargo xtask <task>
 
-  check    what every change must pass: format, layers, wording, licences, lints, fast tests, docs, fuzz targets
-  deep     the slow statistical suites, before every release. It writes docs/deep-check.md.
+  check    what every change must pass: format, layers, wording, licences, lints, fast tests, docs
+  deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
   fmu      build the runtime of the FMUs for every platform into crates/export/runtime/binaries

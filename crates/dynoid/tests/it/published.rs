@@ -48,6 +48,7 @@ fn near(found: f64, published: f64, part: f64) {
 /// From a dynamometer on its bearings no more friction is expected than one with which it runs out in a minute; these motors
 /// have much more, and unless that is stated it counts as damping of the coupling.
 #[test]
+#[ignore = "slow"]
 fn ref_two_motors_by_the_command_shaft() {
     let Some(file) = reference("motor-bench-two-mass/MultisineTypeA.mat") else { return };
     let channels = "dyno_speed = { name = \"theta_mx\", unit = \"rad\" }\n\

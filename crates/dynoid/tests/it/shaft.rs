@@ -44,6 +44,7 @@ fn stat_each_recording_and_all_together_tell_the_shaft_that_was_simulated() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn stat_a_motored_engine_tells_both_inertias_by_the_black_box() {
     let motored = simulated(&ExperimentPlan::unfired_n_nt(1200.0, 20.0), 4);
     let campaign = Campaign::whole().with("Unfired_N_NT_1200.mf4", &motored);

@@ -274,6 +274,7 @@ fn in_other_unit<'a>(inputs: &ShaftInputs<'a>, part: f64) -> ShaftInputs<'a> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn prop_parameters_go_with_the_unit_of_torque() {
     let bench = Drawn { parameters: BenchParameters::default(), speed_rpm: 1213.0 };
     let timing = Timing::synchronous(1e-3);
