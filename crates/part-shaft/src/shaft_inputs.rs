@@ -3,7 +3,7 @@
 use part_controller::speed_controller::{Encoder, SpeedControllerFit};
 use part_torque::air_gap_torque::{air_gap_torque, sampled_torque};
 use part_torque::torque_control::TorqueControlFit;
-use rig::estimation::{EstimateError, need};
+use rig::estimation::{EstimateError, liveliest_part, need};
 use rig::facts::BenchVariant;
 use rig::prepare::believable;
 use rig::results::{Estimate, Quantity};
@@ -14,17 +14,18 @@ use crate::shaft::{self, NoisyTorque, ShaftInputs, TorqueDelay};
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;
 
-/// The torque that moves the shaft, between its samples.
+/// The torque that moves the shaft, between its samples; of a long recording in the minutes in which N_e changes most.
 pub fn shaft_torque(
     experiment: &Experiment,
     bench: &BenchFile,
     torque_control: Option<&TorqueControlFit>,
 ) -> Result<Vec<NoisyTorque>, EstimateError> {
+    let part = liveliest_part(experiment, Role::EngineSpeed);
     match bench.variant {
-        BenchVariant::TorqueFlange => Ok(vec![sampled_torque(need(experiment, Role::FlangeTorque)?)]),
+        BenchVariant::TorqueFlange => Ok(vec![sampled_torque(need(&part, Role::FlangeTorque)?)]),
         BenchVariant::LoadCell => {
             believable(experiment)?;
-            air_gap_torque(experiment, torque_control)
+            air_gap_torque(&part, torque_control)
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The signals of a speed controller, stretch by stretch.
 
-use rig::estimation::{EstimateError, longest_unsaturated, need, noise_floor};
+use rig::estimation::{EstimateError, liveliest, longest_unsaturated, need, noise_floor};
 use rig::results::{DemandLags, Stretch};
 use rig::{Experiment, Role};
 use signal::Signal;
@@ -17,6 +17,8 @@ const CUTOFF_ORDER: usize = 4;
 const COARSE: f64 = 0.4;
 /// Rounding that reaches this part of it may look like some of the gate.
 const NOTICEABLE: f64 = 0.1;
+/// An N_d* whose standard deviation is smaller is constant, rad/s.
+pub(super) const LEAST_SPREAD: f64 = 1.0;
 /// Time stamps within this part of a sample are of one instant.
 const SAME_INSTANT: f64 = 1e-3;
 
@@ -33,11 +35,14 @@ pub(super) struct Data {
 }
 
 impl Data {
+    /// The longest stretch below the torque limit; of a long one the minutes in which N_d* moves most, or T_d* where N_d* is
+    /// constant.
     pub(super) fn of(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Self, EstimateError> {
         let demand = need(experiment, Role::DynoTorqueDemand)?;
         let reference = need(experiment, Role::DynoSpeedDemand)?;
         let speed = need(experiment, Role::DynoSpeed)?;
-        let (from, to) = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
+        let unsaturated = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
+        let (from, to) = liveliest(if spread(reference) > LEAST_SPREAD { reference } else { demand }, unsaturated);
         let phase = phase_of(speed);
         let reference = held_on_the_clock_of(demand, reference);
         Ok(Data::cut(&experiment.file, (demand, &reference, speed), &phase, (from, to)))
@@ -142,6 +147,12 @@ fn held_on_the_clock_of(other: &Signal, demand: &Signal) -> Signal {
         demand.samples.get(((place + SAME_INSTANT).max(0.0) as usize).min(last)).copied().unwrap_or_default()
     };
     other.with_samples((0..other.len()).map(value).collect())
+}
+
+/// Standard deviation of a signal, in its unit.
+pub(super) fn spread(signal: &Signal) -> f64 {
+    let mean = signal.mean().unwrap_or(0.0);
+    (signal.samples.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / signal.len() as f64).sqrt()
 }
 
 /// Shaft angle turned by the end of each sample's gate, zero before the first.

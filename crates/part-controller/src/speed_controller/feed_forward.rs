@@ -12,7 +12,7 @@ use rig::results::{DelayPlace, DemandLags, Estimate, FeedForward, Quantity};
 use rig::{Experiment, Role};
 use signal::Signal;
 
-use super::data::{Data, ident_error};
+use super::data::{Data, LEAST_SPREAD, ident_error, spread};
 use super::demand_lags::{Candidate, Reading, is_same, scan};
 use super::fit::{BATCHES, ESTIMATION_SHARE, SpeedControllerFit, run, validate};
 use super::inverse;
@@ -83,15 +83,14 @@ fn places(readings: &[Reading]) -> Vec<DelayPlace> {
 }
 
 pub(super) fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
-    let mean = reference.mean().unwrap_or(0.0);
-    let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
-    if spread > 1.0 {
+    let standard_deviation = spread(reference);
+    if standard_deviation > LEAST_SPREAD {
         return Ok(());
     }
     Err(EstimateError::WeakExcitation {
         file: experiment.file.clone(),
         role: Role::DynoSpeedDemand,
-        standard_deviation: spread,
+        standard_deviation,
     })
 }
 

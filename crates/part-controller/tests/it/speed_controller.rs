@@ -143,6 +143,14 @@ fn exact_noise_free_controller_is_found() {
 }
 
 #[test]
+fn exact_four_minutes_of_a_long_recording_are_used() {
+    let found = estimate(&record(Case { seconds: 300.0, ..Case::default() }), None).unwrap();
+    let (used, judged) = (&found.result.estimate.stretches[0], &found.result.validation.stretch);
+    assert!((judged.end_s - used.start_s - 240.0).abs() < 0.01, "{used:?} {judged:?}");
+    assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-5);
+}
+
+#[test]
 fn exact_delays_between_samples_are_found() {
     for delay_s in [0.4e-3, 1.6e-3, 2.0e-3, 3.3e-3] {
         let found = estimate(&record(Case { delay_s, ..Case::default() }), None).unwrap();

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use ident::{Dataset, IdentError};
-use rig::estimation::{EstimateError, need};
+use rig::estimation::{EstimateError, liveliest_part, need};
 use rig::results::{Stretch, Trace};
 use rig::{Experiment, ExperimentLabel, Role};
 
@@ -48,6 +48,8 @@ impl Record {
         limit_nm: Option<f64>,
     ) -> Result<Self, EstimateError> {
         let control = controls.fit_unseparated(experiment)?;
+        // The part that the fit is from.
+        let experiment = &*liveliest_part(experiment, Role::DynoTorqueDemand);
         let demand = need(experiment, Role::DynoTorqueDemand)?;
         let torque = need(experiment, Role::AirGapTorque)?;
         let held = HeldDemand::new(demand, limit_nm);

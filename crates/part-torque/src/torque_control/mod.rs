@@ -19,7 +19,7 @@ mod validation;
 use faer::Mat;
 use ident::distributions::interval;
 use ident::{Bounds, IdentError, Minimum};
-use rig::estimation::{EstimateError, timing_floor_s};
+use rig::estimation::{EstimateError, liveliest_part, timing_floor_s};
 use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
@@ -98,8 +98,8 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.
 ///
 /// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
-/// out. The first 70 % of the recording are estimated from, the rest validates. Offset and ripple lines are estimated
-/// jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
+/// out. Of a long recording the four minutes are used in which T_d* changes most. Their first 70 % are estimated from, the rest
+/// validates. Offset and ripple lines are estimated jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
 /// reported in the diagnostics, and the intervals reach to the estimates beside a free gain. Covariances are robust to coloured residuals.
 ///
 /// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
@@ -128,6 +128,7 @@ pub fn estimate_unseparated(
     experiment: &Experiment,
     torque_limit_nm: Option<f64>,
 ) -> Result<(TorqueControlFit, bool), EstimateError> {
+    let experiment = &*liveliest_part(experiment, Role::DynoTorqueDemand);
     let (demand, torque) = signals(experiment)?;
     let usable = usable_samples(demand, torque, torque_limit_nm);
     let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
@@ -193,6 +194,7 @@ pub fn second_order(
     fit: &TorqueControlFit,
     torque_limit_nm: Option<f64>,
 ) -> Result<SecondOrderTest, EstimateError> {
+    let experiment = &*liveliest_part(experiment, Role::DynoTorqueDemand);
     let (demand, torque) = signals(experiment)?;
     let usable = usable_samples(demand, torque, torque_limit_nm);
     let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;

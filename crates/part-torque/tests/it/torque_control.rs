@@ -43,6 +43,29 @@ fn exact_stamps_between_those_of_the_demand() {
 }
 
 #[test]
+fn exact_of_a_long_recording_the_part_is_used_in_which_the_demand_moves() {
+    let truth = Truth { duration_s: 400.0, ..TRUTH };
+    let mut noise = Noise::new(1);
+    let mut demand = white_demand(truth, &mut noise);
+    let moves = 100.0..340.0;
+    for k in 0..demand.len() {
+        if !moves.contains(&demand.time_s(k)) {
+            demand.samples[k] = 60.0;
+        }
+    }
+    let torque = calculated(truth, &demand, &mut noise);
+    let long = experiment("WhiteNoise_T_TN", [(Role::DynoTorqueDemand, demand), (Role::AirGapTorque, torque)]);
+    let fit = estimate(&long, None).unwrap();
+    let used = &fit.result.delay_and_lag.stretches[0];
+    let judged = &fit.result.delay_and_lag_validation.stretch;
+    assert!(
+        (used.start_s - moves.start).abs() <= 1.0 && (judged.end_s - moves.end).abs() <= 1.0,
+        "{used:?} {judged:?}"
+    );
+    assert!((value(&fit, 1) / TRUTH.lag_rad_s - 1.0).abs() < 1e-6, "{}", value(&fit, 1));
+}
+
+#[test]
 fn exact_torque_dated_before_its_demand() {
     let mut early = white_noise(TRUTH, 1);
     let shift_s = TRUTH.delay_s + 0.9e-3;

@@ -9,4 +9,4 @@ pub use crate::error::{EstimateError, Unsuitable};
 pub use once::{Chosen, OncePerRecording, first, once};
 pub use parameter::{ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};
-pub use stretch::{longest_unsaturated, need};
+pub use stretch::{liveliest, liveliest_part, longest_unsaturated, need};

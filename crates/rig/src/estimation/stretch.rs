@@ -1,15 +1,21 @@
 //! Which stretch of a recording an estimate may use.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use signal::{Signal, runs};
 
-use crate::align::{common_window, cut};
+use crate::align::{common_window, cut, window_of};
 use crate::estimation::EstimateError;
 use crate::{Experiment, Role};
 
 /// Within this part of the limit a torque counts as limited.
 const AT_LIMIT: f64 = 0.995;
+/// Longest part of a recording that a part is estimated from, s: of it noise already leaves K, the gains and the delays less
+/// uncertain than the models of the signals do.
+const LONGEST_S: f64 = 240.0;
+/// Time within which a signal has to change to count as lively, s: a change of speed within it twists the shaft.
+const TWISTING_S: f64 = 0.02;
 
 /// The signal of a role.
 ///
@@ -53,6 +59,36 @@ pub fn longest_unsaturated(
         });
     }
     Ok((demand.time_s(first), demand.time_s(first) + longest))
+}
+
+/// A recording, or of a longer one the four minutes in which the signal of a role changes most.
+pub fn liveliest_part(experiment: &Experiment, role: Role) -> Cow<'_, Experiment> {
+    let of = |signal: &Signal| (window_of(signal), liveliest(signal, window_of(signal)));
+    match experiment.signal(role).map(of) {
+        Some((whole, part)) if part != whole => Cow::Owned(experiment.within(part)),
+        _ => Cow::Borrowed(experiment),
+    }
+}
+
+/// A window, s, or of a longer one the four minutes in which a signal changes most.
+pub fn liveliest(signal: &Signal, (start_s, end_s): (f64, f64)) -> (f64, f64) {
+    if end_s - start_s <= LONGEST_S {
+        return (start_s, end_s);
+    }
+    let signal = cut(signal, start_s, end_s);
+    let samples = |time_s: f64| ((time_s / signal.sample_time_s).round() as usize).max(1);
+    let lag = samples(TWISTING_S);
+    let squares: Vec<f64> = signal.samples.windows(lag + 1).map(|part| (part[lag] - part[0]).powi(2)).collect();
+    let of_seconds: Vec<f64> = squares.chunks_exact(samples(1.0)).map(|second| second.iter().sum()).collect();
+    let mut best = (0, f64::NEG_INFINITY);
+    for (first, part) in of_seconds.windows(LONGEST_S as usize).enumerate() {
+        let sum: f64 = part.iter().sum();
+        if sum > best.1 {
+            best = (first, sum);
+        }
+    }
+    let start_s = start_s + best.0 as f64;
+    (start_s, start_s + LONGEST_S)
 }
 
 /// First index and length of the longest run of values that fulfil a condition.

@@ -11,3 +11,4 @@ mod experiment;
 mod prepare;
 mod recorded;
 mod results;
+mod stretch;
