@@ -172,18 +172,20 @@ def tasks(dynoid, folder, stem):
     ]
 
 
-def bench_folders(folder, seconds):
-    """The campaign's, and the demo's."""
-    return folder / f"campaign-{seconds}", folder / "demo"
+def bench_folders(folder, lengths):
+    """Those of the campaigns by their length in s, and the demo's."""
+    return {seconds: folder / f"campaign-{seconds}" for seconds in lengths}, folder / "demo"
 
 
-def bench_tasks(dynoid, folder, seconds):
-    """A campaign of four recordings, an hour of simulation, and the demo's nine recordings, about five minutes of data."""
-    campaign, demo = (one / "bench.toml" for one in bench_folders(folder, seconds))
+def bench_tasks(dynoid, folder, lengths):
+    """Campaigns of four recordings, an hour of simulation, and the demo's nine recordings, about five minutes of data."""
+    campaigns, demo = bench_folders(folder, lengths)
+    campaigns = {seconds: campaign / "bench.toml" for seconds, campaign in campaigns.items()}
+    campaign, demo = campaigns[lengths[0]], demo / "bench.toml"
     studies = [
         ("study, demo", [demo]),
         ("study --full, demo", [demo, "--full"]),
-        (f"study, 4 × {seconds // 60} min", [campaign]),
+        *[(f"study, 4 × {seconds // 60} min", [campaign]) for seconds, campaign in campaigns.items()],
     ]
     parts = ("lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction")
     hour = ["--duration", "3600", "--out", folder / "hour.mf4", "--overwrite", "--quiet"]
@@ -280,12 +282,13 @@ def main(arguments):
         return growth(dynoid, folder, [10**5, 10**6] if quick else [10**5, 10**6, 10**7], chosen)
     samples = 10**5 if quick else 10**6
     stem = data(dynoid, folder, samples)
-    seconds = 60 if quick else 600
-    chosen_tasks = [task for task in tasks(dynoid, folder, stem) + bench_tasks(dynoid, folder, seconds) if chosen in task.name]
+    lengths = [60] if quick else [600, 3600]
+    chosen_tasks = [task for task in tasks(dynoid, folder, stem) + bench_tasks(dynoid, folder, lengths) if chosen in task.name]
     used = {word for task in chosen_tasks for word in task.ours if isinstance(word, Path)}
-    campaign, demo = bench_folders(folder, seconds)
-    if campaign / "bench.toml" in used:
-        make_campaign(dynoid, campaign, seconds)
+    campaigns, demo = bench_folders(folder, lengths)
+    for seconds, campaign in campaigns.items():
+        if campaign / "bench.toml" in used:
+            make_campaign(dynoid, campaign, seconds)
     if demo / "bench.toml" in used:
         make_demo(dynoid, demo)
     print(f"{samples} samples, {os.cpu_count()} cores; medians of {TURNS} turns\n")

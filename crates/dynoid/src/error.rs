@@ -92,10 +92,10 @@ pub(crate) enum CliError {
     #[error("{}: this folder has no recordings (endings: {}); name files or another folder", .path.display(), .endings)]
     EmptyFolder { path: PathBuf, endings: String },
     /// None of the recordings given can be decoded.
-    #[error("none of the {count} recordings can be read; the reasons are above")]
+    #[error("no recording can be read ({count} tried); the reasons are above")]
     NoneReadable { count: usize },
     /// No recording can be used for a study.
-    #[error("no study: none of the {count} recordings of {} can be used:\n{}", .bench.display(), .reasons.join("\n"))]
+    #[error("no study: no recording of {} can be used ({count} tried):\n{}", .bench.display(), .reasons.join("\n"))]
     NothingUsable { bench: PathBuf, count: usize, reasons: Vec<String> },
     /// A file or folder that cannot be written.
     #[error("{}: {}", .path.display(), write_words(.path, .source))]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use recording::{
     Catalogue, CsvProblem, Extras, Recording, RecordingError, Selection, catalogue_from, decode_from, extras_from,
 };
+use rig::BenchFile;
 use sha2::{Digest, Sha256};
 use study::Source;
 
@@ -74,16 +75,22 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// Reads and decodes a recording. If decoding fails, the source holds the reason.
+/// Reads the channels of a bench from a recording. If decoding fails, the source holds the reason.
 ///
 /// The whole file is in memory only if its format requires it.
-pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
-    Ok(Source { file: file.name.clone(), sha256: sha256(file)?, recording: decode(file)? })
+pub(crate) fn read_source(file: &InputFile, bench: &BenchFile) -> Result<Source, CliError> {
+    let names = Selection::names(bench.channels.values().map(|mapping| mapping.name.as_str()));
+    let recording = match decode(file, &names)? {
+        // For names like the one that is missing, and for what else is missing.
+        Err(RecordingError::NoSuchChannel { .. }) => decode(file, &Selection::All)?,
+        read => read,
+    };
+    Ok(Source { file: file.name.clone(), sha256: sha256(file)?, recording })
 }
 
-/// Decodes a recording, all of it.
-pub(crate) fn decode(file: &InputFile) -> Result<Result<Recording, RecordingError>, CliError> {
-    Ok(decode_from(&file.name, opened(file)?, &Selection::All, None, &|_, _| {}))
+/// Decodes channels of a recording.
+pub(crate) fn decode(file: &InputFile, channels: &Selection) -> Result<Result<Recording, RecordingError>, CliError> {
+    Ok(decode_from(&file.name, opened(file)?, channels, None, &|_, _| {}))
 }
 
 /// The channels of these names or patterns; all channels without any.

@@ -7,7 +7,7 @@ use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::filter::Sos;
-use study::{Campaign, Source, run};
+use study::{Campaign, Prepared, Source, run};
 use units::RPM_RAD_S;
 
 use crate::sampled::sampled;
@@ -95,8 +95,8 @@ fn studied(bench: &BenchFile, recordings: [(&str, Recording); 2], seed: u64) -> 
         sha256: String::new(),
         recording: Ok(recording),
     };
-    let sources = recordings.into_iter().map(source).collect();
-    let campaign = Campaign { bench, bench_file: ("", ""), sources, seed: Some(seed) };
+    let recordings = Prepared::of(bench, recordings.into_iter().map(source).collect(), &mut |_| {});
+    let campaign = Campaign { bench, bench_file: ("", ""), recordings, seed: Some(seed) };
     let study = run(campaign, &mut |_| {})?;
     study.shaft.estimated().and_then(|shaft| zero(&shaft.estimate)).ok_or(EffectsError::NoShaft)
 }

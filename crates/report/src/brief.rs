@@ -18,7 +18,11 @@ const MOST_FINDINGS: usize = 20;
 /// The study in short; `since` says what has changed since an earlier one.
 pub fn summary(study: &Study, since: Option<String>) -> Page {
     let used = study.recordings.iter().filter(|recording| !recording.used_for.is_empty()).count();
-    let subject = format!("{}: {} recordings, {used} used for estimates", study.bench.name, study.recordings.len());
+    let all = match study.recordings.len() {
+        1 => "1 recording".to_owned(),
+        count => format!("{count} recordings"),
+    };
+    let subject = format!("{}: {all}, {used} used for estimates", study.bench.name);
     let mut all = Blocks::from(Block::paragraph(Prose::verbatim(subject)));
     all.push(causes(&study.diagnostics));
     all.push(judged(study));

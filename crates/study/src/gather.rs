@@ -17,59 +17,87 @@ pub struct Source {
     pub recording: Result<Recording, RecordingError>,
 }
 
-/// What came of the sources.
-pub(super) struct Gathered {
+/// Recordings that were checked and brought into SI: what a study is made from.
+#[derive(Debug, Default)]
+pub struct Prepared {
     pub(super) experiments: Vec<Experiment>,
     pub(super) recordings: Vec<RecordingSummary>,
     pub(super) diagnostics: Vec<Diagnostic>,
+    readable: usize,
+    /// Files from a virtual bench.
+    simulated: Vec<String>,
 }
 
-/// Prepares every source that can be used; says of the others why not.
-pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) -> Gathered {
-    let mut gathered = Gathered { experiments: Vec::new(), recordings: Vec::new(), diagnostics: Vec::new() };
-    let mut fresh = Vec::new();
-    for source in &sources {
-        progress(Progress::Preparing { file: source.file.clone() });
-        fresh.push((source, first_of_its_kind(source, &gathered.recordings)));
-        gathered.recordings.push(RecordingSummary {
-            file: source.file.clone(),
-            sha256: source.sha256.clone(),
-            label: None,
-            recorded_on: source.recording.as_ref().ok().and_then(|one| one.start_time).map(|start| start.day()),
-            duration_s: source.recording.as_ref().map_or(0.0, duration_s),
-            mean_speed_rad_s: None,
-            sample_times_s: Vec::new(),
-            used_for: Vec::new(),
-        });
+impl Prepared {
+    /// Of these sources.
+    pub fn of(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) -> Self {
+        let mut prepared = Prepared::default();
+        prepared.add(bench, sources, progress);
+        prepared
     }
-    let prepared = map(&fresh, |(source, is_fresh)| is_fresh.clone().and_then(|()| experiment_of(bench, source)));
-    for (summary, outcome) in gathered.recordings.iter_mut().zip(prepared) {
-        match outcome {
-            Ok((experiment, diagnostics)) => {
-                summary.label = Some(experiment.label.clone());
-                summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
-                summary.sample_times_s = experiment.signals.iter().map(|(r, s)| (*r, s.sample_time_s)).collect();
-                gathered.diagnostics.extend(diagnostics);
-                gathered.experiments.push(experiment);
+
+    /// Prepares what can be used of further sources, and notes of the others why not. Of a source only the signals of the bench stay
+    /// in memory.
+    pub fn add(&mut self, bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) {
+        let mut fresh = Vec::new();
+        let first = self.recordings.len();
+        for source in &sources {
+            progress(Progress::Preparing { file: source.file.clone() });
+            fresh.push((source, first_of_its_kind(source, &self.recordings)));
+            self.recordings.push(RecordingSummary {
+                file: source.file.clone(),
+                sha256: source.sha256.clone(),
+                label: None,
+                recorded_on: source.recording.as_ref().ok().and_then(|one| one.start_time).map(|start| start.day()),
+                duration_s: source.recording.as_ref().map_or(0.0, duration_s),
+                mean_speed_rad_s: None,
+                sample_times_s: Vec::new(),
+                used_for: Vec::new(),
+            });
+        }
+        let prepared = map(&fresh, |(source, is_fresh)| is_fresh.clone().and_then(|()| experiment_of(bench, source)));
+        for (summary, outcome) in self.recordings.iter_mut().skip(first).zip(prepared) {
+            match outcome {
+                Ok((experiment, diagnostics)) => {
+                    summary.label = Some(experiment.label.clone());
+                    summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
+                    summary.sample_times_s = experiment.signals.iter().map(|(r, s)| (*r, s.sample_time_s)).collect();
+                    self.diagnostics.extend(diagnostics);
+                    self.experiments.push(experiment);
+                }
+                Err(diagnostics) => self.diagnostics.extend(diagnostics),
             }
-            Err(diagnostics) => gathered.diagnostics.extend(diagnostics),
+        }
+        self.readable += sources.iter().filter(|source| source.recording.is_ok()).count();
+        self.simulated.extend(sources.iter().filter(|source| is_simulated(source)).map(|s| s.file.clone()));
+    }
+
+    /// That recordings are from a virtual bench: a warning where others are measured.
+    fn doubt_of_simulated(&self) -> Option<Diagnostic> {
+        let beside_measured = self.simulated.len() < self.readable;
+        let severity = if beside_measured { Severity::Warning } else { Severity::Note };
+        (!self.simulated.is_empty()).then(|| Diagnostic {
+            severity,
+            place: Place::default(),
+            finding: Finding::Simulated { files: self.simulated.clone(), beside_measured },
+        })
+    }
+
+    /// These recordings, of which at least one can be used.
+    pub(crate) fn usable(mut self, bench: &BenchFile) -> Result<Self, StudyError> {
+        if bench.channels.is_empty() {
+            return Err(StudyError::NoChannels);
+        }
+        if self.recordings.is_empty() {
+            return Err(StudyError::NoRecordings);
+        }
+        let doubt = self.doubt_of_simulated();
+        self.diagnostics.extend(doubt);
+        match self.experiments.is_empty() {
+            true => Err(StudyError::NothingUsable { count: self.recordings.len(), diagnostics: self.diagnostics }),
+            false => Ok(self),
         }
     }
-    gathered.diagnostics.extend(simulated(&sources));
-    gathered
-}
-
-/// That recordings are from a virtual bench: a warning where others are measured.
-fn simulated(sources: &[Source]) -> Option<Diagnostic> {
-    let readable = || sources.iter().filter(|source| source.recording.is_ok());
-    let files: Vec<String> = readable().filter(|source| is_simulated(source)).map(|s| s.file.clone()).collect();
-    let beside_measured = files.len() < readable().count();
-    let severity = if beside_measured { Severity::Warning } else { Severity::Note };
-    (!files.is_empty()).then(|| Diagnostic {
-        severity,
-        place: Place::default(),
-        finding: Finding::Simulated { files, beside_measured },
-    })
 }
 
 fn is_simulated(source: &Source) -> bool {
@@ -126,31 +154,11 @@ pub enum StudyError {
     #[error("there is no recording to study")]
     NoRecordings,
     /// None of the recordings can be used.
-    #[error("none of the {count} recordings can be used")]
+    #[error("no recording can be used ({count} tried)")]
     NothingUsable {
         /// How many there are.
         count: usize,
         /// Why each cannot.
         diagnostics: Vec<Diagnostic>,
     },
-}
-
-/// Experiments from sources, at least one.
-pub(crate) fn usable(
-    bench: &BenchFile,
-    sources: Vec<Source>,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Gathered, StudyError> {
-    if bench.channels.is_empty() {
-        return Err(StudyError::NoChannels);
-    }
-    if sources.is_empty() {
-        return Err(StudyError::NoRecordings);
-    }
-    let count = sources.len();
-    let gathered = gather(bench, sources, progress);
-    match gathered.experiments.is_empty() {
-        true => Err(StudyError::NothingUsable { count, diagnostics: gathered.diagnostics }),
-        false => Ok(gathered),
-    }
 }

@@ -25,8 +25,7 @@ pub use comparison::{
     CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges, WaldTest,
     compare_models,
 };
-pub use gather::StudyError;
-pub use gather::{Source, experiment_of};
+pub use gather::{Prepared, Source, StudyError, experiment_of};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use progress::Progress;
 pub use recorded::{RecordedCourse, StepResponse};

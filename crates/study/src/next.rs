@@ -19,9 +19,9 @@ use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_with_progress};
 
 use crate::estimates::Fits;
-use crate::gather::{experiment_of, usable};
+use crate::gather::{Prepared, experiment_of};
 use crate::whole::model_of;
-use crate::{Progress, Source, StudyError};
+use crate::{Source, StudyError};
 
 /// Experiments of the method that a study learns from.
 const CANDIDATES: [ExperimentLabel; 7] = [
@@ -186,13 +186,12 @@ impl Candidate {
 /// [`NextError`]: recordings of which none can be used, or a bench of which too little is known to try anything on.
 pub fn next_experiments(
     bench: &BenchFile,
-    sources: Vec<Source>,
+    recordings: Prepared,
     options: NextOptions,
-    progress: &mut dyn FnMut(Progress),
     tried: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
-    let experiments = match usable(bench, sources, progress) {
-        Ok(gathered) => gathered.experiments,
+    let experiments = match recordings.usable(bench) {
+        Ok(prepared) => prepared.experiments,
         Err(StudyError::NoRecordings) => Vec::new(),
         Err(error) => return Err(error.into()),
     };

@@ -3,11 +3,11 @@
 use part_shaft::Parts;
 use rig::{BenchFile, Experiment};
 
-use super::gather::{StudyError, usable};
+use super::gather::StudyError;
 use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
-use crate::gather::{Gathered, Source};
+use crate::gather::Prepared;
 use crate::{Provenance, Study, estimates, validity};
 
 /// Everything a study is made from.
@@ -18,22 +18,21 @@ pub struct Campaign<'a> {
     /// The bench file's name and its text, word for word.
     pub bench_file: (&'a str, &'a str),
     /// The recordings.
-    pub sources: Vec<Source>,
+    pub recordings: Prepared,
     /// Seed, when the recordings were simulated.
     pub seed: Option<u64>,
 }
 
-/// Studies a campaign: prepares its recordings, estimates every part they allow, assembles the model, replays what it has
-/// not seen.
+/// Studies a campaign: estimates every part its recordings allow, assembles the model, replays what it has not seen.
 ///
 /// A part whose recordings are missing is *not estimated* and says what it needs; that is no error.
 ///
 /// # Errors
 /// No channels, no recording, or none that can be used.
 pub fn run(mut campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
-    let gathered = usable(campaign.bench, std::mem::take(&mut campaign.sources), progress)?;
-    let all: Vec<&Experiment> = gathered.experiments.iter().collect();
-    Ok(studied(&campaign, &gathered, &Parts::of(&all, campaign.bench), progress))
+    campaign.recordings = campaign.recordings.usable(campaign.bench)?;
+    let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
+    Ok(studied(&campaign, &Parts::of(&all, campaign.bench), progress))
 }
 
 /// The same study, and beside it all analyses that the recordings allow.
@@ -44,27 +43,23 @@ pub fn run_full(
     mut campaign: Campaign<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Study, Analyses), StudyError> {
-    let gathered = usable(campaign.bench, std::mem::take(&mut campaign.sources), progress)?;
-    let all: Vec<&Experiment> = gathered.experiments.iter().collect();
+    campaign.recordings = campaign.recordings.usable(campaign.bench)?;
+    let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
     let parts = Parts::of(&all, campaign.bench);
-    let study = studied(&campaign, &gathered, &parts, progress);
-    Ok((study, analyses(&gathered.experiments, &parts, progress)))
+    let study = studied(&campaign, &parts, progress);
+    Ok((study, analyses(&campaign.recordings.experiments, &parts, progress)))
 }
 
 /// The study of these experiments.
-fn studied(
-    campaign: &Campaign<'_>,
-    gathered: &Gathered,
-    parts: &Parts<'_>,
-    progress: &mut dyn FnMut(Progress),
-) -> Study {
-    let mut recordings = gathered.recordings.clone();
-    let mut findings = Findings::new(campaign.bench, &gathered.experiments, gathered.diagnostics.clone(), progress);
+fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(Progress)) -> Study {
+    let prepared = &campaign.recordings;
+    let mut recordings = prepared.recordings.clone();
+    let mut findings = Findings::new(campaign.bench, &prepared.experiments, prepared.diagnostics.clone(), progress);
     let estimates = estimates::all(&mut findings, parts);
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
-    let validity = validity::of(&gathered.experiments, &recordings, &estimates.shaft);
+    let validity = validity::of(&prepared.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
     Study {

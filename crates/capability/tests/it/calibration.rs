@@ -16,7 +16,7 @@ use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use study::{Campaign, Source};
+use study::{Campaign, Prepared, Source};
 use virtual_bench::{Numerics, simulate, simulate_hidden};
 
 /// Benches with an estimate drawn, and benches that are identified from recordings.
@@ -92,7 +92,8 @@ fn identified(seed: u64) -> Known {
         recording: Ok(simulate(&truth, plan, seed).unwrap()),
     };
     let sources = plans.iter().zip(2 * seed + 1_000_000..).map(recorded).collect();
-    let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), sources, seed: Some(3) };
+    let recordings = Prepared::of(&file, sources, &mut |_| {});
+    let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) };
     let AssembledModel { model, uncertainty } = study::run(campaign, &mut |_| {}).unwrap().model.unwrap();
     Known { truth, model, uncertainty }
 }

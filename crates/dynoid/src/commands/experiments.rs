@@ -56,10 +56,10 @@ pub(super) fn each(
     let (mut refused, mut doubts) = (Vec::new(), Vec::new());
     for file in &files {
         progress.say(&format!("{doing} {}", file.name));
-        match experiment_of(&bench, &input::read_source(file)?) {
+        match experiment_of(&bench, &input::read_source(file, &bench)?) {
             Ok((experiment, diagnostics)) => {
-                let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error);
-                doubts.extend(errors.map(wording::remark));
+                let worth_knowing = diagnostics.iter().filter(|d| d.severity >= Severity::Warning);
+                doubts.extend(worth_knowing.map(wording::remark));
                 work(&bench, experiment);
             }
             Err(diagnostics) => {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use recording::Recording;
+use recording::{Recording, Selection};
 use report::proposal::{reasons, unit};
 use rig::bench_file::{Draft, PLACEHOLDER};
 use rig::channels::{Choice, Guess, guess_roles};
@@ -59,7 +59,7 @@ fn decode_all(files: &[InputFile], terminal: &mut Terminal) -> Result<Vec<(Input
     let mut faults = Vec::new();
     for file in files {
         progress.say(&format!("reading {}", file.name));
-        match input::decode(file)? {
+        match input::decode(file, &Selection::All)? {
             Ok(recording) => recordings.push((file.clone(), recording)),
             Err(error) => faults.push(error.to_string()),
         }

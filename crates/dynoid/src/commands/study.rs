@@ -5,11 +5,12 @@ use std::io::Read as _;
 use std::path::Path;
 
 use bench_model::document::BenchModelDocument;
+use numerics::parallel::current_num_threads;
 use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
 use rig::bench_file::ReportIdentity;
 use rig::{BenchFile, Severity};
-use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
+use study::{Analyses, Campaign, Prepared, Progress as StudyProgress, Study, StudyError};
 
 use super::bench_model::{Kind, MODEL};
 use crate::cli::bench::{PaperSize, StudyArguments};
@@ -104,9 +105,9 @@ pub(crate) fn study(
     let logo = logo(bench, &file)?;
     let analyses = if wanted.extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
     let progress = terminal.progress(PARTS + REPLAYS + analyses);
-    let sources = read_sources(bench, &file, &progress)?;
+    let recordings = read_recordings(bench, &file, &progress)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
-    let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
+    let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed };
     let origin = origin(&text);
     let (study, analyses) = studied(campaign, wanted.extent, &progress).map_err(|error| no_study(bench, error))?;
     progress.say("writing the report");
@@ -148,9 +149,9 @@ pub(crate) fn study(
 pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
     let (file, text) = read_bench(bench)?;
     let progress = terminal.progress(PARTS + REPLAYS);
-    let sources = read_sources(bench, &file, &progress)?;
+    let recordings = read_recordings(bench, &file, &progress)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
-    let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed: None };
+    let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed: None };
     let study = study::run(campaign, &mut |step| show(&progress, &step)).map_err(|error| no_study(bench, error))?;
     document(&study, &text).ok_or_else(|| CliError::NoModelOfBench { path: bench.to_owned() })
 }
@@ -180,21 +181,26 @@ fn earlier_model(path: &Path, terminal: &mut Terminal) -> Result<Option<BenchMod
     Ok(read.ok())
 }
 
-/// The recordings that a bench file lists. Each is read here, and checked by the study: two steps.
-pub(in crate::commands) fn read_sources(
+/// The recordings that a bench file lists, read and prepared: two steps each. As many are decoded at a time as are prepared at once.
+pub(in crate::commands) fn read_recordings(
     bench: &Path,
     file: &BenchFile,
     progress: &Progress,
-) -> Result<Vec<Source>, CliError> {
+) -> Result<Prepared, CliError> {
     let files = input::listed(bench, &file.recordings.files)?;
     progress.more(2 * files.len() as u64);
-    let read = |file: &input::InputFile| {
-        progress.say(&format!("reading {}", file.name));
-        let source = input::read_source(file);
+    let mut prepared = Prepared::default();
+    let read = |input: &input::InputFile| {
+        progress.say(&format!("reading {}", input.name));
+        let source = input::read_source(input, file);
         progress.step();
         source
     };
-    files.iter().map(read).collect()
+    for some in files.chunks(current_num_threads()) {
+        let sources = some.iter().map(read).collect::<Result<_, _>>()?;
+        prepared.add(file, sources, &mut |step| show(progress, &step));
+    }
+    Ok(prepared)
 }
 
 /// The study, and all analyses where they are wanted.
@@ -301,7 +307,7 @@ fn bench_text(bench: &Path) -> Result<String, CliError> {
     input::read_text(bench, "a bench file such as `dynoid init` writes")
 }
 
-pub(in crate::commands) fn show(progress: &Progress, step: &StudyProgress) {
+fn show(progress: &Progress, step: &StudyProgress) {
     match step {
         StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
         StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(*part))),

@@ -101,6 +101,15 @@ fn a_gap_is_found() {
 }
 
 #[test]
+fn a_command_on_one_part_warns_of_clipped_samples() {
+    let mut recording = bs();
+    channel(&mut recording, "DynoTorqueCalc").samples.iter_mut().for_each(|torque| *torque = torque.clamp(40.0, 50.0));
+    let campaign = Campaign::whole().with("BS_T_NT_1200.mf4", &recording);
+    let ran = campaign.run(&["controller", "bench.toml", "recordings/BS_T_NT_1200.mf4"]);
+    assert!(ran.stderr.contains("warning") && ran.stderr.contains("extreme value"), "{}", ran.stderr);
+}
+
+#[test]
 fn a_torque_of_the_wrong_sign_is_noticed() {
     let mut recording = bs();
     for name in ["DynoTorqueCalc", "DynoTorqueMeas"] {

@@ -63,6 +63,8 @@ fn nothing_readable() {
     let campaign = Campaign::empty();
     campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["this folder has no recordings"]);
     campaign.write("recordings/BS_T_NT.mf4", b"not a measurement");
-    campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["BS_T_NT.mf4", "none of the 1"]);
+    campaign
+        .run(&["init", "recordings", "--out", "b.toml"])
+        .assert_refused(3, &["BS_T_NT.mf4", "no recording can be read (1 tried)"]);
     assert!(!campaign.path("b.toml").exists());
 }

@@ -153,7 +153,7 @@ fn existing_results_are_kept_when_a_run_fails() {
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..200]).unwrap();
     }
-    campaign.run(&["study", "bench.toml"]).assert_refused(3, &["none of the 2 recordings", "BS_T_NT_1200"]);
+    campaign.run(&["study", "bench.toml"]).assert_refused(3, &["(2 tried)", "BS_T_NT_1200"]);
     assert_eq!([campaign.read("study/report.html"), campaign.read("study/study.json")], before);
     assert_eq!(campaign.results(), ["model.json", "report.html", "study-series.parquet", "study.json"]);
 }

@@ -11,7 +11,7 @@ use rig::bench_parameters::{BenchParameters, ClockParameters, MechanicsParameter
 use rig::experiment::ExperimentPlan;
 use rig::results::{Estimate, Quantity};
 use rig::{BenchFile, Finding, Severity};
-use study::{Campaign, Source, Study, run};
+use study::{Campaign, Prepared, Source, Study, run};
 use virtual_bench::{Truth, simulate};
 
 use bench_testkit::benches::{bench_file, default_bench, in_parallel};
@@ -66,8 +66,8 @@ fn study_of(brought: &Brought) -> Option<Study> {
         sha256: format!("hash of {file}"),
         recording: Ok(recording.clone()),
     };
-    let sources = brought.recordings.iter().map(source).collect();
-    let campaign = Campaign { bench: &brought.bench, bench_file: ("bench.toml", "as written"), sources, seed: None };
+    let recordings = Prepared::of(&brought.bench, brought.recordings.iter().map(source).collect(), &mut |_| {});
+    let campaign = Campaign { bench: &brought.bench, bench_file: ("bench.toml", "as written"), recordings, seed: None };
     run(campaign, &mut |_| {}).ok()
 }
 

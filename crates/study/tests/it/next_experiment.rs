@@ -5,7 +5,7 @@ use rig::bench_file::ShaftPrior;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::results::Quantity;
-use study::{Gain, NextError, NextExperiments, NextOptions, Source, next_experiments};
+use study::{Gain, NextError, NextExperiments, NextOptions, Prepared, Source, next_experiments};
 use virtual_bench::simulate;
 
 use crate::study::source;
@@ -16,7 +16,7 @@ const DURATION_S: f64 = 16.0;
 
 fn asked(bench: &BenchFile, sources: Vec<Source>) -> Result<NextExperiments, NextError> {
     let options = NextOptions { duration_s: DURATION_S, enough: 0.002, ..NextOptions::default() };
-    next_experiments(bench, sources, options, &mut |_| {}, &|_, _| {})
+    next_experiments(bench, Prepared::of(bench, sources, &mut |_| {}), options, &|_, _| {})
 }
 
 /// Recordings of a bench that no bench file tells all of: its clocks are apart and its speeds noisy.

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use report::next::{best, command};
-use study::{NextError, NextExperiments, NextOptions, next_experiments};
+use study::{NextError, NextExperiments, NextOptions, Prepared, next_experiments};
 
 use crate::cli::experiment::NextArguments;
 use crate::commands::bench_model::MODEL;
-use crate::commands::study::{no_study, read_bench, read_sources, show};
+use crate::commands::study::{no_study, read_bench, read_recordings};
 use crate::error::{CliError, Outcome};
 use crate::paths;
 use crate::summary::shown;
@@ -19,10 +19,10 @@ const PARTS: u64 = 5;
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let (file, _) = read_bench(&arguments.bench)?;
     let progress = terminal.progress(PARTS);
-    let sources = match read_sources(&arguments.bench, &file, &progress) {
+    let recordings = match read_recordings(&arguments.bench, &file, &progress) {
         Err(none @ (CliError::NothingMatches { .. } | CliError::NoRecordingsListed { .. })) => {
             terminal.note(&format!("{none}; what follows is for a bench without recordings"));
-            Vec::new()
+            Prepared::default()
         }
         read => read?,
     };
@@ -37,8 +37,7 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
             progress.say("trying experiments on a bench like this one");
             progress.of_last(done, all);
         };
-        let mut show = |step| show(&progress, &step);
-        next_experiments(&file, sources, options, &mut show, &at)
+        next_experiments(&file, recordings, options, &at)
     };
     drop(progress);
     let found = found.map_err(|error| refused(&arguments.bench, error))?;
