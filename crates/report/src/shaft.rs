@@ -129,7 +129,8 @@ fn route<'a, T>(name: &'static str, found: Option<&'a Outcome<T>>, of: fn(&T) ->
 /// What one has to know to read the routes: where one contradicts the recording's own estimate, and what each cannot show.
 pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     let Routes { state_space, black_box, multisine, torque_sample_time_s } = &recording.routes;
-    let mut remarks = apart(&routes(recording));
+    let mut remarks: Vec<String> = recording.inertia_contradiction.map(torque_doubted).into_iter().collect();
+    remarks.extend(apart(&routes(recording)));
     if let Some(apart_s) = torque_sample_time_s.filter(|apart_s| *apart_s > COARSE_S) {
         remarks.push(format!(
             "T_d is known only at its samples, {} apart, and no interval includes their aliasing; add \
@@ -146,6 +147,15 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     remarks.extend(black_box.as_ref().and_then(Outcome::estimated).map(black_box_doubts).unwrap_or_default());
     remarks.extend(multisine.as_ref().and_then(Outcome::estimated).map(multisine_doubts).unwrap_or_default());
     remarks
+}
+
+/// What a J_d that does not fit means for K and B.
+fn torque_doubted(share: f64) -> String {
+    format!(
+        "The J_d of the bench file differs by {} from the one found, so J_d or the scale of T_d is wrong. K and B are proportional to \
+         T_d. Only the intervals of `dynoid study` include that",
+        number::significant_with_unit(100.0 * share, 2, "%")
+    )
 }
 
 /// Routes whose interval of K or B lies wholly outside that of the first.
@@ -167,9 +177,9 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
     others.iter().filter_map(remark).collect()
 }
 
-/// How true the intervals of a black box are where the torque control is estimated too.
+/// How true the intervals of a black box are.
 const BLACK_BOX_INTERVALS: &str = "Black box: the intervals of the inertias are too narrow; in 11 simulated recordings J_d was within \
-     0.2 % and J_e within 0.4 %, but their intervals contained them in 2 and 4";
+     0.2 % and J_e within 0.4 %, but the intervals contained J_d in 2 and J_e in 4";
 
 /// Reasons not to take a black box's parameters for the bench's.
 fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {

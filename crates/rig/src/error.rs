@@ -84,8 +84,10 @@ pub enum EstimateError {
     },
     /// A number that is known from another recording comes out quite different.
     #[error(
-        "{file}: {} comes out as {:.4e} ± {:.1e} (SI), and another recording gives {:.4e} ± {:.1e}; the two contradict each other",
-        .quantity.notation().symbol, .here.0, .here.1, .known.0, .known.1
+        "{file}: {symbol} comes out as {:.4} ± {:.4} {unit}, and another recording gives {:.4} ± {:.4} {unit}; the two contradict each other",
+        in_its_unit(.quantity, .here.0), in_its_unit(.quantity, .here.1), in_its_unit(.quantity, .known.0),
+        in_its_unit(.quantity, .known.1),
+        symbol = .quantity.notation().symbol, unit = .quantity.notation().unit
     )]
     Contradiction {
         /// File.
@@ -121,6 +123,11 @@ pub enum EstimateError {
         /// The reason.
         source: signal::SignalError,
     },
+}
+
+/// A value in SI, in the unit in which people read the quantity.
+fn in_its_unit(quantity: &Quantity, value: f64) -> f64 {
+    quantity.notation().per_si * value
 }
 
 impl EstimateError {

@@ -37,6 +37,8 @@ const ENGINE_INERTIA_PERCENT: f64 = 2.0;
 
 /// Standard errors of the difference beyond which a stated inertia and what recordings show contradict each other.
 const CONTRADICTED: f64 = 3.0;
+/// A difference of a stated inertia from what a recording shows that is worth a warning: standard errors, and share.
+const DOUBTED: (f64, f64) = (5.0, 0.01);
 
 /// An inertia before anything was estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +70,14 @@ impl StatedInertia {
     /// Its standard uncertainty, kg m².
     pub fn standard_uncertainty_kg_m2(&self) -> f64 {
         self.uncertainty_percent / 100.0 * self.kg_m2
+    }
+
+    /// By which part of itself it differs from what a recording shows, value and standard uncertainty in kg m²; `None` where chance
+    /// or less than 1 % may be the reason.
+    pub fn contradicted_by(&self, (seen, error): (f64, f64)) -> Option<f64> {
+        let apart = (seen - self.kg_m2).abs();
+        let spread = error.hypot(self.standard_uncertainty_kg_m2());
+        (apart > DOUBTED.0 * spread && apart > DOUBTED.1 * self.kg_m2).then_some(apart / self.kg_m2)
     }
 
     /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other, what the recordings

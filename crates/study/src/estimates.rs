@@ -29,8 +29,6 @@ use crate::{firing, ripple_clock};
 /// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
 /// named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and 9.
 const EXCHANGED: f64 = 3.0;
-/// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
-const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Two values this many standard errors of their difference apart contradict each other.
 const APART: f64 = 4.0;
 /// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted. Slow rasters may
@@ -345,21 +343,17 @@ fn doubt_inertias(
     contradiction
 }
 
-/// By how large a part of itself the stated value is contradicted.
+/// By how large a part of itself the stated value is contradicted, zero where it is not.
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
     (inertia, stated): (Quantity, StatedInertia),
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
 ) -> f64 {
+    let Some(share) = stated.contradicted_by((estimated_kg_m2, standard_error_kg_m2)) else { return 0.0 };
     let given_kg_m2 = stated.kg_m2;
-    let difference = (estimated_kg_m2 - given_kg_m2).abs();
-    let spread = standard_error_kg_m2.hypot(stated.standard_uncertainty_kg_m2());
-    if difference > INERTIA_DOUBT.0 * spread && difference > INERTIA_DOUBT.1 * given_kg_m2 {
-        let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
-        let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
-        findings.doubt(file, if contradicts { Severity::Error } else { Severity::Warning }, finding);
-        return difference / given_kg_m2;
-    }
-    0.0
+    let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
+    let severity = if share > INERTIA_CONTRADICTED { Severity::Error } else { Severity::Warning };
+    findings.doubt(file, severity, finding);
+    share
 }

@@ -8,7 +8,7 @@ use numerics::parallel;
 use rig::estimation::{EstimateError, need};
 use rig::experiment::{Sought, Test};
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Outcome, Reason, Shaft};
+use rig::results::{Estimate, Outcome, Part, Quantity, Reason, Shaft};
 use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
@@ -68,8 +68,8 @@ fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
         Some(why) if !Sought::Shaft.is_given_by(experiment) => Outcome::because(why.clone()),
         _ => Outcome::from(parts.shaft(experiment).map(|shaft| shaft.as_ref().clone())),
     };
-    let not_excited = Reason::NotExcited { file: experiment.file.clone(), role: Role::DynoTorqueDemand };
-    let (mut bands, mut beyond, mut inertias) = (Vec::new(), Outcome::because(not_excited), None);
+    let no_shaft = Outcome::because(Reason::Part { part: Part::Shaft });
+    let (mut bands, mut beyond, mut inertias) = (Vec::new(), no_shaft, None);
     let (mut dual_mass, mut routes) = (None, Routes::default());
     if let (Ok(inputs), Outcome::Estimated(shaft)) = (&inputs, &shaft) {
         routes = by_other_routes(experiment, inputs, shaft, bench);
@@ -80,7 +80,10 @@ fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
         inertias = parts.gives_inertias(experiment).then(both);
     }
     let (file, label) = (experiment.file.clone(), experiment.label.clone());
-    ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }
+    let inertia = shaft.estimated().and_then(|shaft| shaft.estimate.parameter(Quantity::DynoInertia));
+    let inertia_contradiction =
+        inertia.and_then(|found| bench.dynamometer_inertia().contradicted_by((found.value, found.standard_error)));
+    ShaftRecording { file, label, shaft, inertia_contradiction, bands, beyond, dual_mass, routes, inertias }
 }
 
 /// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for the shaft:

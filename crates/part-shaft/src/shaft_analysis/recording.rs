@@ -19,6 +19,8 @@ pub struct ShaftRecording {
     /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
     #[serde(serialize_with = "write_found")]
     pub shaft: Outcome<Shaft>,
+    /// By which part of itself the J_d of the bench file differs from the one found, where that is no accident.
+    pub inertia_contradiction: Option<f64>,
     /// The same by band; a band that shows nothing is left out.
     pub bands: Vec<Band>,
     /// What may be in the shaft beyond K and B.
