@@ -47,7 +47,8 @@ pub struct RebuiltEngine {
     pub sample_time_s: f64,
     /// By the smoother, Nm.
     pub smoothed_nm: Vec<f64>,
-    /// Its standard deviation, Nm: of noise and of the masses and the shaft together.
+    /// Its standard deviation, Nm: of noise, as wide as the innovations show ([`NoiseLevels::widening`]), and of the masses and the
+    /// shaft together.
     pub standard_deviation_nm: Vec<f64>,
     /// The part of it that is of the masses and the shaft, Nm, which longer recordings do not average out.
     pub of_masses_nm: Vec<f64>,
@@ -58,7 +59,7 @@ pub struct RebuiltEngine {
     /// Noise levels.
     pub noise: NoiseLevels,
     /// Amplitude at order 1, Nm, of what an error of 10⁻⁴ of the speed, once a turn, of the engine's encoder makes: it cannot
-    /// be separated from a motion and is in no standard deviation.
+    /// be separated from a motion, and widens the standard deviation only as far as the innovations show it.
     pub once_a_turn_nm: f64,
 }
 
@@ -69,7 +70,7 @@ pub(super) struct Motion {
     /// Integral of T_e up to every instant, Nm s: the change of J_d ω_d + J_e ω_e and what T_d and the slope of the friction
     /// took.
     pub(super) impulse: Vec<f64>,
-    /// Variance of J_d ω_d + J_e ω_e at every instant, (Nm s)².
+    /// Variance of J_d ω_d + J_e ω_e at every instant by noise, as wide as the innovations show, (Nm s)².
     pub(super) momentum_variance: Vec<f64>,
     /// Spectral density of the error of T_d, Nm²/Hz.
     pub(super) torque_density: f64,
@@ -106,7 +107,7 @@ pub(super) fn rebuild(
     let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
     let of_masses_nm = recorded.of_masses(masses, &levels, (observed.start_s, observed.sample_time_s, &smoothed_nm))?;
     let noise = smoother.noise(&levels).map_err(failed)?;
-    let widening = noise.widening();
+    let widening = noise.widening;
     let motion = motion(&smoother, &smoothed, (&values, observed.first_rad_s), &noise).map_err(failed)?;
     let mean = recorded.engine_speed.mean().unwrap_or(0.0);
     let engine = RebuiltEngine {
@@ -255,7 +256,7 @@ fn motion(
     let (dyno, _) = smoothed.combination(&weights(&[one(DYNO, 1.0)]))?;
     let parts = weights(&[one(DYNO, values.dyno_inertia), one(ENGINE, values.engine_inertia)]);
     let (momentum, deviation) = smoothed.combination(&parts)?;
-    let widening = noise.widening();
+    let widening = noise.widening;
     let mut taken = 0.0;
     let impulse = (0..momentum.len()).map(|k| {
         let so_far = momentum[k] - momentum[0] + taken;

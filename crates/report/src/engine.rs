@@ -48,8 +48,8 @@ pub fn rebuilt(engine: &RebuiltEngine) -> String {
     let half = |deviations: &[f64]| number::significant_with_unit(BAND * median(deviations), 2, "Nm");
     let doubt = crate::torque::doubt(&engine.noise);
     format!(
-        "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. Not \
-         included: each 0.01 % of a once-a-turn error of the engine's encoder adds {} at order 1, and bearing friction of the \
+        "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. A once-a-turn \
+         error of the engine's encoder is unknown: each 0.01 % of it adds {} at order 1. Bearing friction of the \
          dynamometer counts as engine torque{doubt}",
         half(&engine.standard_deviation_nm),
         half(&engine.of_masses_nm),
@@ -67,7 +67,7 @@ pub fn cycles(cycles: &Cycles) -> String {
         false => "no more than that".to_owned(),
     };
     format!(
-        "{} cycles of {} on average, each known to ±{} (noise alone); from one to the next they vary {variation}",
+        "{} cycles of {} on average, each known to ±{} (noise only, without masses and shaft); from one to the next they vary {variation}",
         cycles.cycles.len(),
         number::significant_with_unit(mean, 3, "Nm"),
         number::significant_with_unit(BAND * median(&each), 2, "Nm"),

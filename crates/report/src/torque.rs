@@ -147,7 +147,7 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
         OnceATurn::Unknown(nm) => {
-            format!("not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1", worth(nm))
+            format!("the encoder's once-a-turn error is unknown: each 0.01 % of it adds {} at order 1", worth(nm))
         }
     };
     format!("{certain}; {once}{}", doubt(&shaft.noise))
@@ -155,10 +155,10 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
 
 /// Why a rebuilt torque is less certain than it could be; nothing where its smoother's model explains the speeds.
 pub(crate) fn doubt(noise: &NoiseLevels) -> String {
-    let widening = noise.widening();
-    let widened = match widening > WORTH_SAYING {
+    let widened = match noise.widening > WORTH_SAYING {
         true => format!(
-            "; the intervals are {widening:.1} times as wide as noise alone makes them: the speeds hold what the model lacks, such as an error of an encoder"
+            "; noise counts {:.1} times in the intervals, since the speeds contain more than the smoother's model, such as errors of the encoders",
+            noise.widening
         ),
         false => String::new(),
     };
@@ -167,13 +167,13 @@ pub(crate) fn doubt(noise: &NoiseLevels) -> String {
 }
 
 /// What it takes to hold T_d,calc against the load cell.
-pub const NO_TRUST: &str = "both are needed, near standstill for 6 s or more; run Step_T_TN with long dwells";
+pub const NO_TRUST: &str = "both are needed, with steady torque for 6 s or more; run Step_T_TN with long dwells";
 
-/// Whether T_d,calc can be trusted at rest, in plain words.
+/// Whether T_d,calc can be trusted where torque is steady, in plain words.
 pub fn trust(check: &TrustCheck) -> String {
     let verdict = match check.verdict {
-        Trust::Trusted => "T_d,calc can be trusted at rest: within 1 % and 1 Nm of the load cell",
-        Trust::Off => "T_d,calc is off at rest: by more than 1 % or 1 Nm from the load cell",
+        Trust::Trusted => "steady T_d,calc can be trusted: within 1 % and 1 Nm of the load cell",
+        Trust::Off => "steady T_d,calc is off: by more than 1 % or 1 Nm from the load cell",
         Trust::Undecided => "the recordings cannot show whether T_d,calc is within 1 % and 1 Nm of the load cell",
     };
     let gain = match &check.gain {
@@ -258,6 +258,6 @@ fn trust_figure(check: &TrustCheck) -> Figure {
         HEIGHT,
         vec![Layer::dots("means over half a second", Style::Measured, &measured, &apart)],
     );
-    Figure::new("T_d,calc against the load cell at rest", Axis::linear("T_d,meas", "Nm"), vec![panel])
+    Figure::new("Steady T_d,calc against the load cell", Axis::linear("T_d,meas", "Nm"), vec![panel])
         .with_caption(format!("{}.", trust(check)))
 }

@@ -46,8 +46,8 @@ pub(crate) struct ExportArguments {
     #[arg(long, short, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
     /// With --to ssv: also write this many benches drawn from the covariance
-    #[arg(long, value_name = "COUNT", default_value_t = 0)]
-    pub(crate) draws: usize,
+    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    pub(crate) draws: u32,
     /// Replace files that are there, whoever wrote them
     #[arg(long)]
     pub(crate) overwrite: bool,

@@ -63,8 +63,8 @@ fn write(found: &EngineTorque, out: &Path, terminal: &mut Terminal) -> Result<()
         channels: vec![
             ("engine_torque", "by a fixed-interval smoother", &engine.smoothed_nm),
             (
-                "engine_torque_standard_deviation_without_encoder_error",
-                "of noise, masses and shaft, without what a once-a-turn error of the encoder adds",
+                "engine_torque_standard_deviation",
+                "of noise, masses and shaft; a once-a-turn error of the encoder only as far as the speeds show it",
                 &engine.standard_deviation_nm,
             ),
             ("engine_torque_zero_phase", "by a filter without phase shift", &engine.zero_phase_nm),

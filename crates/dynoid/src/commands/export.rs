@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Resul
         }
     }
     if arguments.to == ExportTarget::Ssv {
-        place.older_draws(arguments.draws).into_iter().for_each(|warning| terminal.warning(&warning));
+        place.older_draws(arguments.draws as usize).into_iter().for_each(|warning| terminal.warning(&warning));
     }
     Ok(Outcome::Done)
 }
@@ -70,7 +70,7 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
         (Source::Bench(document), ExportTarget::Mat) => export::matlab::bench(document, names),
         (Source::Bench(document), ExportTarget::Modelica) => Ok(vec![export::modelica::bench(document, names)]),
         (Source::Bench(document), ExportTarget::Python) => Ok(vec![export::python::bench(document, names)]),
-        (Source::Bench(document), ExportTarget::Ssv) => export::ssv::bench(document, names, arguments.draws),
+        (Source::Bench(document), ExportTarget::Ssv) => export::ssv::bench(document, names, arguments.draws as usize),
         (Source::Bench(document), ExportTarget::Linear) => linear(document, names),
         (Source::Bench(document), ExportTarget::Fmu2) => fmu(document, FmiVersion::V2, arguments, names),
         (Source::Bench(document), ExportTarget::Fmu3) => fmu(document, FmiVersion::V3, arguments, names),

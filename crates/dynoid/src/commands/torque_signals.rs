@@ -77,8 +77,8 @@ fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result
         channels: vec![
             ("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
             (
-                "shaft_torque_standard_deviation_without_encoder_error",
-                "of the smoother, without what a once-a-turn error of the encoder adds",
+                "shaft_torque_standard_deviation",
+                "of the smoother; a once-a-turn error of the encoder only as far as the speeds show it",
                 &shaft.standard_deviation_nm,
             ),
             ("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),

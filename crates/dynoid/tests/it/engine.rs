@@ -33,8 +33,7 @@ fn stat_the_engine_torque_is_rebuilt_drawn_and_written() {
     }
     let heading = campaign.read("engine.csv").lines().next().unwrap().to_owned();
     assert!(
-        heading.contains("engine_torque [Nm]")
-            && heading.contains("engine_torque_standard_deviation_without_encoder_error [Nm]"),
+        heading.contains("engine_torque [Nm]") && heading.contains("engine_torque_standard_deviation [Nm]"),
         "{heading}"
     );
 }

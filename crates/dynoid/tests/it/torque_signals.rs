@@ -20,7 +20,7 @@ fn stat_delays_filter_shaft_torque_load_cell_and_trust_are_said() {
         "identify with T_d,calc",
         "T_shaft rebuilt",
         "ω_n",
-        "T_d,calc can be trusted at rest",
+        "steady T_d,calc can be trusted",
     ] {
         assert!(text.to_lowercase().contains(&words.to_lowercase()), "{words}: {text}");
     }
@@ -41,8 +41,7 @@ fn exact_the_rebuilt_torque_is_written_as_a_recording() {
     assert_eq!(text.lines().count() as u64, samples + 1);
     let heading = text.lines().next().unwrap();
     assert!(
-        heading.contains("shaft_torque [Nm]")
-            && heading.contains("shaft_torque_standard_deviation_without_encoder_error [Nm]"),
+        heading.contains("shaft_torque [Nm]") && heading.contains("shaft_torque_standard_deviation [Nm]"),
         "{heading}"
     );
     let quiet = campaign.run(&["torque-signals", "bench.toml", recording, "--quiet"]);

@@ -138,12 +138,12 @@ fn stat_encoder_errors_widen_the_band() {
         let plan = plans[i].clone();
         let (experiment, truth) = recorded(&BenchParameters::default(), &plan, 9);
         let recording = of(&experiment, &default_bench()).recordings[0].clone();
-        (judged(&recording, &truth), recording.engine.estimated().unwrap().noise.widening())
+        (judged(&recording, &truth), recording.engine.estimated().unwrap().noise.widening)
     });
     for (judged, widening) in &found {
         println!("band {:.3}, widened {widening:.2} times", judged.inside);
     }
-    assert!(found.iter().all(|(judged, widening)| judged.inside > 0.9 && *widening > 1.2));
+    assert!(found.iter().all(|(judged, widening)| judged.inside > 0.9 && (1.2..6.0).contains(widening)));
 }
 
 /// The first of them is any cylinder; what is compared with each is the true torque over its part of the cycle.

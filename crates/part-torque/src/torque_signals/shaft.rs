@@ -90,7 +90,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     let smoothed = smoother.smooth(&levels).map_err(failed)?;
     let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
     let noise = smoother.noise(&levels).map_err(failed)?;
-    let (count, widening) = (smoothed_nm.len(), noise.widening());
+    let (count, widening) = (smoothed_nm.len(), noise.widening);
     let filtered = |x: &Signal, wanted, gate_s, late_s: f64| {
         ZeroPhase { band_hz: BAND_HZ, gate_s, wanted }.at(x, clock.start_s + late_s, speed.sample_time_s, count)
     };

@@ -41,19 +41,8 @@ pub struct NoiseLevels {
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,
-}
-
-impl NoiseLevels {
-    /// By what the smoother's standard deviations are to be multiplied: innovations that hang together count less than as many
-    /// white ones, (1 − ρ)/(1 + ρ) of them where each has the correlation ρ with the next and takes no more from those before.
-    /// A once-a-turn error of an encoder does that.
-    ///
-    /// # Source
-    /// Bartlett, *Some aspects of the time-correlation problem*, Journal of the Royal Statistical Society 98, 1935.
-    pub fn widening(&self) -> f64 {
-        let largest = self.innovations_correlation.iter().copied().fold(0.0, f64::max).min(LARGEST_CORRELATION);
-        ((1.0 + largest) / (1.0 - largest)).sqrt()
-    }
+    /// By what the smoother's standard deviations are multiplied, one or more; see [`widening`].
+    pub widening: f64,
 }
 
 impl TorqueSmoother<'_> {
@@ -115,13 +104,15 @@ impl TorqueSmoother<'_> {
             (*hz, (2.0 * power).sqrt())
         };
         let ratios = self.observed.noise_rad_s.iter().zip(self.noise_ratios(logarithms));
+        let correlations: Vec<f64> = self.by_speed(&innovations).iter().map(|own| lag_one(own)).collect();
         Ok(NoiseLevels {
             speeds_rad_s: ratios.map(|(noise, ratio)| (scale * ratio).sqrt() * noise).collect(),
             torque_nm_per_root_hz: density(logarithms[TORQUE]),
             wandering_nm_s2_per_root_hz: density(logarithms[WANDERING]),
             lines: self.observed.lines_hz.iter().enumerate().map(line).collect(),
             converged: *converged,
-            innovations_correlation: self.by_speed(&innovations).iter().map(|own| lag_one(own)).collect(),
+            widening: widening(&correlations),
+            innovations_correlation: correlations,
         })
     }
 
@@ -134,6 +125,17 @@ impl TorqueSmoother<'_> {
         read.zip(innovations).for_each(|((_, j), value)| by_speed[j].push(*value));
         by_speed
     }
+}
+
+/// By what the smoother's standard deviations are to be multiplied: innovations that hang together count less than as many
+/// white ones, (1 − ρ)/(1 + ρ) of them where each has the correlation ρ with the next and takes no more from those before.
+/// A once-a-turn error of an encoder does that.
+///
+/// # Source
+/// Bartlett, *Some aspects of the time-correlation problem*, Journal of the Royal Statistical Society 98, 1935.
+fn widening(correlations: &[f64]) -> f64 {
+    let largest = correlations.iter().copied().fold(0.0, f64::max).min(LARGEST_CORRELATION);
+    ((1.0 + largest) / (1.0 - largest)).sqrt()
 }
 
 /// Covariance of one value and the next over the variance.

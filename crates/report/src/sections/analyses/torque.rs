@@ -12,7 +12,7 @@ use crate::wording::{self, number};
 pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
     let mut all = sentence(
         "Accuracy and delay of the torque signals. Each is compared with T_d*, with the bend in N_d, and with the \
-         load cell at rest. The shaft torque is computed from N_d and T_d, with its standard deviation",
+         load cell at steady torque. The shaft torque is computed from N_d and T_d, with its standard deviation",
     );
     all.push(match &found.trust {
         Some(check) => sentence(&torque::trust(check)),
