@@ -21,5 +21,6 @@ pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result
     let page = || report::pages::shaft(&study);
     let json = || json!({"recordings": study.recordings, "together": study.together, "refused": refused});
     show(&arguments.result, page, json, terminal)?;
-    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+    let finds = study.recordings.iter().any(|recording| recording.shaft.estimated().is_some());
+    Ok(Outcome::of(finds, &refused))
 }

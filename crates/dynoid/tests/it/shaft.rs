@@ -2,7 +2,7 @@
 
 use rig::experiment::ExperimentPlan;
 
-use crate::support::{Campaign, simulated};
+use crate::support::{Campaign, bs, channel, simulated};
 
 #[test]
 fn stat_each_recording_and_all_together_tell_the_shaft_that_was_simulated() {
@@ -70,6 +70,12 @@ fn regress_recordings_that_tell_no_shaft_say_why() {
     let campaign = Campaign::whole();
     let ran = campaign.run(&["shaft", "bench.toml", "recordings/BS_T_NT_1200.mf4", "--quiet"]);
     assert_eq!((ran.code, ran.stdout.as_str()), (Some(0), ""));
+    let mut without_engine = bs();
+    channel(&mut without_engine, "EngineSpeed").name = "Another".to_owned();
+    let campaign = campaign.with("BS_T_NT_1200.mf4", &without_engine);
+    let ran = campaign.run(&["shaft", "bench.toml", "recordings/BS_T_NT_1200.mf4", "--json"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.stderr);
+    assert_eq!(ran.json()["recordings"][0]["beyond"]["not_estimated"]["name"], "shaft", "{}", ran.stdout);
     campaign.write("recordings/WhiteNoise_T_TN_1200.mf4", b"no recording");
     let ran = campaign.run(&["shaft", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"]);
     ran.assert_refused(3, &["WhiteNoise_T_TN_1200.mf4", "none of the recordings"]);

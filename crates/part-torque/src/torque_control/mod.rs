@@ -98,9 +98,10 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.
 ///
 /// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
-/// out. Of a long recording the four minutes are used in which T_d* changes most. Their first 70 % are estimated from, the rest
-/// validates. Offset and ripple lines are estimated jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
-/// reported in the diagnostics, and the intervals reach to the estimates beside a free gain. Covariances are robust to coloured residuals.
+/// out. Of a long recording the four minutes are used in which T_d* changes most. Their first 70 % are estimated from, the
+/// rest validates. Offset and ripple lines are estimated jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain
+/// that differs from one by more than its 99 % interval is reported in the diagnostics, and the intervals reach to the
+/// estimates beside a free gain. Covariances are robust to coloured residuals.
 ///
 /// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
 /// before the demand (at most 5 ms).
