@@ -65,11 +65,6 @@ impl Companion {
         ((0..n).map(|j| self.b.get(j).copied().unwrap_or(0.0) - direct * self.a[j]).collect(), direct)
     }
 
-    /// What each initial state leaves in the output, as far as anything is left: see [`Sampled::free_responses`].
-    pub(crate) fn free_responses(&self, intersample: Intersample, length: usize) -> Result<Vec<Vec<f64>>, LtiError> {
-        Ok(self.sampled(intersample)?.free_responses(&self.output().0, length))
-    }
-
     fn matrices(&self) -> (Mat<f64>, Vec<f64>) {
         let n = self.a.len();
         let f = Mat::from_fn(n, n, |i, j| if i + 1 == n { -self.a[j] } else { f64::from(u8::from(j == i + 1)) });

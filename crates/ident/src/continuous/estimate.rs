@@ -51,7 +51,7 @@ pub(crate) struct OutputFit<C> {
     /// Of Student's t for intervals.
     pub(crate) degrees_of_freedom: f64,
     /// Initial states and offsets that took degrees of freedom.
-    nuisance: usize,
+    pub(crate) nuisance: usize,
     pub(crate) bounds: Vec<Bounds>,
     /// Whether the errors are smallest here; otherwise the estimate is of another kind.
     pub(crate) is_searched: bool,

@@ -211,13 +211,13 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
     }
 
     /// White columns of initial states and offsets of record `r`, output by output.
-    fn nuisance(&self, r: usize, ready: &[Vec<Ready>]) -> Result<Vec<Vec<f64>>, IdentError> {
+    fn nuisance(&self, r: usize, ready: &[Vec<Ready>]) -> Vec<Vec<f64>> {
         let mut columns = Vec::new();
         for (i, (output, ready)) in self.outputs.iter().zip(ready).enumerate() {
-            let own = output.nuisance_columns(ready, &output.records[r])?;
+            let own = output.nuisance_columns(ready, &output.records[r]);
             columns.extend(own.iter().map(|column| self.instants.white(r, &self.weights, &[(i, column)])));
         }
-        Ok(columns)
+        columns
     }
 
     fn ready(&self, theta: &[f64], with_slopes: bool) -> Result<Vec<Vec<Ready>>, IdentError> {
@@ -230,23 +230,21 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
         ready: &[Vec<Ready>],
         residuals: &mut [f64],
         jacobian: Option<MatMut<'_, f64>>,
-    ) -> Result<(), IdentError> {
+    ) {
         let of_output =
             |(output, ready): (&OutputError<'_, C>, &Vec<_>)| output.forced_error(ready, &output.records[r]);
-        let raw = self.outputs.iter().zip(ready).map(of_output).collect::<Result<Vec<_>, _>>()?;
+        let raw: Vec<Vec<f64>> = self.outputs.iter().zip(ready).map(of_output).collect();
         let placed: Vec<(usize, &[f64])> = raw.iter().enumerate().map(|(i, e)| (i, e.as_slice())).collect();
         let mut error = self.instants.white(r, &self.weights, &placed);
-        let basis = Basis::new(self.nuisance(r, ready)?);
+        let basis = Basis::new(self.nuisance(r, ready));
         let initial = basis.take_out(&mut error);
         residuals.copy_from_slice(&error);
-        let Some(mut jacobian) = jacobian else {
-            return Ok(());
-        };
+        let Some(mut jacobian) = jacobian else { return };
         let (mut column, mut taken) = (0, 0);
         for (i, (output, ready)) in self.outputs.iter().zip(ready).enumerate() {
             let own = output.nuisance_count(ready);
             let initial = initial.get(taken..taken + own).unwrap_or(&[]);
-            for derivative in output.derivatives(ready, &output.records[r], initial)? {
+            for derivative in output.derivatives(ready, &output.records[r], initial) {
                 let mut white = self.instants.white(r, &self.weights, &[(i, &derivative)]);
                 basis.take_out(&mut white);
                 let into = jacobian.as_mut().col_mut(column);
@@ -255,7 +253,6 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
             }
             taken += own;
         }
-        Ok(())
     }
 
     /// The errors of each output over all records, NaN where it is not measured.
@@ -316,7 +313,7 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
         let ready = self.ready(&minimum.parameters, false)?;
         let mut nuisance = 0;
         for r in 0..self.instants.of.len() {
-            nuisance += Basis::new(self.nuisance(r, &ready)?).rank();
+            nuisance += Basis::new(self.nuisance(r, &ready)).rank();
         }
         let remaining = minimum.degrees_of_freedom() - nuisance as f64;
         if remaining <= 0.0 {
@@ -358,7 +355,7 @@ impl<C: ContinuousChannel> ResidualModel for JointError<'_, '_, C> {
         for r in 0..self.instants.of.len() {
             let rows = self.rows(r);
             let part = jacobian.as_mut().map(|j| j.as_mut().subrows_mut(first, rows));
-            self.evaluate_record(r, &ready, &mut residuals[first..first + rows], part)?;
+            self.evaluate_record(r, &ready, &mut residuals[first..first + rows], part);
             first += rows;
         }
         Ok(())

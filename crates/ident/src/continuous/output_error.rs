@@ -14,6 +14,7 @@ use super::companion::Companion;
 use super::model::ContinuousModel;
 use super::projection::Basis;
 use super::record::Record;
+use super::sampled::Sampled;
 use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
 
@@ -37,11 +38,18 @@ pub(crate) struct OutputError<'a, C> {
     pub(crate) stable: bool,
 }
 
-/// A channel ready to be run.
+/// A channel ready to be run: sampled once for all records, of which there are many where data have gaps.
 pub(super) struct Ready {
     companion: Companion,
+    sampled: Sampled,
+    slopes: Option<Slopes>,
+}
+
+/// What derivatives are made of.
+struct Slopes {
+    cascade: Sampled,
     /// Derivatives of numerator, denominator and delay (rows) by the channel's own parameters.
-    slopes: Mat<f64>,
+    of_coefficients: Mat<f64>,
 }
 
 impl<C: ContinuousChannel> OutputError<'_, C> {
@@ -53,47 +61,52 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
             if self.stable && !companion.is_stable()? {
                 return Err(StructureError::Unstable(UnstablePart::Model).into());
             }
-            let slopes = if with_slopes { slopes(channel)? } else { Mat::zeros(0, 0) };
-            ready.push(Ready { companion, slopes });
+            let sampled = companion.sampled(self.intersample)?;
+            let slopes = if with_slopes { Some(self.slopes(channel, &companion)?) } else { None };
+            ready.push(Ready { companion, sampled, slopes });
         }
         Ok(ready)
+    }
+
+    fn slopes(&self, channel: &C, companion: &Companion) -> Result<Slopes, IdentError> {
+        Ok(Slopes { cascade: companion.cascade(self.intersample)?, of_coefficients: slopes(channel)? })
     }
 
     /// Independent columns of initial states and offsets, over all records.
     pub(crate) fn nuisance_rank(&self, theta: &[f64]) -> Result<usize, IdentError> {
         let ready = self.ready(theta, false)?;
-        self.records.iter().map(|r| Ok(self.basis(&ready, r)?.rank())).sum()
+        Ok(self.records.iter().map(|r| self.basis(&ready, r).rank()).sum())
     }
 
     /// The constant of each record, where one is estimated.
     pub(crate) fn levels(&self, theta: &[f64]) -> Result<Vec<f64>, IdentError> {
         let ready = self.ready(theta, false)?;
         let of = |record: &Record<'_>| {
-            let mut error = self.forced_error(&ready, record)?;
-            let found = self.basis(&ready, record)?.take_out(&mut error);
-            Ok(found.last().copied().filter(|_| self.nuisance.offset).unwrap_or(0.0))
+            let mut error = self.forced_error(&ready, record);
+            let found = self.basis(&ready, record).take_out(&mut error);
+            found.last().copied().filter(|_| self.nuisance.offset).unwrap_or(0.0)
         };
-        self.records.iter().map(of).collect()
+        Ok(self.records.iter().map(of).collect())
     }
 
-    fn basis(&self, ready: &[Ready], record: &Record<'_>) -> Result<Basis, IdentError> {
-        Ok(Basis::new(self.nuisance_columns(ready, record)?))
+    fn basis(&self, ready: &[Ready], record: &Record<'_>) -> Basis {
+        Basis::new(self.nuisance_columns(ready, record))
     }
 
     /// Responses to the initial state of each channel, as far as anything is left of them, and an offset.
-    pub(super) fn nuisance_columns(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<Vec<f64>>, IdentError> {
+    pub(super) fn nuisance_columns(&self, ready: &[Ready], record: &Record<'_>) -> Vec<Vec<f64>> {
         let length = record.output.len() - record.first;
         let mut columns = Vec::new();
         if self.nuisance.initial_state {
             for part in ready {
-                columns.append(&mut part.companion.free_responses(self.intersample, length)?);
+                columns.append(&mut part.sampled.free_responses(&part.companion.output().0, length));
             }
         }
         if self.nuisance.offset {
             columns.push(vec![1.0; length]);
         }
         columns.iter_mut().for_each(|c| record.keep(c));
-        Ok(columns)
+        columns
     }
 
     /// Number of [`Self::nuisance_columns`].
@@ -103,62 +116,29 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
     }
 
     /// The measured output less every forced response.
-    pub(super) fn forced_error(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<f64>, IdentError> {
+    pub(super) fn forced_error(&self, ready: &[Ready], record: &Record<'_>) -> Vec<f64> {
         let mut error: Vec<f64> = record.output[record.first..].to_vec();
         for (part, u) in ready.iter().zip(&record.inputs) {
-            let sampled = part.companion.sampled(self.intersample)?;
             let (c, d) = part.companion.output();
-            sampled.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
+            part.sampled.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
                 error[k - record.first] -= c.iter().zip(z).map(|(c, z)| c * z).sum::<f64>() + d * v;
             });
         }
         record.keep(&mut error);
-        Ok(error)
+        error
     }
 
-    /// Writes the derivatives of the error by the parameters of one channel into the columns given.
-    fn differentiate(
-        &self,
-        part: &Ready,
-        record: &Record<'_>,
-        (input, initial): (usize, &[f64]),
-        columns: &mut [Vec<f64>],
-    ) -> Result<(), IdentError> {
-        let n = part.companion.order();
-        let cascade = part.companion.cascade(self.intersample)?;
-        let mut state = vec![0.0; 2 * n];
-        state[..initial.len()].copy_from_slice(initial);
-        let mut by_coefficient = vec![0.0; part.slopes.nrows()];
-        cascade.run(&record.inputs[input], record.first, &mut state, |k, state, v, slope| {
-            if record.output[k].is_nan() {
-                return;
-            }
-            part.companion.sensitivities(state, v, slope, &mut by_coefficient);
-            for (j, column) in columns.iter_mut().enumerate() {
-                let slopes = part.slopes.col(j).iter();
-                column.push(-slopes.zip(&by_coefficient).map(|(s, d)| s * d).sum::<f64>());
-            }
-        });
-        Ok(())
-    }
-
-    /// Derivatives of the error by all parameters in turn, from the initial states of the channels.
-    pub(super) fn derivatives(
-        &self,
-        ready: &[Ready],
-        record: &Record<'_>,
-        initial: &[f64],
-    ) -> Result<Vec<Vec<f64>>, IdentError> {
+    /// Derivatives of the error by all parameters in turn, from the initial states of the channels; none of channels that were
+    /// made ready without slopes.
+    pub(super) fn derivatives(&self, ready: &[Ready], record: &Record<'_>, initial: &[f64]) -> Vec<Vec<f64>> {
         let (mut taken, mut all) = (0, Vec::new());
-        for (input, part) in ready.iter().enumerate() {
+        for (part, u) in ready.iter().zip(&record.inputs) {
             let states = if self.nuisance.initial_state { part.companion.order() } else { 0 };
             let x0 = initial.get(taken..taken + states).unwrap_or(&[]);
             taken += states;
-            let mut columns = vec![Vec::with_capacity(record.rows()); part.slopes.ncols()];
-            self.differentiate(part, record, (input, x0), &mut columns)?;
-            all.append(&mut columns);
+            all.extend(part.slopes.iter().flat_map(|slopes| part.derivatives(slopes, u, record, x0)));
         }
-        Ok(all)
+        all
     }
 
     fn evaluate_record(
@@ -167,20 +147,38 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         record: &Record<'_>,
         residuals: &mut [f64],
         jacobian: Option<MatMut<'_, f64>>,
-    ) -> Result<(), IdentError> {
-        let basis = self.basis(ready, record)?;
-        let mut error = self.forced_error(ready, record)?;
+    ) {
+        let basis = self.basis(ready, record);
+        let mut error = self.forced_error(ready, record);
         let initial = basis.take_out(&mut error);
         residuals.copy_from_slice(&error);
-        let Some(mut jacobian) = jacobian else {
-            return Ok(());
-        };
-        for (j, column) in self.derivatives(ready, record, &initial)?.iter_mut().enumerate() {
+        let Some(mut jacobian) = jacobian else { return };
+        for (j, column) in self.derivatives(ready, record, &initial).iter_mut().enumerate() {
             basis.take_out(column);
             let into = jacobian.as_mut().col_mut(j);
             into.iter_mut().zip(column.iter()).for_each(|(slot, value)| *slot = *value);
         }
-        Ok(())
+    }
+}
+
+impl Ready {
+    /// Derivatives of the error by the parameters of the channel.
+    fn derivatives(&self, slopes: &Slopes, u: &[&[f64]], record: &Record<'_>, initial: &[f64]) -> Vec<Vec<f64>> {
+        let mut state = vec![0.0; 2 * self.companion.order()];
+        state[..initial.len()].copy_from_slice(initial);
+        let mut by_coefficient = vec![0.0; slopes.of_coefficients.nrows()];
+        let mut columns = vec![Vec::with_capacity(record.rows()); slopes.of_coefficients.ncols()];
+        slopes.cascade.run(u, record.first, &mut state, |k, state, v, slope| {
+            if record.output[k].is_nan() {
+                return;
+            }
+            self.companion.sensitivities(state, v, slope, &mut by_coefficient);
+            for (j, column) in columns.iter_mut().enumerate() {
+                let slopes = slopes.of_coefficients.col(j).iter();
+                column.push(-slopes.zip(&by_coefficient).map(|(s, d)| s * d).sum::<f64>());
+            }
+        });
+        columns
     }
 }
 
@@ -230,7 +228,7 @@ impl<C: ContinuousChannel> ResidualModel for OutputError<'_, C> {
         for record in self.records {
             let rows = record.rows();
             let part = jacobian.as_mut().map(|j| j.as_mut().subrows_mut(first, rows));
-            self.evaluate_record(&ready, record, &mut residuals[first..first + rows], part)?;
+            self.evaluate_record(&ready, record, &mut residuals[first..first + rows], part);
             first += rows;
         }
         Ok(())

@@ -11,9 +11,12 @@
 use faer::Mat;
 use lti::Complex64;
 use numerics::linalg::{self, Qr};
+use numerics::vector::{dot, sum_of_squares};
 
 use super::companion::Companion;
+use super::projection::Basis;
 use super::record::Record;
+use super::sampled::Sampled;
 use crate::{IdentError, Intersample, Triangle};
 
 /// Singular values below this part of the largest take no part in a starting value.
@@ -65,88 +68,51 @@ impl Structure<'_> {
     ) -> Result<Estimate, IdentError> {
         let feedback = self.poles - self.integrators;
         let forward: usize = self.degrees.iter().map(|m| m + 1).sum();
-        let nuisance = records.len() * (self.poles + usize::from(self.offset));
-        let unknown = feedback + forward + nuisance;
-        let instruments = if model.is_some() { feedback } else { 0 };
-        let mut triangle = Triangle::new(instruments + unknown + 1);
-        let mut row = vec![0.0; instruments + unknown + 1];
-        for (index, record) in records.iter().enumerate() {
-            let columns = self.columns(record, filter, model)?;
-            let place = instruments + feedback + forward + index * (self.poles + usize::from(self.offset));
+        let (unknown, instruments) = (feedback + forward, if model.is_some() { feedback } else { 0 });
+        let width = instruments + unknown + 1;
+        let (mut triangle, mut sizes) = (Triangle::new(width), vec![0.0; width]);
+        let filters = Filters::new(self, filter, model)?;
+        for record in records {
+            let (mut columns, own) = self.columns(record, &filters);
+            columns.iter().zip(&mut sizes).for_each(|(column, size)| *size += sum_of_squares(column));
+            columns.iter_mut().for_each(|column| {
+                own.take_out(column);
+            });
+            let mut row = vec![0.0; width];
             for i in 0..columns[0].len() {
-                // [instruments in place of y | u, nuisance | y | target]: the first two blocks are the instruments.
-                row.fill(0.0);
-                let (ours, own) = columns.split_at(1 + instruments + forward + feedback);
-                let value = |c: &Vec<f64>| c[i];
-                let (target, rest) = (ours[0][i], &ours[1..]);
-                row[..instruments].iter_mut().zip(rest).for_each(|(slot, c)| *slot = value(c));
-                row[instruments..instruments + forward]
-                    .iter_mut()
-                    .zip(&rest[instruments..])
-                    .for_each(|(s, c)| *s = value(c));
-                let shared = place - feedback;
-                row[shared..shared + own.len()].iter_mut().zip(own).for_each(|(slot, c)| *slot = value(c));
-                let y = instruments + forward + nuisance;
-                row[y..y + feedback].iter_mut().zip(&rest[instruments + forward..]).for_each(|(s, c)| *s = value(c));
-                row[instruments + unknown] = target;
+                row.iter_mut().zip(&columns).for_each(|(slot, column)| *slot = column[i]);
                 triangle.push_row(&row);
             }
         }
-        let solution = solve(&triangle.finish(), instruments, unknown);
-        Ok(self.unpack(&solution, forward, nuisance))
+        let sizes: Vec<f64> = sizes[instruments..instruments + unknown].iter().map(|size| size.sqrt()).collect();
+        Ok(self.unpack(&solve(&triangle.finish(), instruments, &sizes), forward))
     }
 
-    /// `[y⁽ⁿ⁾ | instruments | u derivatives | −y derivatives | free responses, one]`, all filtered.
-    fn columns(
-        &self,
-        record: &Record<'_>,
-        filter: &[f64],
-        model: Option<&Estimate>,
-    ) -> Result<Vec<Vec<f64>>, IdentError> {
-        let y = filled(record);
-        let (mut from_y, target) = derivatives(&[&y], record.first, (filter, 0.0), Intersample::FirstOrderHold)?;
-        let mut columns = vec![target];
-        if let Some(model) = model {
-            columns.extend(self.instruments(record, filter, model)?);
+    /// `[instruments | u derivatives | −y derivatives | y⁽ⁿ⁾]`, all filtered: instruments in place of y come first, and those
+    /// after them are instruments of their own. Beside them what initial states and an offset do to the record, which is its
+    /// own instrument too and can be taken out of all columns.
+    fn columns(&self, record: &Record<'_>, filters: &Filters) -> (Vec<Vec<f64>>, Basis) {
+        let length = record.output.len() - record.first;
+        let mut columns: Vec<_> = filters.instruments(record, length).into_iter().skip(self.integrators).collect();
+        for ((u, m), filter) in record.inputs.iter().zip(self.degrees).zip(&filters.of_inputs) {
+            columns.extend(filters.derivatives(filter, u, record.first).into_iter().take(m + 1));
         }
-        for ((u, m), delay) in record.inputs.iter().zip(self.degrees).zip(self.delays) {
-            let (mut from_u, highest) = derivatives(u, record.first, (filter, *delay), self.intersample)?;
-            from_u.push(highest);
-            from_u.truncate(m + 1);
-            columns.append(&mut from_u);
-        }
+        let mut from_y = filters.derivatives(&filters.of_output, &[&filled(record)], record.first);
+        let target = from_y.pop();
         from_y.iter_mut().flatten().for_each(|v| *v = -*v);
-        columns.extend(from_y.drain(self.integrators..));
-        let length = record.output.len() - record.first;
-        let free = Companion::monic(filter, &[1.0], 0.0).free_responses(self.intersample, length)?;
-        columns.extend(free.into_iter().map(|mut response| {
-            response.resize(length, 0.0);
-            response
-        }));
+        columns.extend(from_y.into_iter().skip(self.integrators));
+        columns.extend(target);
+        let mut own = filters.free.free_responses(&filters.seen, length);
         if self.offset {
-            columns.push(vec![1.0; length]);
+            own.push(vec![1.0; length]);
         }
-        columns.iter_mut().for_each(|c| record.keep(c));
-        Ok(columns)
+        columns.iter_mut().chain(&mut own).for_each(|c| record.keep(c));
+        (columns, Basis::new(own))
     }
 
-    /// Filtered derivatives of the simulated output, negative.
-    fn instruments(&self, record: &Record<'_>, filter: &[f64], model: &Estimate) -> Result<Vec<Vec<f64>>, IdentError> {
-        let n = self.poles;
-        let length = record.output.len() - record.first;
-        let mut columns = vec![vec![0.0; length]; n];
-        for ((u, b), delay) in record.inputs.iter().zip(&model.b).zip(self.delays) {
-            let cascade = Companion::monic(filter, b, *delay).cascade(self.intersample)?;
-            cascade.run(u, record.first, &mut vec![0.0; 2 * n], |k, state, _, _| {
-                columns.iter_mut().zip(&state[n..]).for_each(|(column, w)| column[k - record.first] -= w);
-            });
-        }
-        Ok(columns.split_off(self.integrators))
-    }
-
-    fn unpack(&self, solution: &[f64], forward: usize, nuisance: usize) -> Estimate {
+    fn unpack(&self, solution: &[f64], forward: usize) -> Estimate {
         let mut a = vec![0.0; self.integrators];
-        a.extend_from_slice(&solution[forward + nuisance..]);
+        a.extend_from_slice(&solution[forward..]);
         let mut rest = &solution[..forward];
         let mut take = |count: usize| {
             let (own, others) = rest.split_at(count);
@@ -158,24 +124,58 @@ impl Structure<'_> {
     }
 }
 
-/// `p^j/Â x` for j < n, and for j = n.
-type Derivatives = (Vec<Vec<f64>>, Vec<f64>);
+/// The filter `1/Â` and what is behind it, sampled once for all records.
+struct Filters {
+    /// Coefficients of Â.
+    a: Vec<f64>,
+    of_output: Sampled,
+    of_inputs: Vec<Sampled>,
+    /// Of the simulated output of the model before; none without one.
+    of_model: Vec<Sampled>,
+    /// The filter without delay, and how its states are seen.
+    free: Sampled,
+    seen: Vec<f64>,
+}
 
-fn derivatives(
-    x: &[&[f64]],
-    first: usize,
-    (filter, delay): (&[f64], f64),
-    intersample: Intersample,
-) -> Result<Derivatives, IdentError> {
-    let n = filter.len();
-    let sampled = Companion::monic(filter, &[1.0], delay).sampled(intersample)?;
-    let mut columns = vec![Vec::new(); n];
-    let mut highest = Vec::new();
-    sampled.run(x, first, &mut vec![0.0; n], |_, z, v, _| {
-        columns.iter_mut().zip(z).for_each(|(column, z)| column.push(*z));
-        highest.push(v - filter.iter().zip(z).map(|(a, z)| a * z).sum::<f64>());
-    });
-    Ok((columns, highest))
+impl Filters {
+    fn new(structure: &Structure<'_>, filter: &[f64], model: Option<&Estimate>) -> Result<Self, IdentError> {
+        let between = structure.intersample;
+        let late = |delay: &f64| Ok(Companion::monic(filter, &[1.0], *delay).sampled(between)?);
+        let simulated = |(b, delay): (&Vec<f64>, &f64)| Ok(Companion::monic(filter, b, *delay).cascade(between)?);
+        let numerators = model.map_or(&[][..], |model| &model.b);
+        let alone = Companion::monic(filter, &[1.0], 0.0);
+        Ok(Filters {
+            a: filter.to_vec(),
+            of_output: alone.sampled(Intersample::FirstOrderHold)?,
+            of_inputs: structure.delays.iter().map(late).collect::<Result<_, IdentError>>()?,
+            of_model: numerators.iter().zip(structure.delays).map(simulated).collect::<Result<_, IdentError>>()?,
+            free: alone.sampled(between)?,
+            seen: alone.output().0,
+        })
+    }
+
+    /// `p^j/Â x` for j = 0 … n.
+    fn derivatives(&self, filter: &Sampled, x: &[&[f64]], first: usize) -> Vec<Vec<f64>> {
+        let n = self.a.len();
+        let mut columns = vec![Vec::new(); n + 1];
+        filter.run(x, first, &mut vec![0.0; n], |_, z, v, _| {
+            let highest = v - dot(&self.a, z);
+            columns.iter_mut().zip(z.iter().chain([&highest])).for_each(|(column, value)| column.push(*value));
+        });
+        columns
+    }
+
+    /// Filtered derivatives of the simulated output, negative; none without a model.
+    fn instruments(&self, record: &Record<'_>, length: usize) -> Vec<Vec<f64>> {
+        let n = self.a.len();
+        let mut columns = vec![vec![0.0; length]; n];
+        for (u, cascade) in record.inputs.iter().zip(&self.of_model) {
+            cascade.run(u, record.first, &mut vec![0.0; 2 * n], |k, state, _, _| {
+                columns.iter_mut().zip(&state[n..]).for_each(|(column, w)| column[k - record.first] -= w);
+            });
+        }
+        if self.of_model.is_empty() { Vec::new() } else { columns }
+    }
 }
 
 /// The output with the sample before in place of missing ones.
@@ -188,15 +188,13 @@ fn filled(record: &Record<'_>) -> Vec<f64> {
     record.output.iter().map(&mut fill).collect()
 }
 
-/// Solves `Zᵀ Φ θ = Zᵀ y` from the factor of `[Z′ | Φ | y]`, whose first columns after `Z′` belong to both.
-fn solve(factor: &Mat<f64>, instruments: usize, unknown: usize) -> Vec<f64> {
+/// Solves `Zᵀ Φ θ = Zᵀ y` from the factor of `[Z′ | Φ | y]`, whose first columns after `Z′` belong to both. `sizes` are those of
+/// the columns of Φ before anything was taken out of them: what is rounding beside them counts for nothing.
+fn solve(factor: &Mat<f64>, instruments: usize, sizes: &[f64]) -> Vec<f64> {
     // Rows 0..unknown of the factor are QᵀΦ and Qᵀy on an orthonormal basis of the instruments.
-    let column = |j: usize| instruments + j;
-    let scale: Vec<f64> = (0..unknown)
-        .map(|j| (0..unknown).map(|i| factor[(i, column(j))].powi(2)).sum::<f64>().sqrt())
-        .map(|length| if length > 0.0 { length } else { 1.0 })
-        .collect();
-    let matrix = Mat::from_fn(unknown, unknown, |i, j| factor[(i, column(j))] / scale[j]);
+    let unknown = sizes.len();
+    let scale: Vec<f64> = sizes.iter().map(|size| if *size > 0.0 { *size } else { 1.0 }).collect();
+    let matrix = Mat::from_fn(unknown, unknown, |i, j| factor[(i, instruments + j)] / scale[j]);
     let right = Mat::from_fn(unknown, 1, |i, _| factor[(i, instruments + unknown)]);
     let solution = linalg::least_norm(matrix.as_ref(), right.as_ref(), NEGLIGIBLE)
         .unwrap_or_else(|_| Qr::new(matrix.as_ref()).least_squares(right.as_ref()));

@@ -1,8 +1,11 @@
 //! Where the search for a transfer function begins.
 
+use numerics::vector::{dot, sum_of_squares};
+
 use super::companion::Companion;
 use super::projection::Basis;
 use super::record::{Record, liveliest};
+use super::sampled::Sampled;
 use super::srivc::{Estimate, Structure, stable_filter};
 use crate::structure_error::StructureError;
 use crate::{IdentError, Termination};
@@ -126,41 +129,58 @@ fn judge(structure: &Structure<'_>, records: &[Record<'_>], estimate: Estimate) 
     let mut a = vec![0.0; structure.integrators];
     a.extend(stable_filter(&estimate.a[structure.integrators..], 1e-3 / length as f64)?);
     let estimate = Estimate { a, b: estimate.b };
-    let mut cost = 0.0;
-    for record in records {
-        cost += left_over(structure, record, &estimate)?;
-    }
+    let sampled = SampledEstimate::new(structure, &estimate)?;
+    let cost = records.iter().map(|record| sampled.left_over(record)).sum();
     Ok(Candidate { estimate, delays: structure.delays.to_vec(), cost })
 }
 
-fn left_over(structure: &Structure<'_>, record: &Record<'_>, estimate: &Estimate) -> Result<f64, IdentError> {
-    let mut error = simulated_error(structure, record, estimate)?;
-    let length = record.output.len() - record.first;
-    let poles = Companion::monic(&estimate.a, &[1.0], 0.0);
-    let mut columns = poles.free_responses(structure.intersample, length)?;
-    if structure.offset {
-        columns.push(vec![1.0; length]);
-    }
-    columns.iter_mut().for_each(|c| record.keep(c));
-    Basis::new(columns).take_out(&mut error);
-    Ok(error.iter().map(|e| e * e).sum())
+/// A starting value sampled once for all records.
+struct SampledEstimate {
+    /// What goes into the states of each channel, and `c` and `d` of what comes out.
+    channels: Vec<(Sampled, Vec<f64>, f64)>,
+    /// The poles by themselves.
+    free: (Sampled, Vec<f64>),
+    offset: bool,
 }
 
-fn simulated_error(
-    structure: &Structure<'_>,
-    record: &Record<'_>,
-    estimate: &Estimate,
-) -> Result<Vec<f64>, IdentError> {
-    let mut error = record.output[record.first..].to_vec();
-    for ((u, b), delay) in record.inputs.iter().zip(&estimate.b).zip(structure.delays) {
-        let companion = Companion::monic(&estimate.a, b, *delay);
-        let (c, d) = companion.output();
-        companion.sampled(structure.intersample)?.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
-            error[k - record.first] -= c.iter().zip(z).map(|(c, z)| c * z).sum::<f64>() + d * v;
-        });
+impl SampledEstimate {
+    fn new(structure: &Structure<'_>, estimate: &Estimate) -> Result<Self, IdentError> {
+        let channel = |(b, delay): (&Vec<f64>, &f64)| -> Result<_, IdentError> {
+            let companion = Companion::monic(&estimate.a, b, *delay);
+            let (c, d) = companion.output();
+            Ok((companion.sampled(structure.intersample)?, c, d))
+        };
+        let poles = Companion::monic(&estimate.a, &[1.0], 0.0);
+        Ok(SampledEstimate {
+            channels: estimate.b.iter().zip(structure.delays).map(channel).collect::<Result<_, _>>()?,
+            free: (poles.sampled(structure.intersample)?, poles.output().0),
+            offset: structure.offset,
+        })
     }
-    record.keep(&mut error);
-    Ok(error)
+
+    fn left_over(&self, record: &Record<'_>) -> f64 {
+        let mut error = self.simulated_error(record);
+        let length = record.output.len() - record.first;
+        let (poles, c) = &self.free;
+        let mut columns = poles.free_responses(c, length);
+        if self.offset {
+            columns.push(vec![1.0; length]);
+        }
+        columns.iter_mut().for_each(|c| record.keep(c));
+        Basis::new(columns).take_out(&mut error);
+        sum_of_squares(&error)
+    }
+
+    fn simulated_error(&self, record: &Record<'_>) -> Vec<f64> {
+        let mut error = record.output[record.first..].to_vec();
+        for (u, (sampled, c, d)) in record.inputs.iter().zip(&self.channels) {
+            sampled.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
+                error[k - record.first] -= dot(c, z) + d * v;
+            });
+        }
+        record.keep(&mut error);
+        error
+    }
 }
 
 /// The best starting values over delays within bounds, in samples; each input's delay is searched in turn with those of
