@@ -165,3 +165,25 @@ impl StateSpacePem {
         subspace.start(data)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_long_data_alone_are_begun_with_a_part() {
+        let mut random = signal::excitation::Random::new(1);
+        let u: Vec<f64> = (0..LONG).map(|_| random.normal()).collect();
+        let mut y = vec![0.0; LONG];
+        for t in 1..LONG {
+            y[t] = 0.8 * y[t - 1] + u[t - 1];
+        }
+        let pole = |samples: usize| {
+            let (options, data) = (StateSpacePem::new(1), Dataset::siso(0.1, &u[..samples], &y[..samples]).unwrap());
+            let start = options.starting_point(&data).unwrap();
+            options.found_in_part(&data, &start).map(|model| model.system().poles().unwrap()[0].re)
+        };
+        assert!(pole(LONG - 1).is_none() && (pole(LONG).unwrap() - 0.8).abs() < 1e-6);
+    }
+}

@@ -58,15 +58,15 @@ pub fn likeliest(
     outputs: MatRef<'_, f64>,
 ) -> Result<Likeliest, IdentError> {
     let all = Measured { inputs, outputs };
-    let Some(first) = starts.first() else {
-        return Err(IdentError::Length { what: "starting values", expected: 1, found: 0 });
+    let begin = match starts {
+        [] => return Err(IdentError::Length { what: "starting values", expected: 1, found: 0 }),
+        [only] => only.clone(),
+        [first, ..] => {
+            let ends = starts.iter().filter_map(|start| all.try_start(start, bounds, &system_at));
+            ends.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| first.clone(), |(_, end)| end)
+        }
     };
-    let ends = starts.iter().filter(|_| starts.len() > 1).filter_map(|start| {
-        let end = all.first_part().search(start, bounds, &system_at, TRIAL.0).ok()?.parameters;
-        Some((likelihood(&all.innovations(&system_at, &end).ok()?), end))
-    });
-    let likeliest = ends.max_by(|a, b| a.0.total_cmp(&b.0));
-    all.search(likeliest.as_ref().map_or(first, |end| &end.1), bounds, &system_at, ITERATIONS)
+    all.search(&begin, bounds, &system_at, ITERATIONS)
 }
 
 /// ln L with the scale at its best, up to a constant.
@@ -98,6 +98,18 @@ impl<'a> Measured<'a> {
         Ok(Forward::run(&system, &start, self.inputs, self.outputs, false)?.innovations)
     }
 
+    /// The end of a short search, with how likely it makes all measurements; none where that is no number.
+    fn try_start(
+        self,
+        start: &[f64],
+        bounds: &[Bounds],
+        system_at: &impl Fn(&[f64]) -> Result<(NoisySystem, Belief), IdentError>,
+    ) -> Option<(f64, Vec<f64>)> {
+        let end = self.first_part().search(start, bounds, system_at, TRIAL.0).ok()?.parameters;
+        let likelihood = likelihood(&self.innovations(system_at, &end).ok()?);
+        likelihood.is_finite().then_some((likelihood, end))
+    }
+
     fn search(
         self,
         start: &[f64],
@@ -105,10 +117,10 @@ impl<'a> Measured<'a> {
         system_at: &impl Fn(&[f64]) -> Result<(NoisySystem, Belief), IdentError>,
         iteration_limit: usize,
     ) -> Result<Likeliest, IdentError> {
-        let first = self.innovations(system_at, start)?;
-        let count = first.len();
-        let unit = HELD * Standardised::new(&first).root_mean_square();
-        let mut model = Levels { system_at, measured: self, start: start.to_vec(), unit, count, last: None };
+        let first = Standardised::new(&self.innovations(system_at, start)?);
+        let (count, unit) = (first.residuals.len(), HELD * first.root_mean_square());
+        let last = Some((start.to_vec(), first));
+        let mut model = Levels { system_at, measured: self, start: start.to_vec(), unit, count, last };
         let cost_tolerance = UNNOTICED / count.max(1) as f64;
         let options = NonlinearOptions { iteration_limit, step_tolerance: STEP_TOLERANCE, cost_tolerance };
         let minimum = minimise(&mut model, start, bounds, options)?;

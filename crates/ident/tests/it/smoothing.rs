@@ -316,7 +316,7 @@ fn stat_the_likeliest_levels_of_a_lightly_damped_line() {
 }
 
 #[test]
-fn regress_of_several_starts_the_likeliest_is_searched_from() {
+fn regress_starts_without_a_model_are_passed_over() {
     let outputs = wandering(0.3, 2.0, 1);
     let inputs = Mat::zeros(outputs.nrows(), 0);
     // No model there: the logarithm of a level may not be as large.
@@ -334,6 +334,28 @@ fn regress_of_several_starts_the_likeliest_is_searched_from() {
         assert!((several.parameters[0] - alone.parameters[0]).abs() < 1e-2, "{starts:?}: {several:?} {alone:?}");
     }
     assert!(found(&[8.0, 9.0]).is_err() && found(&[]).is_err());
+}
+
+/// A plateau below the maximum of the likelihood: a search that begins there stays there.
+#[test]
+fn regress_of_several_starts_the_least_likely_is_left() {
+    let outputs = wandering(0.3, 2.0, 1);
+    let inputs = Mat::zeros(outputs.nrows(), 0);
+    let best = (0.3_f64 / 2.0).powi(2).ln();
+    let folded = |parameters: &[f64]| {
+        let above = if parameters[0] < 0.0 { 2.0 } else { (parameters[0] - 1.0).powi(2) };
+        level(&[best + above])
+    };
+    let found = |starts: &[f64]| {
+        let starts: Vec<Vec<f64>> = starts.iter().map(|start| vec![*start]).collect();
+        let bounds = [Bounds::new(-3.0, 3.0)];
+        likeliest(&starts, &bounds, folded, inputs.as_ref(), outputs.as_ref()).unwrap().parameters[0]
+    };
+    let (lower, higher) = (found(&[-1.0]), found(&[0.7]));
+    assert!(lower < 0.0 && higher > 0.5, "{lower} {higher}");
+    for starts in [[-1.0, 0.7], [0.7, -1.0]] {
+        assert!(found(&starts) > 0.5, "{starts:?}");
+    }
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn holds(found: &Value, delay_s: f64) -> bool {
 
 /// A lag of ten samples after a delay of seven: with little noise a part is enough, with much it is not.
 #[test]
-fn exact_a_part_of_long_data_serves_where_more_would_not_sharpen_the_interval() {
+fn regress_a_part_of_long_data_serves_where_more_would_not_sharpen_the_interval() {
     let (u, noise) = signals();
     let keep = (-0.1_f64).exp();
     let mut lag = vec![0.0; SAMPLES];
@@ -48,9 +48,14 @@ fn exact_a_part_of_long_data_serves_where_more_would_not_sharpen_the_interval() 
 
 /// A gain under a held input leaves a sample open, of however many data.
 #[test]
-fn exact_a_part_of_long_data_serves_for_a_gain() {
+fn regress_a_part_of_long_data_serves_for_a_gain() {
     let (u, noise) = signals();
     let y: Vec<f64> = (0..SAMPLES).map(|t| if t < 3 { 0.0 } else { 2.0 * u[t - 3] } + 0.1 * noise[t]).collect();
     let found = found(&u, &y);
     assert!(is_of_a_part(&found), "{found}");
+    let ends = &found["delay"][0]["interval_95_s"];
+    for (end, samples) in [(0, 2.0), (1, 3.0)] {
+        let off = ends[end].as_f64().unwrap() / STEP_S - samples;
+        assert!(off.abs() < 0.1, "{found}");
+    }
 }
