@@ -140,7 +140,8 @@ impl ResidualTest {
     /// lags at which no two samples are known, as those longer than every experiment: they have no degree of freedom.
     ///
     /// With `U` the lagged input, or the lagged residual for whiteness, `R` the covariance in time of the errors `v`,
-    /// `Ψ` the sensitivity of the predictions to the parameters and to the initial states that are estimated here,
+    /// `Ψ` the sensitivity of the predictions to the parameters, to the initial states that are estimated here and on own data
+    /// to [levels](Fit::levels) that were estimated,
     /// and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of covariance `Λ`:
     /// - on [`TestData::Own`] the sums tested are `Uᵀ M ε`, of covariance `Uᵀ M R Mᵀ U`. Where ε is the smallest in the
     ///   sense of Λ, `M ε = ε`. An estimate of another kind (instruments, subspaces) is so tested as if a last step had been
@@ -183,7 +184,12 @@ impl ResidualTest {
         let mut columns =
             Columns { states: sensitivity::to_states(&fit.model, data, &self.initial)?, ..Columns::default() };
         match which {
-            TestData::Own => columns.removed = parameters,
+            TestData::Own => {
+                columns.removed = parameters;
+                if !fit.levels.is_empty() {
+                    columns.states = with_levels(&columns.states, &errors);
+                }
+            }
             TestData::Unseen => columns.uncertain = parameters,
         }
         self.report((data, given), &errors, &columns, Some(&fit.noise_covariance))
@@ -325,6 +331,19 @@ impl ResidualTest {
             cross: at_lags(&sums.values.iter().map(|s| s / scale).collect::<Vec<_>>()),
         })
     }
+}
+
+/// The directions of initial states, and beside them a level of every output in each experiment, where the output is there.
+fn with_levels(states: &[Mat<f64>], errors: &[Mat<f64>]) -> Vec<Mat<f64>> {
+    let of = |(states, errors): (&Mat<f64>, &Mat<f64>)| {
+        let (length, count) = (errors.nrows(), states.ncols());
+        let is_there = |row: usize, output: usize| row / length == output && !errors[(row % length, output)].is_nan();
+        Mat::from_fn(states.nrows(), count + errors.ncols(), |row, k| match k.checked_sub(count) {
+            None => states[(row, k)],
+            Some(output) => f64::from(u8::from(is_there(row, output))),
+        })
+    };
+    states.iter().zip(errors).map(of).collect()
 }
 
 /// Residuals with the inputs, and what they rest on.

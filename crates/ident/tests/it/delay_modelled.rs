@@ -264,3 +264,72 @@ fn regress_a_delay_beyond_the_longest_is_not_claimed() {
         assert!(low - 0.2 <= dead && dead <= high + 0.2, "{dead}: {low} {high}");
     }
 }
+
+/// The same data with every so manieth sample of the input missing, cut there.
+fn with_gaps(data: &Dataset, every: usize) -> Dataset {
+    let e = &data.experiments()[0];
+    let known = |t: usize, u: f64| if t.is_multiple_of(every) { f64::NAN } else { u };
+    let u: Vec<f64> = e.input(0).iter().enumerate().map(|(t, u)| known(t, *u)).collect();
+    let data = Dataset::siso(data.sample_time_s(), &u, e.output(0)).unwrap().with_intersample(data.intersample());
+    data.without_input_gaps(20).unwrap()
+}
+
+/// A lag and a dead time of two samples under an input that is another in each sample, in noise.
+fn restless(seed: u64, samples: usize) -> Dataset {
+    let mut noise = Noise::new(seed);
+    let u = noise.normals(samples);
+    let y: Vec<f64> = answer(&u, 2.0, &[4.5]).iter().map(|y| y + 0.05 * noise.normal()).collect();
+    Dataset::siso(0.01, &u, &y).unwrap()
+}
+
+/// Every stretch between gaps has initial states of its own; with many poles they follow much of the noise.
+#[test]
+fn regress_initial_states_of_many_stretches_are_no_dynamics() {
+    let found = ModelledDelay::default().estimate(&with_gaps(&restless(2, 3000), 100)).unwrap();
+    let model = found.claimed().unwrap();
+    let (low, high) = model.intervals[0];
+    assert!(model.poles == 1 && low <= 2.0 && 2.0 <= high && high - low < 0.2, "{model:?}");
+}
+
+/// Of 30 claims of 95 %, and of 30 models whose errors are tested at 99 %, so many fewer are a matter of chance.
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_hold_the_dead_time_of_data_with_gaps() {
+    for every in [60, 120, 350] {
+        let check = |what: &str, truth: f64, most: f64, data: &dyn Fn(u64) -> Dataset| {
+            let (holding, claims, width) = coverage(RUNS, truth, |seed| with_gaps(&data(seed), every));
+            assert!(claims >= 27 && width < most, "{every}, {what}: {claims} claims of width {width}");
+            assert!(holding + (RUNS as usize - LEAST) >= claims, "{every}, {what}: {holding} of {claims}");
+        };
+        check("a lag", 2.0, 0.2, &|seed| restless(seed, 3000));
+        check("two lags", 2.4, 0.6, &|seed| lags_in_noise(seed, 3000, &[6.0, 2.5]));
+        check("straight", 1.5, 0.5, &|seed| straight(seed, 1.5, 3.0, 0.1));
+    }
+}
+
+/// It answers as the input moves: what is held leaves no dead time for that.
+#[test]
+fn regress_an_output_that_is_the_input_claims_nothing() {
+    let u = Noise::new(8).normals(1500);
+    let found = ModelledDelay::default().estimate(&Dataset::siso(0.01, &u, &u).unwrap()).unwrap();
+    assert!(found.claimed().is_none(), "{found:?}");
+    assert!(found.best().faults.contains(&DelayFault::TooEarly { input: 0 }), "{found:?}");
+}
+
+/// The model of a gain has a level for every recording, as those with a lag have: otherwise a lag would win by its levels.
+#[test]
+fn regress_recordings_at_levels_of_their_own_are_one_gain() {
+    let is_found = |seed: &u64| {
+        let mut noise = Noise::new(*seed);
+        let mut one = |level: f64| {
+            let u = held(&mut noise, 800, 5);
+            let delayed = (0..800_usize).map(|t| 2.0 * t.checked_sub(4).map_or(0.0, |t| u[t]));
+            let y: Vec<f64> = delayed.map(|y| y + level + 0.1 * noise.normal()).collect();
+            Dataset::siso(0.01, &u, &y).unwrap()
+        };
+        let data = one(0.0).merge(&one(30.0)).unwrap();
+        let found = ModelledDelay::default().estimate(&data).unwrap();
+        found.claimed().is_some_and(|model| model.poles == 0 && model.intervals[0] == (3.0, 4.0))
+    };
+    assert!((0..5).filter(is_found).count() >= 4);
+}

@@ -3,7 +3,7 @@
 use faer::Mat;
 use ident::prediction::InitialState;
 use ident::validate::{ResidualTest, TestData, compare_with, fit_percent, judge, rms_error};
-use ident::{Arx, Dataset, IdentError, LinearModel};
+use ident::{Arx, ContinuousTransferFunction, Dataset, IdentError, LinearModel};
 use lti::{PolynomialEquation, PolynomialModel};
 use testkit::system;
 
@@ -361,4 +361,25 @@ fn stat_feedback_within_the_sample_shows_at_lag_zero_alone() {
     let report = ResidualTest::default().run(&fit, &data, TestData::Own).unwrap();
     let independence = &report.independence[0][0];
     assert!(!independence.dynamics.passes(0.99) && independence.past.passes(0.99), "{independence:?}");
+}
+
+/// Levels that an estimate has for every recording are no errors of it.
+#[test]
+fn regress_estimated_levels_of_recordings_are_taken_out_of_residuals() {
+    let mut noise = Noise::new(3);
+    let mut one = |level: f64| {
+        let u = noise.normals(600);
+        let mut x = 0.0;
+        let mut next = |u: &f64| {
+            let before = x;
+            x = 0.8 * x + 0.2 * u;
+            before + level + 0.1 * noise.normal()
+        };
+        let y: Vec<f64> = u.iter().map(&mut next).collect();
+        Dataset::siso(0.1, &u, &y).unwrap()
+    };
+    let data = one(0.0).merge(&one(30.0)).unwrap();
+    let fit = ContinuousTransferFunction::new(0, 1).with_offset().fit(&data).unwrap();
+    let report = ResidualTest::default().run(&fit, &data, TestData::Own).unwrap();
+    assert!(report.joint_whiteness.passes(0.999), "{:?}", report.joint_whiteness);
 }

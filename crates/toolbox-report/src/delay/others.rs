@@ -15,6 +15,8 @@ use super::level::LEVEL;
 use crate::blocks::name;
 use crate::figures::figure;
 
+/// Stretches between gaps that are shorter than this, in samples, show no phase.
+const SHORTEST: usize = 20;
 /// Delays listed in numbers.
 const LISTED: usize = 10;
 /// Delays of less weight than this are out of the question.
@@ -55,14 +57,18 @@ impl Others {
         let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
         let ranking = arx.estimate(data)?;
         let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
+        // The others see through gaps of the output.
+        let without_gaps = || data.without_gaps(SHORTEST);
         Ok(Others {
             is_white: if spacing == 1 { is_white(data, &arx, &ranking) } else { None },
             ranking: Some(ranking),
             starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data),
-            phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
+            phase: is_single
+                .then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(&without_gaps()?)),
             // Values between samples of a held input are not made up.
-            fraction: (is_single && runs)
-                .then(|| FractionalDelay(ArxDelay { highest: longest, ..ArxDelay::default() }).estimate(data)),
+            fraction: (is_single && runs).then(|| {
+                FractionalDelay(ArxDelay { highest: longest, ..ArxDelay::default() }).estimate(&without_gaps()?)
+            }),
             longest,
             intersample,
         })

@@ -8,7 +8,7 @@ mod structure;
 use super::signals;
 use crate::continuous::ContinuousChannel;
 use crate::data::check_range;
-use crate::distributions::{chi_squared_quantile, normal_quantile};
+use crate::distributions::{f_quantile, normal_quantile};
 use crate::excited_lines::Lines;
 use crate::structure_error::StructureError;
 use crate::{Dataset, Experiment, IdentError, Intersample};
@@ -192,15 +192,21 @@ impl DelayModel {
 
     /// Whether a richer model lowers the loss by more than chance would.
     fn is_worse_than(&self, richer: &DelayModel, level: f64) -> bool {
-        let more = richer.parameters.saturating_sub(self.parameters).max(1) as f64;
-        let gained = self.samples as f64 * (self.loss / richer.loss).ln();
-        gained > richer.inflation.max(self.inflation) * chi_squared_quantile(level, more)
+        let inflation = richer.inflation.max(self.inflation);
+        (self.loss / richer.loss).ln() > inflation * richer.by_chance(level, richer.free.saturating_sub(self.free))
     }
 
     /// Whether it lowers the loss by more than chance would, beside no effect of any input.
     fn explains(&self) -> bool {
-        let gained = -2.0 * self.samples as f64 * (1.0 - self.fit_percent / 100.0).ln();
-        gained > self.inflation * chi_squared_quantile(REFUTED, self.parameters as f64)
+        let gained = -2.0 * (1.0 - self.fit_percent / 100.0).ln();
+        gained > self.inflation * self.by_chance(REFUTED, self.free)
+    }
+
+    /// By how much the logarithm of the loss falls by chance, at most, where so many of the free values are superfluous. They
+    /// may be many: in data with gaps every stretch has initial states of its own, so the test is that of F.
+    fn by_chance(&self, level: f64, superfluous: usize) -> f64 {
+        let (more, left) = (superfluous.max(1) as f64, self.samples.saturating_sub(self.free).max(1) as f64);
+        (more / left * f_quantile(level, more, left)).ln_1p()
     }
 
     /// The inputs whose lines are too few for this structure: it takes a gain, a delay, zeros and poles, and one value more

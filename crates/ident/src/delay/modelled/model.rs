@@ -11,10 +11,12 @@ pub(super) const ROUNDING: f64 = 1e-18;
 
 /// Estimates the dead times `τ_k` of `y(t) = Σ_k G_k(s) e^{−sτ_k} u_k(t) + r(t) + v(t)` by minimising the error of the
 /// simulated output: what is fed in is known between the samples (`Intersample`), so that held inputs give the
-/// fraction of a sample too, and the output may be slower than the inputs, or have gaps.
+/// fraction of a sample too, and the output may be slower than the inputs, or have gaps. Inputs with gaps are cut there
+/// ([`Dataset::without_input_gaps`](crate::Dataset::without_input_gaps)); outputs count from where all inputs are known that may reach
+/// them.
 ///
-/// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon and whose errors do not
-/// depend on the inputs any more. Ripple `r`, lines in the errors that the inputs do not have, is estimated along, added
+/// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon by more than its parameters,
+/// and initial states in every experiment, do by chance, and whose errors do not depend on the inputs any more. Ripple `r`, lines in the errors that the inputs do not have, is estimated along, added
 /// and in proportion to the output: where it keeps time with a held input, it biases the dead time. The covariance is
 /// that of errors with the autocorrelation of the residuals.
 ///
@@ -66,7 +68,8 @@ pub struct DelayModel {
     pub zeros: usize,
     /// Poles of each `G_k`; none for a gain.
     pub poles: usize,
-    /// The dead time of each input. Of a gain under a held input it is known to a sample alone.
+    /// The dead time of each input. Of a gain under a held input it is known to a sample alone, and this is the middle of what is
+    /// left.
     pub dead_times: Vec<DelayEstimate>,
     /// Their intervals, as far as they lie between zero and the longest dead time.
     pub intervals: Vec<(f64, f64)>,
@@ -87,7 +90,8 @@ pub struct DelayModel {
     pub faults: Vec<DelayFault>,
     /// The dynamics of each input; none for a gain.
     pub(super) channels: Vec<RationalChannel>,
-    pub(super) parameters: usize,
+    /// Values that were free to follow the output: parameters, and initial states and levels of every experiment.
+    pub(super) free: usize,
     /// The variance of estimates over what it would be with white errors.
     pub(super) inflation: f64,
 }

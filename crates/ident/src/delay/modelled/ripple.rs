@@ -16,7 +16,7 @@ const LINES: usize = 3;
 const COLUMNS: usize = 16;
 
 /// Columns of one line in one experiment: cosine and sine, added and in proportion to the output.
-const PER_LINE: usize = 4;
+pub(super) const PER_LINE: usize = 4;
 
 /// Probability of a line that is none.
 const FALSE_ALARM: f64 = 1e-3;

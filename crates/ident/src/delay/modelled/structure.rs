@@ -112,7 +112,7 @@ impl Structure<'_> {
             samples,
             faults,
             channels: found.model.channels()[..inputs].to_vec(),
-            parameters: inputs * (self.zeros + self.poles + 2) + found.model.channels().len() - inputs,
+            free: inputs * (self.zeros + self.poles + 2) + found.model.channels().len() - inputs + found.nuisance,
             inflation: self.inflation(found, inputs),
         };
         let reach = student_t_quantile(0.5 + 0.5 * self.options.level, found.degrees_of_freedom);
@@ -220,7 +220,7 @@ fn tested(
         return Ok(Vec::new());
     }
     let fit = plain.fit_of(clean, &[found])?;
-    let report = ResidualTest::default().run(&fit, clean, TestData::Own);
+    let report = ResidualTest::default().run(&fit, &fit.without_levels(clean)?, TestData::Own);
     Ok(report.map_or(vec![DelayFault::Untested], |report| report.independence[0].iter().flat_map(dependence).collect()))
 }
 

@@ -24,10 +24,8 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     let files = read(&arguments.data, terminal)?;
     let loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
     check_movement(&loaded)?;
-    // Between samples of a slow output nothing is missing that could be there.
     let spacing = spacing(&loaded.data);
-    let gaps = if spacing == Some(1) { Gaps::OfAll } else { Gaps::OfInputs };
-    let loaded = loaded.cut_at(gaps)?;
+    let loaded = loaded.cut_at(Gaps::OfInputs)?;
     say(&loaded.notes, &mut Vec::new(), terminal);
     let longest = longest(&loaded.data, arguments.longest)?;
     let known = Known {
