@@ -41,7 +41,8 @@ pub struct NoiseLevels {
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,
-    /// By what the smoother's standard deviations are multiplied, one or more; see [`widening`].
+    /// By what the smoother's standard deviations are multiplied, √((1 + ρ)/(1 − ρ)) with ρ the largest positive of these
+    /// correlations: one or more.
     pub widening: f64,
 }
 
