@@ -88,15 +88,22 @@ impl<'r> Timed<'r> {
     ) -> Result<Self, DatasetError> {
         let name = &channel.name;
         let in_time = stamps.iter().zip(&channel.samples).filter(|(t, _)| (from_s..=to_s).contains(*t));
-        let (all_s, all): (Vec<f64>, Vec<f64>) = in_time.map(|(t, v)| (*t, *v)).unzip();
-        if let Some(sample) = all_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        let room = || Vec::with_capacity(stamps.len().min(channel.samples.len()));
+        let (mut time_s, mut values): (Vec<f64>, Vec<f64>) = (room(), room());
+        in_time.for_each(|(t, v)| {
+            time_s.push(*t);
+            values.push(*v);
+        });
+        if let Some(sample) = time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
             let (file, channel) = (file.to_owned(), name.clone());
             return Err(DatasetError::TimeNotRising { file, channel, sample: sample + 1 });
         }
         let nothing = || DatasetError::NothingLeft { file: file.to_owned(), channel: name.clone(), from_s, to_s };
-        let check = check_clock(&all_s).map_err(|_| nothing())?;
-        let (start_s, end_s) = (all_s[0], all_s[all_s.len() - 1]);
-        let (time_s, values): (Vec<f64>, Vec<f64>) = all_s.into_iter().zip(all).filter(|(_, v)| v.is_finite()).unzip();
+        let check = check_clock(&time_s).map_err(|_| nothing())?;
+        let (start_s, end_s) = (time_s[0], time_s[time_s.len() - 1]);
+        if values.iter().any(|v| !v.is_finite()) {
+            (time_s, values) = time_s.into_iter().zip(values).filter(|(_, v)| v.is_finite()).unzip();
+        }
         if time_s.len() < 2 {
             return Err(nothing());
         }

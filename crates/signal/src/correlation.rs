@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_at_least, check_finite, check_same_length, check_sample_time};
 use crate::series::mean;
-use crate::{plans, sinc};
+use crate::{Complex64, plans, sinc};
 
 /// A correlation at the lags `−max_lag ..= max_lag`.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,37 +53,68 @@ pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correla
     check_at_least(max_lag + 1, x.len())?;
     check_finite(x)?;
     check_finite(y)?;
-    let n = (x.len() + max_lag).next_power_of_two().max(2);
-    let failed = |_| SignalError::Transform { length: n };
-    let (forward, inverse) = (plans::forward(n), plans::inverse(n));
-    let transform = |v: &[f64]| {
-        let mut padded = vec![0.0; n];
-        padded[..v.len()].copy_from_slice(v);
-        let mut spectrum = forward.make_output_vec();
-        forward.process(&mut padded, &mut spectrum).map(|()| spectrum)
-    };
-    let sx = transform(x).map_err(failed)?;
-    let mut product = transform(y).map_err(failed)?;
+    let transforms = Transforms::new(x.len(), max_lag);
+    let sx = transforms.spectrum(x)?;
+    let mut product = transforms.spectrum(y)?;
     for (b, a) in product.iter_mut().zip(&sx) {
         *b *= a.conj();
     }
-    // Rounding may leave an imaginary part at rest and at half the sample rate, which the inverse refuses.
-    product[0].im = 0.0;
-    product[n / 2].im = 0.0;
-    let mut circular = inverse.make_output_vec();
-    inverse.process(&mut product, &mut circular).map_err(failed)?;
-    let scale = 1.0 / (n as f64 * x.len() as f64);
-    let negative = circular[n - max_lag..].iter();
-    let values = negative.chain(&circular[..=max_lag]).map(|v| v * scale).collect();
-    Ok(Correlation { max_lag, values })
+    drop(sx);
+    transforms.correlation(product)
 }
 
-/// Biased auto-correlation, `R_x(k) = 1/N · Σ_t x[t] · x[t+k]`: [`cross_correlation`] of `x` with itself.
+/// Biased auto-correlation, `R_x(k) = 1/N · Σ_t x[t] · x[t+k]`: [`cross_correlation`] of `x` with itself, with one transform less.
 ///
 /// # Errors
 /// Those of [`cross_correlation`].
 pub fn auto_correlation(x: &[f64], max_lag: usize) -> Result<Correlation, SignalError> {
-    cross_correlation(x, x, max_lag)
+    check_at_least(max_lag + 1, x.len())?;
+    check_finite(x)?;
+    let transforms = Transforms::new(x.len(), max_lag);
+    let mut power = transforms.spectrum(x)?;
+    power.iter_mut().for_each(|v| *v = Complex64::new(v.norm_sqr(), 0.0));
+    transforms.correlation(power)
+}
+
+/// Transforms of records with so many zeros behind them that no lag wraps around.
+struct Transforms {
+    samples: usize,
+    max_lag: usize,
+    length: usize,
+}
+
+impl Transforms {
+    fn new(samples: usize, max_lag: usize) -> Self {
+        Transforms { samples, max_lag, length: (samples + max_lag).next_power_of_two().max(2) }
+    }
+
+    fn failed(&self) -> SignalError {
+        SignalError::Transform { length: self.length }
+    }
+
+    fn spectrum(&self, x: &[f64]) -> Result<Vec<Complex64>, SignalError> {
+        let forward = plans::forward(self.length);
+        let mut padded = vec![0.0; self.length];
+        padded[..x.len()].copy_from_slice(x);
+        let mut spectrum = forward.make_output_vec();
+        forward.process(&mut padded, &mut spectrum).map_err(|_| self.failed())?;
+        Ok(spectrum)
+    }
+
+    /// The correlation whose spectrum this is.
+    fn correlation(&self, mut spectrum: Vec<Complex64>) -> Result<Correlation, SignalError> {
+        let (n, max_lag) = (self.length, self.max_lag);
+        // Rounding may leave an imaginary part at rest and at half the sample rate, which the inverse refuses.
+        spectrum[0].im = 0.0;
+        spectrum[n / 2].im = 0.0;
+        let inverse = plans::inverse(n);
+        let mut circular = inverse.make_output_vec();
+        inverse.process(&mut spectrum, &mut circular).map_err(|_| self.failed())?;
+        let scale = 1.0 / (n as f64 * self.samples as f64);
+        let negative = circular[n - max_lag..].iter();
+        let values = negative.chain(&circular[..=max_lag]).map(|v| v * scale).collect();
+        Ok(Correlation { max_lag, values })
+    }
 }
 
 /// A delay read from a correlation peak.

@@ -45,8 +45,8 @@ pub struct ResidualTest {
     pub most_samples: usize,
 }
 
-/// Of so many samples a correlation of 0.006 is already outside its region at 99 %. What is smaller changes no model.
-const MOST_SAMPLES: usize = 200_000;
+/// Of so many samples a correlation of 0.008 is already outside its region at 99 %. What is smaller changes no model.
+const MOST_SAMPLES: usize = 100_000;
 /// Sensitivities that are held at once: samples times outputs times parameters.
 const MOST_SENSITIVITIES: usize = 6_000_000;
 /// So many samples are tested whatever they cost. A correlation of 0.012 is then outside its region at 99 %.
