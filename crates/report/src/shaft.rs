@@ -177,10 +177,6 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
     others.iter().filter_map(remark).collect()
 }
 
-/// How true the intervals of a black box are.
-const BLACK_BOX_INTERVALS: &str = "Black box: the intervals of the inertias are too narrow; in 11 simulated recordings J_d was within \
-     0.2 % and J_e within 0.4 %, but the intervals contained J_d in 2 and J_e in 4";
-
 /// Reasons not to take a black box's parameters for the bench's.
 fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
     let doubt = |doubt: &BlackBoxDoubt| match doubt {
@@ -197,7 +193,7 @@ fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
             "Black box: the antiresonance cannot be separated from the resonance".to_owned()
         }
     };
-    std::iter::once(BLACK_BOX_INTERVALS.to_owned()).chain(found.doubts.iter().map(doubt)).collect()
+    found.doubts.iter().map(doubt).collect()
 }
 
 /// Reasons to doubt the estimate from means over periods.

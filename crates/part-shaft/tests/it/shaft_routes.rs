@@ -223,7 +223,7 @@ fn stat_black_box_of_a_motored_engine_tells_both_inertias() {
     let recorded = bench.recorded(&ExperimentPlan::unfired_n_nt(1200.0, 20.0), 4);
     let found = recorded.black_box(&Timing::synchronous(1e-3));
     for quantity in [Quantity::DynoInertia, Quantity::EngineInertia, Quantity::Stiffness, Quantity::Damping] {
-        is_near(&found.estimate, quantity, bench.truth(quantity), 0.01);
+        is_near(&found.estimate, quantity, bench.truth(quantity), 0.003);
     }
     println!("{:?} {}", found.chi_squared, found.probability);
     assert_eq!(found.chi_squared.1, 4.0);
@@ -335,6 +335,37 @@ fn stat_multisine_of_16_benches() {
     ] {
         let (coverage, error) = judged(&rows, quantity);
         assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
+    }
+}
+
+/// Where two masses explain the coefficients, the parameters are near the truth; where they do not, intervals are wide enough.
+#[test]
+#[ignore = "slow: 16 benches"]
+fn stat_black_box_of_16_motored_benches() {
+    let rows = in_parallel(16, |i| {
+        let bench = Drawn::new(7000 + i as u64);
+        let recorded = bench.recorded(&ExperimentPlan::unfired_n_nt(bench.speed_rpm, 30.0), i as u64);
+        let route = black_box::estimate(&recorded.inputs(), &recorded.timing(), ENGINE, ControlMode::Nt);
+        (bench, route)
+    });
+    let found = rows.into_iter().filter_map(|(bench, route)| Some((bench, route.ok()?)));
+    let (sure, doubted): (Vec<_>, Vec<_>) = found.partition(|(_, route)| route.doubts.is_empty());
+    assert!(sure.len() >= 8 && sure.len() + doubted.len() >= 14, "{} and {}", sure.len(), doubted.len());
+    let estimates = |rows: Vec<(Drawn, BlackBoxRoute)>| rows.into_iter().map(|(bench, route)| (bench, route.estimate));
+    let mut rows: Vec<_> = estimates(sure).collect();
+    for (quantity, largest) in [
+        (Quantity::Stiffness, 0.01),
+        (Quantity::Damping, 0.03),
+        (Quantity::DynoInertia, 0.003),
+        (Quantity::EngineInertia, 0.01),
+    ] {
+        let (coverage, error) = judged(&rows, quantity);
+        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
+    }
+    rows.extend(estimates(doubted));
+    for quantity in [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia] {
+        let (coverage, _) = judged(&rows, quantity);
+        assert!(coverage >= 0.8, "{quantity}: {coverage}");
     }
 }
 
