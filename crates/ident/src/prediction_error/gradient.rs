@@ -48,7 +48,8 @@ proptest! {
         let cost = evaluator.cost(theta).unwrap();
         let n = theta.len();
         // A direction of the initial state that moves the residuals by 1e-10 of the strongest is known to rounding over 1e-10.
-        prop_assert!((factor.col(n).squared_norm_l2() / cost - 1.0).abs() < 1e-6);
+        let rounding = if estimate { 1e-6 } else { 1e-10 };
+        prop_assert!((factor.col(n).squared_norm_l2() / cost - 1.0).abs() < rounding);
         for j in 0..n {
             let half_slope: f64 = (0..=j).map(|i| factor[(i, j)] * factor[(i, n)]).sum();
             let mut at = |step: f64| {
@@ -58,7 +59,7 @@ proptest! {
             };
             let [wide, narrow] = [4e-6, 2e-6].map(|step| (at(step) - at(-step)) / (4.0 * step));
             // Along such a direction the cost may bend within a step: differences are no slope there, and depend on the step.
-            prop_assume!((wide - narrow).abs() < 1e-7 * cost);
+            prop_assume!(!estimate || (wide - narrow).abs() < 1e-7 * cost);
             prop_assert!((half_slope - narrow).abs() < 1e-6 * cost, "{j}: {half_slope} {narrow}");
         }
     }

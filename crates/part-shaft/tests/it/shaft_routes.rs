@@ -198,6 +198,14 @@ fn judged(rows: &[(Drawn, Estimate)], quantity: Quantity) -> (f64, f64) {
     (held as f64 / pairs.len() as f64, largest)
 }
 
+/// No error is as large as its limit, a part of the truth, and four of five intervals or more contain the truth.
+fn are_near_and_held(rows: &[(Drawn, Estimate)], limits: &[(Quantity, f64)]) {
+    for (quantity, largest) in limits {
+        let (coverage, error) = judged(rows, *quantity);
+        assert!(coverage >= 0.8 && error < *largest, "{quantity}: {coverage}, {error}");
+    }
+}
+
 #[test]
 fn exact_state_space_finds_the_shaft_of_a_perfect_bench() {
     let bench = Drawn::exact();
@@ -312,10 +320,7 @@ fn stat_state_space_of_16_benches() {
         let estimate = recorded.state_space(&recorded.timing()).estimate;
         (bench, estimate)
     });
-    for (quantity, largest) in [(Quantity::Stiffness, 0.03), (Quantity::Damping, 0.3)] {
-        let (coverage, error) = judged(&rows, quantity);
-        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
-    }
+    are_near_and_held(&rows, &[(Quantity::Stiffness, 0.03), (Quantity::Damping, 0.3)]);
 }
 
 #[test]
@@ -327,15 +332,15 @@ fn stat_multisine_of_16_benches() {
         let estimate = recorded.multisine(&recorded.timing(), DynoInertia::Estimated).unwrap().estimate;
         (bench, estimate)
     });
-    for (quantity, largest) in [
-        (Quantity::Stiffness, 0.02),
-        (Quantity::Damping, 0.1),
-        (Quantity::DynoInertia, 0.02),
-        (Quantity::EngineInertia, 0.1),
-    ] {
-        let (coverage, error) = judged(&rows, quantity);
-        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
-    }
+    are_near_and_held(
+        &rows,
+        &[
+            (Quantity::Stiffness, 0.02),
+            (Quantity::Damping, 0.1),
+            (Quantity::DynoInertia, 0.02),
+            (Quantity::EngineInertia, 0.1),
+        ],
+    );
 }
 
 /// Where two masses explain the coefficients, the parameters are near the truth; where they do not, intervals are wide enough.
@@ -353,15 +358,15 @@ fn stat_black_box_of_16_motored_benches() {
     assert!(sure.len() >= 8 && sure.len() + doubted.len() >= 14, "{} and {}", sure.len(), doubted.len());
     let estimates = |rows: Vec<(Drawn, BlackBoxRoute)>| rows.into_iter().map(|(bench, route)| (bench, route.estimate));
     let mut rows: Vec<_> = estimates(sure).collect();
-    for (quantity, largest) in [
-        (Quantity::Stiffness, 0.01),
-        (Quantity::Damping, 0.03),
-        (Quantity::DynoInertia, 0.003),
-        (Quantity::EngineInertia, 0.01),
-    ] {
-        let (coverage, error) = judged(&rows, quantity);
-        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
-    }
+    are_near_and_held(
+        &rows,
+        &[
+            (Quantity::Stiffness, 0.01),
+            (Quantity::Damping, 0.03),
+            (Quantity::DynoInertia, 0.003),
+            (Quantity::EngineInertia, 0.01),
+        ],
+    );
     rows.extend(estimates(doubted));
     for quantity in [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia] {
         let (coverage, _) = judged(&rows, quantity);
