@@ -61,7 +61,7 @@ impl<'a> Firings<'a> {
             interval_rad,
             start_rad,
             next_rad: ((start_rad / interval_rad).floor() + 1.0) * interval_rad,
-            cylinder: 0,
+            cylinder: engine.cylinder_at(start_rad),
             fired_nm: level_nm,
         }
     }

@@ -85,6 +85,35 @@ fn exact_firing_pulses_are_those_of_the_virtual_bench() {
     }
 }
 
+/// Of a half order at the resonance, the phase against the demands decides on the peak: over the seeds it takes every value of the cycle, not
+/// those of one firing interval.
+#[test]
+fn stat_the_cylinder_at_the_start_is_any_of_them() {
+    let mut parameters = clean();
+    parameters.engine.firing_harmonics.clear();
+    parameters.engine.cylinder_factors = vec![1.3, 1.0, 0.7, 1.0];
+    parameters.engine.cycle_variation = 0.0;
+    let plan = ExperimentPlan { engine_torque_nm: Waveform::Constant { value: 60.0 }, ..ExperimentPlan::bs_t_nt(1100.0, 0.5) };
+    let half_order = 0.5 * 1100.0 * RPM_RAD_S;
+    let phase = |seed: u64| {
+        let shaft = with_inputs(&parameters, &plan, Limits::default(), |inputs| {
+            predict(&PredictionInputs { firing_seed: Some(seed), ..*inputs }).unwrap().response.shaft_torque_nm
+        });
+        let part = |(k, torque): (usize, &f64)| {
+            let (sine, cosine) = (half_order * 1e-3 * k as f64).sin_cos();
+            (torque * cosine, torque * sine)
+        };
+        let (c, s) = shaft.iter().enumerate().map(part).fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        s.atan2(c)
+    };
+    let mut quarters = [0; 4];
+    for seed in 0..40 {
+        quarters[((phase(seed) / std::f64::consts::TAU).rem_euclid(1.0) * 4.0) as usize] += 1;
+    }
+    // Ten are expected in each; fewer than three in any has a probability below 1 %.
+    assert!(quarters.iter().all(|count| *count >= 3), "{quarters:?}");
+}
+
 #[test]
 fn exact_pulses_of_a_motored_engine_are_those_of_the_virtual_bench() {
     let mut parameters = clean();

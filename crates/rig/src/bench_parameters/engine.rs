@@ -108,6 +108,14 @@ impl EngineParameters {
         f64::from(self.strokes) * PI
     }
 
+    /// The cylinder whose part of the cycle a crank angle lies in, counted in firing order. A start that is drawn over the whole cycle so
+    /// begins with any of them.
+    pub fn cylinder_at(&self, angle_rad: f64) -> usize {
+        let cylinders = self.cylinder_factors.len().max(1);
+        let part = (angle_rad / self.cycle_rad() * cylinders as f64).floor();
+        part.rem_euclid(cylinders as f64) as usize
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let cylinders = self.cylinder_factors.len();
         require("engine.cylinder_factors", cylinders as f64, cylinders > 0, "one factor for each cylinder")?;

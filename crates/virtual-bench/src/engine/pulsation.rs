@@ -38,7 +38,7 @@ impl Pulsation {
             random: Source::Firing.stream(seed),
             firing_interval_rad: interval_rad,
             next_firing_rad: ((angle_rad / interval_rad).floor() + 1.0) * interval_rad,
-            cylinder: 0,
+            cylinder: parameters.cylinder_at(angle_rad),
             firing_torque_nm: level_nm,
             pulse: Pulse::new(&parameters.firing_harmonics, size, interval_rad),
             parameters: parameters.clone(),
