@@ -33,6 +33,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("dynoid", DYNOID),
     ("testdata", &[]),
     ("bench-testkit", &["numerics", "rig", "bench-model", "virtual-bench", "recording", "signal", "testdata"]),
+    ("foreign-bench", &["recording"]),
     ("testkit", &["numerics", "signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
