@@ -218,32 +218,18 @@ fn doubted_part(finding: &Finding) -> Option<String> {
 fn findings(study: &Study) -> Rule {
     let count = |severity: Severity| study.diagnostics.iter().filter(|found| found.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
-    let is_doubted = |found: &Diagnostic| matches!(found.finding, Finding::ImplausibleInertia { .. });
-    let is_contradiction = |found: &Diagnostic| {
-        wrong_recording(&found.finding).is_some() || found.severity == Severity::Error && is_doubted(found)
-    };
+    let counts =
+        |found: &Diagnostic| matches!(found.finding, Finding::ImplausibleInertia { .. } | Finding::LateSignal { .. });
     let level = match errors {
-        _ if study.diagnostics.iter().any(is_contradiction) => Level::Insufficient,
-        0 if !study.diagnostics.iter().any(is_doubted) => Level::Good,
+        0 if !study.diagnostics.iter().any(counts) => Level::Good,
         _ => Level::Reservations,
     };
     let plural = |n: usize, word: &str| if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") };
     let found = format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"));
     Rule {
-        asks: "No finding is an error. Not met with an inertia that the data contradict, exchanged speeds, a wrong clock, or a \
-               filter on N_d. Other warnings do not count here, but for a doubtful inertia.",
+        asks: "No finding is an error; the parts that an error concerns are struck. Of warnings only a doubtful inertia and a late \
+               signal count here.",
         found,
         level,
-    }
-}
-
-/// What a finding shows to be wrong with the recordings, where estimates have errors from it that no interval contains.
-pub(crate) fn wrong_recording(finding: &Finding) -> Option<&'static str> {
-    match finding {
-        Finding::SpeedsExchanged { .. } => Some("N_d and N_e are exchanged"),
-        Finding::ClockRate { .. } => Some("the clock of the recordings is wrong"),
-        Finding::PulsesOffSpeed { .. } => Some("the speeds or their clock are wrong"),
-        Finding::SamplesFiltered { .. } => Some("N_d went through a filter"),
-        _ => None,
     }
 }

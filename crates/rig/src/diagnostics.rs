@@ -170,9 +170,9 @@ pub enum Finding {
         /// The farthest value in SI.
         farthest: f64,
     },
-    /// The noise of a signal falls towards half its sample rate, as behind a low-pass filter.
+    /// The noise of a signal is not white, as behind a low-pass filter or a moving mean.
     SamplesFiltered {
-        /// By how much, as a ratio of powers.
+        /// Its least power over that at other frequencies.
         ratio: f64,
     },
     /// Time stamps are missing for a while.
@@ -290,7 +290,14 @@ pub enum Finding {
         /// Pulses over those expected.
         ratio: f64,
     },
-    /// The ripple of the drive is beside twice the mains in all recordings: their clock is wrong.
+    /// The engine's pulses are stronger or weaker in N_d, beside N_e, than the shaft lets them through.
+    PulsesOffShaft {
+        /// Frequency of the pulses, Hz.
+        frequency_hz: f64,
+        /// Their strength in N_d over that in N_e, as a part of what K, B and J_d make of it.
+        ratio: f64,
+    },
+    /// The ripple of the drive is beside twice the mains: the clock of the recording is wrong.
     ClockRate {
         /// Where the ripple is, Hz.
         found_hz: f64,

@@ -12,7 +12,7 @@ use part_controller::speed_controller::SpeedControllerFit;
 use part_shaft::{Parts, shaft};
 use part_torque::timing;
 use part_torque::torque_control::TorqueControlFit;
-use rig::estimation::first;
+use rig::estimation::{EstimateError, first};
 use rig::experiment::{Choice, Sought};
 use rig::facts::{BenchVariant, StatedInertia};
 use rig::results::{
@@ -24,7 +24,7 @@ use crate::Progress;
 use crate::findings::Findings;
 use crate::folded_pulses::Folded;
 use crate::whole::{self, Pieces, Whole};
-use crate::{firing, ripple_clock};
+use crate::{demand_clock, firing, pulse_path, ripple_clock, struck};
 
 /// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
 /// named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and 9.
@@ -42,6 +42,10 @@ const LATE: (f64, f64) = (2e-3, 5.0);
 const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
+
+/// Gains that differ by this part are of another controller, or of another bench. Terms beside PI, such as a filter on N_d*, change what
+/// recordings with a moving N_d* give by 20 % and less.
+const OTHER_GAINS: f64 = 0.3;
 
 /// Everything that was estimated.
 pub(super) struct Estimates {
@@ -126,15 +130,20 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     for choice in &fits.choices {
         findings.note_use(choice);
     }
-    doubt_controllers(findings, &fits);
-    firing::doubt(findings);
-    ripple_clock::doubt(findings);
+    doubt_controllers(findings, parts, &fits);
+    let pulses = firing::doubt(findings);
+    ripple_clock::doubt(findings, &pulses);
     doubt_exchange(findings, parts);
-    let timing = timing(findings, parts);
+    let mut timing = timing(findings, parts);
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
+        pulse_path::doubt(findings, chosen.experiment, shaft);
         cross_check(findings, parts, (shaft, chosen.experiment));
     }
-    let Whole { model, analysis } = fits.pieces().map_or_else(Whole::missing, |p| whole::assemble(findings, &p));
+    struck::strike(&mut fits, &mut timing, findings);
+    let Whole { model, analysis } = match struck::errors_of(Part::Whole, findings) {
+        because if because.is_empty() => fits.pieces().map_or_else(Whole::missing, |p| whole::assemble(findings, &p)),
+        because => Whole { model: None, analysis: Err(because) },
+    };
     let replays = match (&model, fits.pieces()) {
         (Some(assembled), Some(pieces)) => whole::replays(findings, &pieces, &assembled.model),
         _ => Vec::new(),
@@ -155,8 +164,9 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
 }
 
 /// The doubts about speed controller, feed-forward and torque control.
-fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
+fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits<'_>) {
     if let Ok(fit) = fits.controller {
+        doubt_gains(findings, parts, fit);
         findings.doubt_residuals(Part::SpeedController, &fit.result.validation);
         if let Some(step) = fit.coarse_demand_nm {
             let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
@@ -168,6 +178,33 @@ fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
     }
     if let Ok(fit) = &fits.torque_control {
         findings.diagnostics.extend(fit.diagnostics.iter().cloned());
+        let bandwidth = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
+        demand_clock::doubt(findings, bandwidth.map_or(0.0, |a| 1.0 / a.value));
+    }
+}
+
+/// Doubts the recordings that contradict each other in the gains of the speed controller: the one that it is from where most of the
+/// others give other gains, else these.
+fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &SpeedControllerFit) {
+    let own = &controller.result.validation.stretch.file;
+    let candidates = Sought::FeedForward.candidates(&parts.experiments);
+    let others = candidates.into_iter().filter(|other| &other.file != own);
+    let found: Vec<Result<(), EstimateError>> =
+        others.map(|other| parts.controllers.feed_forward(other, controller).map(|_| ())).collect();
+    let agreeing = found.iter().filter(|one| one.is_ok()).count();
+    let contradictions = found.into_iter().filter_map(|one| match one {
+        Err(EstimateError::Contradiction { file, quantity, here, known }) => {
+            Some((file, Finding::RoutesDisagree { quantity, first: known, second: here }))
+        }
+        _ => None,
+    });
+    let contradictions: Vec<(String, Finding)> = contradictions.collect();
+    let of_own = contradictions.len() > agreeing;
+    for (file, finding) in contradictions {
+        let apart = |first: f64, second: f64| (second - first).abs() > OTHER_GAINS * first.abs();
+        let is_other = matches!(finding, Finding::RoutesDisagree { first, second, .. } if apart(first.0, second.0));
+        let severity = if is_other { Severity::Error } else { Severity::Warning };
+        findings.doubt(if of_own { own } else { &file }, severity, finding);
     }
 }
 
@@ -200,7 +237,8 @@ fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<
 fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experiment): (&mut Shaft, &Experiment)) {
     doubt_pulses(findings, experiment);
     let mut others = Sought::Shaft.candidates(&parts.experiments);
-    others.retain(|other| other.file != experiment.file);
+    let is_sound = |other: &&Experiment| !struck::has_error(findings, &other.file, struck::roles(Part::Shaft));
+    others.retain(|other| other.file != experiment.file && is_sound(other));
     let estimates = map(&others, |other| parts.shaft_of_whole(other).ok());
     for (other, estimate) in others.into_iter().zip(estimates) {
         let Some(estimate) = estimate else { continue };

@@ -36,6 +36,16 @@ impl<'a> Findings<'a> {
         self.uses.iter().any(|(f, _)| f == file)
     }
 
+    /// The files that a part is estimated from.
+    pub(super) fn files_of(&self, part: Part) -> Vec<String> {
+        self.uses.iter().filter(|(_, of)| *of == part).map(|(file, _)| file.clone()).collect()
+    }
+
+    /// That a part is estimated from no file.
+    pub(super) fn forget_use(&mut self, part: Part) {
+        self.uses.retain(|(_, of)| *of != part);
+    }
+
     pub(super) fn note_use(&mut self, choice: &Choice) {
         let part = match choice.sought {
             Sought::SpeedController => Part::SpeedController,
@@ -46,6 +56,11 @@ impl<'a> Findings<'a> {
             Sought::Inertias => return,
         };
         self.uses.push((choice.file.clone(), part));
+    }
+
+    /// Doubts the bench file.
+    pub(super) fn doubt_bench(&mut self, severity: Severity, finding: Finding) {
+        self.diagnostics.push(Diagnostic { severity, place: Place::default(), finding });
     }
 
     pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {

@@ -3,6 +3,7 @@
 mod analyses;
 mod assemble;
 mod comparison;
+mod demand_clock;
 mod estimates;
 mod findings;
 mod firing;
@@ -11,11 +12,13 @@ mod gather;
 mod next;
 pub mod noise_test;
 mod progress;
+mod pulse_path;
 mod recorded;
 mod result;
 mod ripple_clock;
 mod run;
 mod series;
+mod struck;
 mod validity;
 mod whole;
 

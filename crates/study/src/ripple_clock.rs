@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use numerics::order::{lower_median, median};
-use rig::{Experiment, Finding, Role};
+use numerics::order::lower_median;
+use rig::{Experiment, Finding, Role, Severity};
 use signal::Signal;
 use signal::spectrum::fft_real;
 
@@ -12,40 +12,76 @@ use crate::findings::Findings;
 
 /// Twice the mains, Hz.
 const RIPPLES_HZ: [f64; 2] = [100.0, 120.0];
-/// A clock is wrong by at most this, and by more than this: mains stray by up to 0.4 %.
+/// Without the engine's pulses a clock is wrong by at most this; and by more than the second, since mains stray by up to 0.4 %.
 const WRONG: (f64, f64) = (0.02, 0.005);
 /// The power of the ripple over the median beside it. On 40 recordings of ten simulated benches it is 100 to 10⁵.
 const CLEAR: f64 = 300.0;
 /// A line this close to a multiple of half the engine's speed may be the engine's, Hz.
 const OF_THE_ENGINE_HZ: f64 = 0.8;
-/// Recordings that have to agree, and by how much.
-const AGREE: (usize, f64) = (2, 1e-3);
+/// Recordings of one clock agree within this; a recording of another is apart from the others, which agree, by more than the second.
+const AGREE: (f64, f64) = (1e-3, 4e-3);
+/// The ripple is looked for within this part of where the engine's pulses would have it.
+const BY_PULSES: f64 = 0.004;
 
-/// Doubts the clock where the ripple of all recordings is equally far from twice the mains.
-pub(super) fn doubt(findings: &mut Findings<'_>) {
-    let seen: Vec<(&str, f64, f64)> = findings
-        .experiments
-        .iter()
-        .filter_map(|e| ripple(e).map(|(found_hz, mains_hz)| (e.file.as_str(), found_hz, mains_hz)))
-        .collect();
-    let mut ratios: Vec<f64> = seen.iter().map(|(_, found_hz, mains_hz)| found_hz / mains_hz).collect();
-    let Some(ratio) = median(&mut ratios) else { return };
-    let agrees = ratios.len() >= AGREE.0 && ratios.iter().all(|other| (other - ratio).abs() < AGREE.1);
-    if let Some((file, found_hz, mains_hz)) = seen.first().filter(|_| agrees && (ratio - 1.0).abs() > WRONG.1) {
-        let finding = Finding::ClockRate { found_hz: *found_hz, mains_hz: *mains_hz };
-        findings.doubt_channel(file, Role::DynoSpeed, finding);
+/// The ripple of one recording.
+struct Ripple<'a> {
+    file: &'a String,
+    found_hz: f64,
+    mains_hz: f64,
+    /// How often the engine's pulses come over what the speed says, where that is seen.
+    pulses: Option<f64>,
+}
+
+impl Ripple<'_> {
+    fn ratio(&self) -> f64 {
+        self.found_hz / self.mains_hz
+    }
+
+    fn is_off(&self) -> bool {
+        (self.ratio() - 1.0).abs() > WRONG.1
+    }
+
+    /// Whether the engine's pulses, or the other recordings, show that the clock of this one is wrong.
+    fn is_certain(&self, others: &[f64]) -> bool {
+        let alike = |ratio: &f64, other: f64| (ratio - other).abs() < AGREE.0;
+        let all_alike = !others.is_empty() && others.iter().all(|other| alike(other, self.ratio()));
+        let apart = |other: &f64| alike(other, others[0]) && (other - self.ratio()).abs() > AGREE.1;
+        match self.pulses {
+            Some(pulses) => all_alike || (pulses - self.ratio()).abs() < BY_PULSES,
+            None => all_alike || others.len() >= 2 && others.iter().all(apart),
+        }
     }
 }
 
-/// The ripple that moves N_d, and what it would be by the mains, Hz: the clearer of both.
-fn ripple(experiment: &Experiment) -> Option<(f64, f64)> {
+/// Doubts the clock of each recording whose ripple is beside twice the mains, if its engine's pulses are as far off their speed, or if
+/// the others are all alike: as far off as this one, or right. `pulses` says how often these come over what the speed says.
+pub(super) fn doubt(findings: &mut Findings<'_>, pulses: &[(String, f64)]) {
+    let of = |file: &String| pulses.iter().find(|(of, _)| of == file).map(|(_, ratio)| *ratio);
+    let seen: Vec<Ripple<'_>> = findings.experiments.iter().filter_map(|e| ripple(e, of(&e.file))).collect();
+    for (i, one) in seen.iter().enumerate().filter(|(_, one)| one.is_off()) {
+        let others: Vec<f64> = seen.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, one)| one.ratio()).collect();
+        if one.is_certain(&others) {
+            let finding = Finding::ClockRate { found_hz: one.found_hz, mains_hz: one.mains_hz };
+            findings.doubt(one.file, Severity::Error, finding);
+        }
+    }
+}
+
+/// The ripple that moves N_d, and what it would be by the mains: the clearest about twice the mains, and about where a clock would
+/// have it that puts the engine's pulses where they are.
+fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple<'_>> {
     let speed = experiment.signal(Role::DynoSpeed)?;
     let half_turn_hz = 0.5 * speed.mean()?.abs() / TAU;
     let powers = powers(speed)?;
-    let lines = RIPPLES_HZ.iter().filter_map(|mains_hz| Some((line(&powers, speed, *mains_hz)?, *mains_hz)));
+    let by_pulses = pulses.filter(|ratio| (ratio - 1.0).abs() > BY_PULSES);
+    let about = RIPPLES_HZ.map(|mains_hz| (mains_hz, mains_hz, WRONG.0)).into_iter();
+    let about = about.chain(by_pulses.into_iter().flat_map(|ratio| RIPPLES_HZ.map(|hz| (hz, ratio * hz, BY_PULSES))));
+    let lines =
+        about.filter_map(|(mains_hz, about_hz, within)| Some((line(&powers, speed, about_hz, within)?, mains_hz)));
     let ((found_hz, _), mains_hz) = lines.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
     let from_engine_hz = (found_hz - (found_hz / half_turn_hz).round() * half_turn_hz).abs();
-    (from_engine_hz > OF_THE_ENGINE_HZ).then_some((found_hz, mains_hz))
+    let file = &experiment.file;
+    (from_engine_hz > OF_THE_ENGINE_HZ).then_some(Ripple { file, found_hz, mains_hz, pulses })
 }
 
 fn powers(speed: &Signal) -> Option<Vec<f64>> {
@@ -56,9 +92,9 @@ fn powers(speed: &Signal) -> Option<Vec<f64>> {
 }
 
 /// Frequency of the strongest line about a frequency, Hz, and its power over the median there; none if it is not clear.
-fn line(powers: &[f64], speed: &Signal, about_hz: f64) -> Option<(f64, f64)> {
+fn line(powers: &[f64], speed: &Signal, about_hz: f64, within: f64) -> Option<(f64, f64)> {
     let bin_hz = 1.0 / (speed.len() as f64 * speed.sample_time_s);
-    let [first, last] = [1.0 - WRONG.0, 1.0 + WRONG.0].map(|share| (share * about_hz / bin_hz) as usize);
+    let [first, last] = [1.0 - within, 1.0 + within].map(|share| (share * about_hz / bin_hz) as usize);
     let about = powers.get(first..=last)?;
     let strongest = (1..about.len().checked_sub(1)?).max_by(|a, b| about[*a].total_cmp(&about[*b]))?;
     let clear = about[strongest] / lower_median(&mut about.to_vec())?;
@@ -87,10 +123,11 @@ mod tests {
             Experiment { file: "x".to_owned(), label: ExperimentLabel::BS_T_NT, signals }
         };
         for (rate, mains_hz) in [(1.0, 100.0), (1.01, 100.0), (0.99, 120.0), (1.0, 120.0)] {
-            let (found_hz, named_hz) = ripple(&recorded(rate, mains_hz, 128.8)).unwrap();
-            assert!(named_hz == mains_hz && (found_hz * rate / mains_hz - 1.0).abs() < 1e-5, "{found_hz}, {named_hz}");
+            let experiment = recorded(rate, mains_hz, 128.8);
+            let found = ripple(&experiment, None).unwrap();
+            assert!(found.mains_hz == mains_hz && (found.ratio() * rate - 1.0).abs() < 1e-5, "{}", found.found_hz);
         }
         // Ten times half the speed: order 5 of the engine.
-        assert_eq!(ripple(&recorded(1.0, 100.0, TAU * 20.0)), None);
+        assert!(ripple(&recorded(1.0, 100.0, TAU * 20.0), None).is_none());
     }
 }

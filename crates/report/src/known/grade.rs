@@ -101,15 +101,6 @@ impl Known {
         Known::new(parameter.quantity.symbol(), parameter.quantity.name(), grade, number::parameter(parameter), why)
     }
 
-    /// What is left of it where the recordings are wrong.
-    pub(super) fn where_recordings_are_wrong(&self, wrong: &str) -> Self {
-        let mut marked = Known { grade: self.grade.contradicted(), ..self.clone() };
-        if self.grade <= Grade::Poorly {
-            marked.why.push(format!("A finding says that {wrong}. The interval does not contain the error from that."));
-        }
-        marked
-    }
-
     /// Something that was not estimated, for want of what it needs.
     pub(super) fn missing(symbol: &str, name: &str, needs: &[Reason]) -> Self {
         let why = vec![format!("It needs {}.", wording::needs(needs).trim_end_matches('.'))];

@@ -9,7 +9,6 @@ mod whole;
 
 use study::{Analyses, Study};
 
-use crate::verdict::wrong_recording;
 pub use grade::{Grade, Known};
 
 /// Every quantity that matters, in the order of the report.
@@ -26,8 +25,6 @@ pub fn known(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
         whole::resonance(study),
         vec![whole::replays(study)],
     ];
-    let wrong = study.diagnostics.iter().find_map(|found| wrong_recording(&found.finding));
     let numbered = parts.into_iter().enumerate();
-    let all = numbered.flat_map(|(part, of_part)| of_part.into_iter().map(move |one| Known { part, ..one }));
-    all.map(|one| wrong.map_or_else(|| one.clone(), |wrong| one.where_recordings_are_wrong(wrong))).collect()
+    numbered.flat_map(|(part, of_part)| of_part.into_iter().map(move |one| Known { part, ..one })).collect()
 }

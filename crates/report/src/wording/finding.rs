@@ -7,6 +7,9 @@ use super::number::{self, NOT_KNOWN, duration, measure, plus_minus, share, signi
 use super::reason::reason_of;
 use super::{join, mode_short, part, place, role, severity};
 
+/// A signal this far ahead of what it follows is wrong, s: the two clocks of a bench are closer.
+const EARLY_S: f64 = 1.5e-3;
+
 /// A diagnostic on one line: severity, place, what was found, what to do.
 pub fn diagnostic(found: &Diagnostic) -> String {
     format!("{}: {}", severity(found.severity), remark(found))
@@ -58,7 +61,7 @@ pub fn finding(finding: &Finding) -> String {
             format!("{what}, up to {} (SI); left out.", si(*farthest))
         }
         Finding::SamplesFiltered { ratio } => format!(
-            "Its noise falls towards half the sample rate, to {} of its power: a low-pass filter has acted on it.",
+            "At some frequencies it has only {} of the noise that it has at others: a low-pass filter or a mean has acted on it.",
             share(*ratio)
         ),
         Finding::TorquesDisagree { role: of, gain, offset_nm, looks_like } => {
@@ -74,11 +77,19 @@ pub fn finding(finding: &Finding) -> String {
                 significant(*ratio, 4)
             )
         }
+        Finding::PulsesOffShaft { frequency_hz, ratio } => {
+            let (at, ratio) = (measure(*frequency_hz, "Hz"), significant(*ratio, 2));
+            format!(
+                "The engine’s pulses of {at} are {ratio} times as strong in N_d, beside N_e, as K and B let them through. A filter or a \
+                 mean has acted on one of the speeds, or there is a third mass."
+            )
+        }
         Finding::ClockRate { found_hz, mains_hz } => {
-            let percent = significant(100.0 * (mains_hz / found_hz - 1.0), 2);
+            let percent = significant(100.0 * (mains_hz / found_hz - 1.0).abs(), 2);
+            let stamps = if found_hz < mains_hz { "much" } else { "little" };
             let (found, mains) = (significant(*found_hz, 5), significant(*mains_hz, 3));
             format!(
-                "The ripple of the drive is at {found} Hz in all recordings. If it is at {mains} Hz, twice the mains, the time stamps count {percent} % too much."
+                "The ripple of the drive is at {found} Hz. It is at {mains} Hz, twice the mains, if the time stamps count {percent} % too {stamps}."
             )
         }
         Finding::LateSignal { role: of, late_s, standard_error_s } => {
@@ -229,12 +240,17 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::LabelContradicted { .. } => {
             "It was not used. Correct the label in the file name or in [[recordings.label]] of the bench file."
         }
-        Finding::FiringOrderDisagrees { .. } => "Correct cylinders and strokes in the bench file.",
+        Finding::FiringOrderDisagrees { .. } => {
+            "Correct cylinders and strokes in the bench file, or take out recordings of another bench."
+        }
         Finding::PulsesOffSpeed { .. } => {
             "Check the number of lines of the encoders in the measuring system, and its clock."
         }
+        Finding::PulsesOffShaft { .. } => {
+            "Record both speeds without filters, each sample as the encoder gives it. With a dual-mass flywheel see dynoid shaft."
+        }
         Finding::ClockRate { .. } => {
-            "Check the clock of the measuring system: every time, frequency and inertia is wrong by as much."
+            "Check the clock of the measuring system: every time, frequency and inertia from this recording is wrong by as much."
         }
         Finding::LateSignal { role: Role::AirGapTorque, .. } => {
             "The delay of torque control contains this. Check the trigger, the filters and the time stamps of the channel."
@@ -276,6 +292,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Its K and B were not compared with the others; record torque faster, or in torque control."
         }
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
+        Finding::EarlySignal { advance_s, .. } if *advance_s > EARLY_S => {
+            "No torque is ahead of its demand by so much: check the time stamps of both, and record again."
+        }
         Finding::EarlySignal { .. } => {
             "Nothing to do for the model: the estimate of the shaft includes the skew. Record both on one clock to compare them."
         }

@@ -17,6 +17,8 @@ pub fn need(reason: &Reason) -> String {
         Reason::Recording { any_of } => recording(any_of),
         Reason::Channel { file, role: missing } => format!("the {} in {file}", role(*missing)),
         Reason::Part { part: other } => format!("the {} to be estimated first", part(*other)),
+        Reason::Error { file: Some(file) } => format!("{file} without the error that a finding names"),
+        Reason::Error { file: None } => "a bench file without the error that a finding names".to_owned(),
         Reason::NotExcited { file, role } => {
             better(file, &format!("{file}: {} hardly varies, so nothing can be learnt from it", role.symbol()))
         }
@@ -70,6 +72,10 @@ pub fn reason_of(reason: &Reason) -> String {
         Reason::Recording { any_of } => format!("no recording gives it; give one of {}", listed(any_of).join(", ")),
         Reason::Channel { role, .. } => missing(*role),
         Reason::Part { part: other } => format!("the {} is not estimated", part(*other)),
+        Reason::Error { file } => {
+            let of = file.as_deref().unwrap_or("the bench file");
+            format!("a finding names an error in {of}, so that its numbers are struck")
+        }
         Reason::WrongSign { role: torque, .. } => format!(
             "{} is negative when it brakes, as its effect on the speed shows, and is not used; write sign = -1 for \
              {} in the bench file",

@@ -55,7 +55,9 @@ fn findings() -> Vec<Finding> {
         Finding::FiringOrderDisagrees { stated: 3.0, found: 2.0 },
         Finding::PulsesOffSpeed { ratio: 1.0 / 1.01 },
         Finding::PulsesOffSpeed { ratio: 1.005 },
+        Finding::PulsesOffShaft { frequency_hz: 91.0, ratio: 1.62 },
         Finding::ClockRate { found_hz: 99.01, mains_hz: 100.0 },
+        Finding::ClockRate { found_hz: 126.0, mains_hz: 120.0 },
         Finding::LateSignal { role: Role::AirGapTorque, late_s: 0.008, standard_error_s: 4e-5 },
         Finding::LateSignal { role: Role::EngineSpeed, late_s: -0.0035, standard_error_s: 2e-5 },
         Finding::SlowRaster { sample_time_s: 0.01, is_in_ms: false },
@@ -79,6 +81,7 @@ fn findings() -> Vec<Finding> {
         Finding::NoCheckOfShaft { quantity: Quantity::AirGapTorqueSkew, value: 0.0095, standard_error: 6e-5 },
         Finding::Saturated { share: 0.00004, limit_nm: 400.0 },
         Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0009 },
+        Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0036 },
         Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
         Finding::PulsesFoldToRest { role: Role::EngineSpeed, rate_hz: 500.0, firing_hz: 100.003, multiple: 5 },
         Finding::ResidualsCorrelated { submodel: Part::SpeedController, share_outside: 0.21 },
@@ -106,6 +109,8 @@ fn snap_needs() {
         Reason::Recording { any_of: Vec::new() },
         Reason::Channel { file: "bs.mf4".into(), role: Role::AirGapTorque },
         Reason::Part { part: Part::SpeedController },
+        Reason::Error { file: Some("bs.mf4".into()) },
+        Reason::Error { file: None },
         EstimateError::TooShort { file: "bs.mf4".into(), duration_s: 0.5, needed_s: 2.0 }.into(),
     ];
     let lines: Vec<String> = needs.iter().map(|need| format!("needs {}", wording::need(need))).collect();

@@ -1,6 +1,5 @@
 //! The verdict's rules.
 
-use report::known::{Grade, known};
 use report::verdict::{Level, verdict};
 use rig::results::{Outcome, Part};
 use rig::{Diagnostic, Finding, Place, Severity};
@@ -25,23 +24,11 @@ fn exact_an_error_is_a_reservation() {
 }
 
 #[test]
-fn exact_wrong_recordings_are_insufficient_and_every_number_is_marked() {
-    let findings = [
-        (Severity::Error, Finding::SpeedsExchanged { misfit_ratio: 2991.8 }),
-        (Severity::Warning, Finding::ClockRate { found_hz: 99.0, mains_hz: 100.0 }),
-        (Severity::Warning, Finding::PulsesOffSpeed { ratio: 0.99 }),
-        (Severity::Warning, Finding::SamplesFiltered { ratio: 0.01 }),
-    ];
-    for (severity, finding) in findings {
-        let mut study = without_errors();
-        study.diagnostics.push(Diagnostic { severity, place: Place::default(), finding });
-        assert_eq!(verdict(&study).level, Level::Insufficient, "{study:?}");
-        let known = known(&study, None);
-        let numbers = known.iter().filter(|one| one.grade <= Grade::Poorly);
-        let unmarked: Vec<_> =
-            numbers.filter(|one| !one.why.join(" ").contains("does not contain the error")).collect();
-        assert!(unmarked.is_empty() && known.iter().all(|one| one.grade != Grade::Well), "{unmarked:?}");
-    }
+fn exact_a_late_signal_is_a_reservation() {
+    let mut study = without_errors();
+    let finding = Finding::LateSignal { role: rig::Role::EngineSpeed, late_s: 3e-3, standard_error_s: 1e-5 };
+    study.diagnostics.push(Diagnostic { severity: Severity::Warning, place: Place::default(), finding });
+    assert_eq!(verdict(&study).level, Level::Reservations);
 }
 
 #[test]

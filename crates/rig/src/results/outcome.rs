@@ -100,6 +100,11 @@ pub enum Reason {
         #[serde(rename = "name")]
         part: Part,
     },
+    /// A finding is an error: it was estimated, and its numbers are struck.
+    Error {
+        /// The file that has the error; none where the bench file has it.
+        file: Option<String>,
+    },
     /// A signal hardly varies, or another one does not follow it.
     NotExcited {
         /// File.

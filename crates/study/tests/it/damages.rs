@@ -1,6 +1,7 @@
 //! Studies of damaged recordings of one virtual campaign: a study refuses them, names the cause, warns, or is right all the same.
 //! It is never wrong without a word.
 
+mod matrix;
 mod table;
 mod work;
 

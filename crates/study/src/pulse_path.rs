@@ -1,0 +1,68 @@
+//! Whether the engine's pulses pass the shaft as K, B and J_d let them through.
+//!
+//! Far above what a controller does, T_shaft alone moves the dynamometer: ω_d/ω_e = (K + B s)/(J_d s² + B s + K) at the frequency of
+//! the pulses, which both speeds show far above their noise. A filter on one of the speeds changes that ratio at once, while K and B
+//! make up for most of it at the lower frequencies that they are estimated from.
+
+use std::f64::consts::TAU;
+
+use rig::facts::BenchVariant;
+use rig::results::{Quantity, Shaft};
+use rig::{Experiment, Finding, Role, Severity};
+use signal::{Complex64, Signal};
+
+use crate::findings::Findings;
+use crate::firing::{SEEN, Seen, middle};
+
+/// The ratio of the speeds over what the shaft makes of it, where nothing is wrong. On 29 simulated benches it is 0.92 to 1.17, the
+/// latter with a loss factor in place of B; a mean of 6 ms on N_e makes 1.6 of it, a lag of 2 ms on N_d 0.66.
+const AS_IT_SHOULD: (f64, f64) = (0.8, 1.25);
+/// A line is seen where its power is so many times that beside it.
+const CLEAR: f64 = 400.0;
+/// Where the noise beside a line is taken, as a part of what separates two orders over the recording.
+const BESIDE: [f64; 8] = [-20.0, -16.0, -12.0, -8.0, 8.0, 12.0, 16.0, 20.0];
+/// A speed that varies by more than this part of itself is at many frequencies.
+const CONSTANT: f64 = 0.03;
+
+/// Doubts the recording that the shaft is from, where the pulses do not pass as its K and B say.
+pub(super) fn doubt(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft) {
+    if findings.bench.variant != BenchVariant::LoadCell {
+        return;
+    }
+    let firing = findings.bench.engine().firings_per_turn();
+    let found = [firing, 2.0 * firing].into_iter().filter_map(|order| passed(experiment, shaft, findings, order));
+    let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
+    if let Some((frequency_hz, ratio)) = farthest.filter(|(_, ratio)| !(AS_IT_SHOULD.0..AS_IT_SHOULD.1).contains(ratio))
+    {
+        findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffShaft { frequency_hz, ratio });
+    }
+}
+
+/// The frequency of an order, and its strength in N_d over that in N_e as a part of what the shaft makes of it; nothing where either
+/// does not show it.
+fn passed(experiment: &Experiment, shaft: &Shaft, findings: &Findings<'_>, order: f64) -> Option<(f64, f64)> {
+    let [dyno, engine] = [experiment.signal(Role::DynoSpeed)?, experiment.signal(Role::EngineSpeed)?].map(middle);
+    let mean = dyno.mean()?.abs();
+    let is_constant = |speed: &Signal| speed.samples.iter().all(|x| (x.abs() - mean).abs() < 5.0 * CONSTANT * mean);
+    let highest = SEEN * TAU / (dyno.sample_time_s.max(engine.sample_time_s) * mean);
+    if order == 0.0 || order > highest || !is_constant(&dyno) {
+        return None;
+    }
+    let value = |quantity| shaft.estimate.parameter(quantity).map(|found| found.value);
+    let (k, b) = (value(Quantity::Stiffness)?, value(Quantity::Damping)?);
+    let j = findings.bench.dynamometer_inertia_kg_m2;
+    let s = Complex64::new(0.0, order * mean);
+    let expected = ((k + b * s) / (j * s * s + b * s + k)).norm();
+    let found = (strength(&dyno, order)? / strength(&engine, order)?).sqrt();
+    Some((order * mean / TAU, found / expected))
+}
+
+/// The power of an order in a speed, where it is clear.
+fn strength(speed: &Signal, order: f64) -> Option<f64> {
+    let seen = Seen::of(speed, speed.mean()?.abs());
+    let step = TAU / seen.turned();
+    let power = seen.power(order);
+    let mut beside: Vec<f64> = BESIDE.iter().map(|places| seen.power(order + places * step)).collect();
+    let noise = numerics::order::lower_median(&mut beside)?;
+    (power > CLEAR * noise).then_some(power)
+}

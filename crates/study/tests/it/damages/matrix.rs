@@ -1,0 +1,331 @@
+//! Damages of growing size, to all recordings of a campaign or to one: no number is wrong without a cause that is named, and the
+//! verdict never improves as the damage grows. The benches are of a simulator that shares no code with the project.
+
+use std::path::Path;
+
+use recording::{Channel, Raster, Recording};
+use report::verdict::{Level, verdict};
+use rig::Severity;
+use rig::experiment::ExperimentPlan;
+use rig::results::{Estimate, Quantity};
+use signal::filter::Sos;
+use study::Study;
+use units::RPM_RAD_S;
+use virtual_bench::simulate;
+
+use super::work::{CALC, CELL, DYNO_SPEED, ENGINE_SPEED, SHAFT, SPEED_DEMAND, SPEEDS, TORQUE_DEMAND, TORQUES};
+use super::{Brought, kind, parameters, study_of};
+use bench_testkit::benches::{bench_file, default_bench, in_parallel};
+use bench_testkit::recordings::{BENCH_A, recordings};
+
+/// A number is wrong beyond so many half widths of its interval.
+const WRONG: f64 = 1.5;
+/// The recordings of a drawn bench, by the start of their names; all of them.
+const WHICH: [&str; 5] = ["", "BS", "White", "Levels", "Ramp"];
+
+/// A campaign with its truth.
+struct Drawn {
+    name: String,
+    brought: Brought,
+    truth: Vec<(Quantity, f64)>,
+}
+
+impl Drawn {
+    /// None, and the test counts as skipped, where the recordings are absent.
+    fn of(name: &str) -> Option<Self> {
+        let recordings = recordings(name);
+        let folder = testdata::shared(&format!("recordings/{name}")).filter(|_| !recordings.is_empty())?;
+        let text = std::fs::read_to_string(Path::new(&folder).join("truth.json")).unwrap();
+        let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let number = |key: &str| truth[key].as_f64().unwrap();
+        let rounded = |key: &str| format!("{:.4}", number(key));
+        let limit = format!("{} Nm", truth["T_max"].as_f64().unwrap_or(400.0));
+        let mut bench = bench_file(&rounded("J_d"), &rounded("J_e"), &limit, BENCH_A);
+        bench.cylinders = truth["imbalance"].as_array().map_or(4, Vec::len) as u32;
+        let truth = vec![
+            (Quantity::Stiffness, number("K")),
+            (Quantity::Damping, number("B")),
+            (Quantity::ProportionalGain, number("Kp") / RPM_RAD_S),
+        ];
+        Some(Drawn { name: name.to_owned(), brought: Brought { bench, recordings }, truth })
+    }
+
+    /// What of a study is wrong, with the half widths by which it is.
+    fn wrong(&self, study: &Study) -> Vec<String> {
+        let shaft = study.shaft.estimated().map(|part| &part.estimate);
+        let controller = study.speed_controller.estimated().map(|part| &part.estimate);
+        let estimates: Vec<&Estimate> = shaft.into_iter().chain(controller).collect();
+        let off = self.truth.iter().filter_map(|(quantity, truth)| {
+            let found = estimates.iter().find_map(|estimate| estimate.parameter(*quantity))?;
+            let widths = (found.value - truth) / (0.5 * (found.interval.1 - found.interval.0));
+            (widths.abs() > WRONG).then(|| format!("{} {widths:+.1}", quantity.symbol()))
+        });
+        off.collect()
+    }
+}
+
+/// What is done to a campaign, in steps that grow.
+struct Series {
+    name: &'static str,
+    which: &'static str,
+    steps: Vec<(String, Step)>,
+}
+
+type Step = Box<dyn Fn(&mut Brought) + Sync>;
+
+fn series(
+    name: &'static str,
+    which: &'static str,
+    sizes: &[f64],
+    work: impl Fn(&mut Recording, f64) + Sync + Copy + 'static,
+) -> Series {
+    let step = |size: &f64| {
+        let size = *size;
+        let apply = move |brought: &mut Brought| {
+            let recordings = brought.recordings.iter_mut().filter(|(file, _)| file.starts_with(which));
+            recordings.for_each(|(_, recording)| work(recording, size));
+        };
+        (size.to_string(), Box::new(apply) as Step)
+    };
+    Series { name, which, steps: sizes.iter().map(step).collect() }
+}
+
+fn samples(recording: &mut Recording, names: &[&str], work: impl Fn(&mut Vec<f64>)) {
+    let of = |channel: &&mut Channel| names.contains(&channel.name.as_str());
+    recording.channels.iter_mut().filter(of).for_each(|channel| work(&mut channel.samples));
+}
+
+fn scaled(recording: &mut Recording, names: &[&str], percent: f64) {
+    samples(recording, names, |x| x.iter_mut().for_each(|x| *x *= 1.0 + 0.01 * percent));
+}
+
+fn clocked(recording: &mut Recording, percent: f64) {
+    recording.rasters.iter_mut().flat_map(|raster| &mut raster.time_s).for_each(|t| *t *= 1.0 + 0.01 * percent);
+}
+
+/// New samples of a channel from its own, with their time step.
+fn filtered(recording: &mut Recording, name: &str, work: impl Fn(&[f64], f64) -> Vec<f64>) {
+    for i in 0..recording.channels.len() {
+        if recording.channels[i].name == name {
+            let Raster { time_s, .. } = &recording.rasters[recording.channels[i].raster];
+            let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+            recording.channels[i].samples = work(&recording.channels[i].samples, step_s);
+        }
+    }
+}
+
+/// The mean over the last samples.
+fn mean_over(x: &[f64], count: usize) -> Vec<f64> {
+    let mean = |k: usize| {
+        let from = (k + 1).saturating_sub(count.max(1));
+        x[from..=k].iter().sum::<f64>() / (k + 1 - from) as f64
+    };
+    (0..x.len()).map(mean).collect()
+}
+
+fn filtered_both_ways(x: &[f64], step_s: f64, cutoff_hz: f64) -> Vec<f64> {
+    let Ok(filter) = Sos::butterworth_lowpass(2, cutoff_hz, step_s) else { return x.to_vec() };
+    let once = |x: &[f64]| -> Vec<f64> {
+        let mut state = filter.state_at_level(x[0]);
+        let mut y = filter.filter(x, &mut state);
+        y.reverse();
+        y
+    };
+    once(&once(x))
+}
+
+fn lagged(x: &[f64], step_s: f64, lag_s: f64) -> Vec<f64> {
+    let share = step_s / (lag_s + step_s);
+    let mut state = x[0];
+    x.iter()
+        .map(|x| {
+            state += share * (x - state);
+            state
+        })
+        .collect()
+}
+
+fn later(recording: &mut Recording, names: &[&str], milliseconds: f64) {
+    let names: Vec<&str> = names.to_vec();
+    for name in names {
+        filtered(recording, name, |x, step_s| {
+            let by = (1e-3 * milliseconds / step_s).round() as usize;
+            (0..x.len()).map(|k| x[k.saturating_sub(by)]).collect()
+        });
+    }
+}
+
+/// Puts a recording of another bench in the place of one.
+fn foreign(other: &'static str, which: &'static str) -> Series {
+    let apply = move |brought: &mut Brought| {
+        let Some((_, recording)) = recordings(other).into_iter().find(|(file, _)| file.starts_with(which)) else {
+            return;
+        };
+        brought.file(which).1 = recording;
+    };
+    Series { name: "of another bench", which, steps: vec![(other.to_owned(), Box::new(apply))] }
+}
+
+fn all_series() -> Vec<Series> {
+    const PERCENT: [f64; 5] = [1.0, 3.0, 5.0, 10.0, 30.0];
+    let mut all = Vec::new();
+    for which in WHICH {
+        all.push(series("speeds +%", which, &PERCENT, |one, percent| scaled(one, &SPEEDS, percent)));
+        all.push(series("speeds -%", which, &[1.0, 3.0, 5.0, 10.0, 25.0], |one, percent| {
+            scaled(one, &SPEEDS, -percent)
+        }));
+        all.push(series("clock +%", which, &[0.5, 1.0, 3.0, 5.0, 10.0, 30.0], clocked));
+        all.push(series("clock -%", which, &[0.5, 1.0, 3.0, 5.0, 10.0, 25.0], |one, percent| clocked(one, -percent)));
+        all.push(series("torques +%", which, &PERCENT, |one, percent| scaled(one, &TORQUES, percent)));
+        all.push(series("T_d* late, ms", which, &[1.0, 2.0, 5.0, 10.0], |one, ms| later(one, &[TORQUE_DEMAND], ms)));
+    }
+    for which in ["", "BS", "White"] {
+        all.push(series("N_d +%", which, &PERCENT, |one, percent| scaled(one, &[DYNO_SPEED], percent)));
+        all.push(series("N_e +%", which, &PERCENT, |one, percent| scaled(one, &[ENGINE_SPEED], percent)));
+        all.push(series("N_d* +%", which, &PERCENT, |one, percent| scaled(one, &[SPEED_DEMAND], percent)));
+        for (name, channel) in [("mean of N_e, ms", ENGINE_SPEED), ("mean of N_d, ms", DYNO_SPEED)] {
+            all.push(series(name, which, &[4.0, 6.0, 10.0, 20.0], move |one, ms| {
+                filtered(one, channel, |x, step_s| mean_over(x, (1e-3 * ms / step_s).round() as usize));
+            }));
+        }
+        for (name, channel) in [("N_e both ways, Hz", ENGINE_SPEED), ("N_d both ways, Hz", DYNO_SPEED)] {
+            all.push(series(name, which, &[60.0, 30.0, 15.0], move |one, hz| {
+                filtered(one, channel, |x, step_s| filtered_both_ways(x, step_s, hz));
+            }));
+        }
+        all.push(series("lag of N_d, ms", which, &[1.0, 2.0, 5.0, 10.0], |one, ms| {
+            filtered(one, DYNO_SPEED, |x, step_s| lagged(x, step_s, 1e-3 * ms));
+        }));
+        all.push(series("T_d,calc late, ms", which, &[2.0, 5.0, 10.0], |one, ms| {
+            later(one, &[CALC, CELL, SHAFT], ms);
+        }));
+    }
+    all
+}
+
+/// One study of a damaged campaign.
+struct Row {
+    text: String,
+    level: Level,
+    is_silent: bool,
+}
+
+fn row(drawn: &Drawn, usual: &[String], series: &Series, (size, step): &(String, Step)) -> Row {
+    let mut damaged = drawn.brought.clone();
+    step(&mut damaged);
+    let Some(study) = study_of(&damaged) else {
+        let text = format!("{} | {} {size} {} | refused", drawn.name, series.name, series.which);
+        return Row { text, level: Level::Insufficient, is_silent: false };
+    };
+    let wrong = drawn.wrong(&study);
+    let (level, named) = (verdict(&study).level, named(&study, usual));
+    let is_silent = !wrong.is_empty() && (level == Level::Good || named.is_empty());
+    let text = format!(
+        "{} | {} {size} {} | {} | {} | {}{}",
+        drawn.name,
+        series.name,
+        series.which,
+        level.key(),
+        named.join(" "),
+        wrong.join("; "),
+        if is_silent { " | SILENT" } else { "" }
+    );
+    Row { text, level, is_silent }
+}
+
+/// Kinds of findings beyond notes, without those that there are without damage.
+fn named(study: &Study, usual: &[String]) -> Vec<String> {
+    let grave = study.diagnostics.iter().filter(|found| found.severity > Severity::Note);
+    let mark = |severity| if severity == Severity::Error { "!" } else { "" };
+    let mut kinds: Vec<String> =
+        grave.map(|found| format!("{}{}", mark(found.severity), kind(&found.finding))).collect();
+    kinds.sort();
+    kinds.dedup();
+    kinds.retain(|kind| !usual.contains(kind));
+    kinds
+}
+
+/// The studies of a bench, a line each; how many are silent or improve, and how many there are.
+fn of_bench(name: &str, series: &[Series]) -> [usize; 3] {
+    let Some(drawn) = Drawn::of(name) else { return [0; 3] };
+    let clean = study_of(&drawn.brought).unwrap();
+    let usual = named(&clean, &[]);
+    println!(
+        "{name} | none | {} | {} | {}",
+        verdict(&clean).level.key(),
+        usual.join(" "),
+        drawn.wrong(&clean).join("; ")
+    );
+    let rows = in_parallel(series.len(), |i| {
+        let rows: Vec<Row> = series[i].steps.iter().map(|step| row(&drawn, &usual, &series[i], step)).collect();
+        rows.iter().for_each(|row| println!("{}", row.text));
+        rows
+    });
+    let improves = |rows: &Vec<Row>| rows.windows(2).filter(|pair| pair[1].level < pair[0].level).count();
+    let silent = rows.iter().flatten().filter(|row| row.is_silent).count();
+    [silent, rows.iter().map(improves).sum(), rows.iter().map(Vec::len).sum()]
+}
+
+/// Two recordings of the virtual bench.
+fn small() -> Brought {
+    let plans = [ExperimentPlan::bs_t_nt(1230.0, 14.0), ExperimentPlan::white_noise_t_tn(1230.0, 14.0)];
+    let recorded = in_parallel(plans.len(), |i| {
+        (format!("{}_1230.mf4", plans[i].label), simulate(&parameters(), &plans[i], 21 + i as u64).unwrap())
+    });
+    Brought { bench: default_bench(), recordings: recorded }
+}
+
+/// Kinds of errors, and the parts that are estimated.
+fn errors_and_parts(study: &Study) -> (Vec<String>, [bool; 3]) {
+    let mut errors = named(study, &[]);
+    errors.retain(|kind| kind.starts_with('!'));
+    let estimated =
+        [study.speed_controller.estimated().is_some(), study.shaft.estimated().is_some(), study.model.is_some()];
+    (errors, estimated)
+}
+
+#[test]
+fn stat_an_error_strikes_the_parts_that_rest_on_its_recording() {
+    let clean = small();
+    assert_eq!(errors_and_parts(&study_of(&clean).unwrap()), (vec![], [true; 3]));
+    let of_shaft = [true, false, false];
+    let cases: [(&str, Step, [bool; 3]); 5] = [
+        ("!PulsesOffSpeed", Box::new(|b| b.each(|one| scaled(one, &SPEEDS, 5.0))), [false; 3]),
+        ("!ClockRate", Box::new(|b| clocked(&mut b.file("White").1, 3.0)), of_shaft),
+        (
+            "!PulsesOffShaft",
+            Box::new(|b| filtered(&mut b.file("White").1, ENGINE_SPEED, |x, s| filtered_both_ways(x, s, 30.0))),
+            of_shaft,
+        ),
+        ("!EarlySignal", Box::new(|b| later(&mut b.file("White").1, &[TORQUE_DEMAND], 6.0)), of_shaft),
+        ("!FiringOrderDisagrees", Box::new(|b| b.bench.cylinders = 6), [true, true, false]),
+    ];
+    for (kind, damage, expected) in cases {
+        let mut damaged = clean.clone();
+        damage(&mut damaged);
+        let (errors, parts) = errors_and_parts(&study_of(&damaged).unwrap());
+        assert!(errors.iter().any(|found| found == kind) && parts == expected, "{kind}: {errors:?} {parts:?}");
+    }
+}
+
+#[test]
+#[ignore = "slow: hundreds of studies a bench"]
+fn stat_no_damage_of_any_size_is_wrong_without_a_word() {
+    let chosen = |name: &str, usual: &str| std::env::var(name).unwrap_or_else(|_| usual.to_owned());
+    let damages = chosen("DYNOID_DAMAGES", "");
+    let benches = chosen("DYNOID_BENCHES", "drawn/bench-208,drawn/bench-211,drawn/bench-214");
+    let mut sums = [0; 3];
+    for (i, bench) in benches.split(',').enumerate() {
+        let mut series = all_series();
+        let others = ["drawn/bench-201", "drawn/bench-204", "drawn/bench-210"];
+        series.extend(WHICH[1..].iter().map(|which| foreign(others[i % others.len()], which)));
+        series.retain(|one| damages.split(',').any(|part| format!("{} {}", one.name, one.which).contains(part)));
+        let of_bench = of_bench(bench, &series);
+        sums.iter_mut().zip(of_bench).for_each(|(sum, one)| *sum += one);
+    }
+    let [silent, improved, all] = sums;
+    println!(
+        "of {all} studies {silent} are wrong without a word, and {improved} have a better verdict than a smaller damage"
+    );
+    assert_eq!((silent, improved), (0, 0));
+}
