@@ -1,5 +1,7 @@
 //! A cycle in speeds and torques.
 
+use serde::Serialize;
+
 /// What a cycle demands, straight between its points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
@@ -16,7 +18,7 @@ pub struct Reference {
 }
 
 /// What limits in per cent refer to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
     /// Warm idle speed, rad/s.
     pub idle_rad_s: f64,

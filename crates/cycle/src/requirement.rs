@@ -142,6 +142,10 @@ pub struct RequirementSet {
     /// the value at the second.
     #[serde(default)]
     pub reference_means: bool,
+    /// Decimals to which slopes and r² are rounded before they are compared; none: they are compared as they are. Limits in per cent are
+    /// exact, and what they limit is never rounded.
+    #[serde(default)]
+    pub decimals: Option<i32>,
     /// Lowest and highest work of the feedback over that of the reference.
     #[serde(default)]
     pub work: Option<[f64; 2]>,
@@ -201,6 +205,11 @@ impl RequirementSet {
             Signal::Torque => self.torque.as_ref(),
             Signal::Power => self.power.as_ref(),
         }
+    }
+
+    /// Whether a number of it depends on this signal: power, work and the rules of omission take both speed and torque.
+    pub fn uses(&self, signal: Signal) -> bool {
+        self.criterion(signal).is_some() || self.power.is_some() || self.work.is_some() || self.omission
     }
 
     /// Whether it judges by regressions.

@@ -11,10 +11,6 @@ use crate::requirement::{Criterion, Limit, RequirementSet, Signal, Statistic};
 
 /// Shifts are tried in steps of this, s.
 const SHIFT_STEP_S: f64 = 0.1;
-/// Decimals to which slopes and r² are rounded before they are compared.
-const SLOPE_DECIMALS: i32 = 3;
-/// Decimals of a per cent, a Nm or a kW.
-const LIMIT_DECIMALS: i32 = 1;
 /// Speeds below this part of the largest are standstill.
 const STANDSTILL: f64 = 1e-3;
 
@@ -25,13 +21,13 @@ pub struct Checked {
     pub signal: Signal,
     /// Which number.
     pub statistic: Statistic,
-    /// The number, SI; of an intercept its magnitude.
+    /// The number that is compared, SI: of an intercept its magnitude; rounded where the set rounds it.
     pub value: f64,
     /// Lowest that is allowed; none where only a largest is.
     pub low: Option<f64>,
     /// Largest that is allowed, SI.
     pub high: Option<f64>,
-    /// Whether the rounded number keeps the limit.
+    /// Whether the number keeps the limit.
     pub passes: bool,
     /// How far it is beyond, as a part of the room that the limit gives: 1 is at the limit, below is better.
     pub use_of_limit: f64,
@@ -174,9 +170,8 @@ impl Judge<'_> {
         let most = |statistic, value: f64, limit: &Limit| {
             let per_cent = limit.per_cent(self.scales, self.largest_rad_s);
             let high = (limit.percent * per_cent).max(limit.at_least);
-            let unit = if high > limit.percent * per_cent { least_unit(signal) } else { per_cent };
-            let passes = rounded(value / unit, LIMIT_DECIMALS) <= rounded(high / unit, LIMIT_DECIMALS);
-            Checked { signal, statistic, value, low: None, high: Some(high), passes, use_of_limit: value / high }
+            let (passes, use_of_limit) = (value <= high, value / high);
+            Checked { signal, statistic, value, low: None, high: Some(high), passes, use_of_limit }
         };
         let error = most(Statistic::StandardError, regression.standard_error, &criterion.standard_error);
         if self.is_narrow() {
@@ -184,11 +179,22 @@ impl Judge<'_> {
         }
         let [low, high] = criterion.slope;
         vec![
-            between((signal, Statistic::Slope), regression.slope, (low, high)),
+            between((signal, Statistic::Slope), self.rounded(regression.slope), (low, high)),
             most(Statistic::Intercept, regression.intercept.abs(), &criterion.intercept),
             error,
-            at_least((signal, Statistic::Determination), regression.determination, criterion.determination),
+            at_least(
+                (signal, Statistic::Determination),
+                self.rounded(regression.determination),
+                criterion.determination,
+            ),
         ]
+    }
+
+    /// To the decimals of the set; a number in the middle goes to the even one (ASTM E29).
+    fn rounded(&self, value: f64) -> f64 {
+        let Some(decimals) = self.set.decimals else { return value };
+        let scale = 10_f64.powi(decimals);
+        (value * scale).round_ties_even() / scale
     }
 
     /// Whether the reference speed hardly changes.
@@ -206,7 +212,7 @@ impl Judge<'_> {
             |speed: &[f64], torque: &[f64]| -> f64 { speed.iter().zip(torque).map(|(n, t)| (n * t).max(0.0)).sum() };
         let reference = work(&points.speed_reference_rad_s, &points.torque_reference_nm);
         let ratio = work(&points.speed_rad_s, &points.torque_nm) / reference;
-        between((Signal::Power, Statistic::Work), ratio, (low, high))
+        between((Signal::Power, Statistic::Work), self.rounded(ratio), (low, high))
     }
 }
 
@@ -231,7 +237,6 @@ fn impossible(signal: Signal) -> Checked {
 }
 
 fn between((signal, statistic): (Signal, Statistic), value: f64, (low, high): (f64, f64)) -> Checked {
-    let shown = rounded(value, SLOPE_DECIMALS);
     let room = if value < 1.0 { (1.0 - value) / (1.0 - low) } else { (value - 1.0) / (high - 1.0) };
     Checked {
         signal,
@@ -239,22 +244,12 @@ fn between((signal, statistic): (Signal, Statistic), value: f64, (low, high): (f
         value,
         low: Some(low),
         high: Some(high),
-        passes: (low..=high).contains(&shown),
+        passes: (low..=high).contains(&value),
         use_of_limit: if room.is_nan() { f64::INFINITY } else { room },
     }
 }
 
 fn at_least((signal, statistic): (Signal, Statistic), value: f64, low: f64) -> Checked {
-    let passes = rounded(value, SLOPE_DECIMALS) >= low;
-    Checked { signal, statistic, value, low: Some(low), high: None, passes, use_of_limit: (1.0 - value) / (1.0 - low) }
-}
-
-/// In which unit limits at least so large are rounded: Nm and kW.
-fn least_unit(signal: Signal) -> f64 {
-    if signal == Signal::Power { 1000.0 } else { 1.0 }
-}
-
-fn rounded(value: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    (value * scale).round() / scale
+    let (passes, use_of_limit) = (value >= low, (1.0 - value) / (1.0 - low));
+    Checked { signal, statistic, value, low: Some(low), high: None, passes, use_of_limit }
 }

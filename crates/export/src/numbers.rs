@@ -104,9 +104,11 @@ pub fn name_of(parameter: ModelParameter) -> (&'static str, Unit) {
     }
 }
 
-/// All numbers of a model: the estimated ones, then those that are taken as exact.
+/// All numbers of a model: the estimated ones, then those that are taken as exact. Delays of the demand are those of the demand as
+/// the controller has it, in every target: see [`demand_lead`].
 #[must_use]
 pub fn all(model: &BenchModel) -> Vec<Number> {
+    let model = &model.with_demand_of_controller();
     let estimated = ModelParameter::ALL.into_iter().map(|parameter| {
         let (name, unit) = name_of(parameter);
         let description = parameter.quantity().name();
@@ -123,6 +125,20 @@ pub fn all(model: &BenchModel) -> Vec<Number> {
             exact("T_gate", "time over which an encoder averages", Unit::Time, Some(model.encoder_gate_s)),
         ])
         .collect()
+}
+
+/// By how much a recorded demand is to be advanced, in ASCII; none where recordings have it as the controller does.
+pub(crate) fn demand_lead(model: &BenchModel) -> Option<String> {
+    let lead = model.demand_lead();
+    let sample_ms = 1e3 * model.speed_controller?.sample_time_s;
+    let lead_ms = (1e6 * lead as f64 * sample_ms).round() * 1e-6;
+    (lead > 0)
+        .then(|| format!("recordings have it {lead} T_s ({lead_ms} ms) later: advance a recorded demand by as much"))
+}
+
+/// The same as a sentence for comments and pages.
+pub(crate) fn demand_lead_sentence(model: &BenchModel) -> Option<String> {
+    demand_lead(model).map(|words| format!("The speed demand is that of the controller; {words}."))
 }
 
 /// One part of the covariance: names of its parameters, rows, degrees of freedom.

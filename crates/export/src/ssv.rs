@@ -79,7 +79,7 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
         let degrees = vec![estimate.degrees_of_freedom];
         uncertainty.push(parameter("degrees_of_freedom", "of the covariance".to_owned(), degrees, None));
     }
-    let origin = Origin { written_by: format!("Written by dynoid {version}"), version };
+    let origin = Origin { written_by: format!("Written by dynoid {version}"), note: None, version };
     let title = &names.file;
     Ok(vec![
         ExportedFile::text(format!("{title}.ssv"), parameter_set(&origin, title, &values)),
@@ -93,12 +93,15 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
 /// What wrote a set.
 struct Origin<'a> {
     written_by: String,
+    /// What to know about the numbers.
+    note: Option<String>,
     version: &'a str,
 }
 
 impl<'a> Origin<'a> {
     fn of(document: &'a BenchModelDocument) -> Self {
-        Origin { written_by: written_by(document), version: &document.provenance.dynoid_version }
+        let note = numbers::demand_lead_sentence(&document.model);
+        Origin { written_by: written_by(document), note, version: &document.provenance.dynoid_version }
     }
 }
 
@@ -113,7 +116,7 @@ fn values(model: &BenchModel) -> Vec<Parameter> {
             unit: Some(number.unit),
         })
     };
-    numbers::all(&model.with_demand_of_controller()).into_iter().filter_map(parameter).collect()
+    numbers::all(model).into_iter().filter_map(parameter).collect()
 }
 
 /// Of each part its covariance, in the order that the description states, and its degrees of freedom where they are finite.
@@ -147,7 +150,12 @@ fn parameter_set(origin: &Origin<'_>, title: &str, parameters: &[Parameter]) -> 
          xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
          xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"2.0\" name=\"{}\" \
          generationTool=\"dynoid {}\">\n  <ssv:Parameters>\n",
-        origin.written_by.replace("--", "-"),
+        [Some(&origin.written_by), origin.note.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(|text| text.replace("--", "-"))
+            .collect::<Vec<_>>()
+            .join(" "),
         escaped(title),
         escaped(origin.version)
     );

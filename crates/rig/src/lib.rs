@@ -25,10 +25,10 @@ pub mod results;
 pub mod role;
 mod words;
 
-pub use bench_file::BenchFile;
+pub use bench_file::{BenchFile, RunChannels};
 pub use diagnostics::{Diagnostic, Finding, LikelyUnit, NotReplayed, Place, SeenInstead, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
-pub use prepare::{PrepareError, prepare};
+pub use prepare::{PrepareError, prepare, prepare_run};
 pub use role::Role;
 /// How the comment of a recording ends that a virtual bench made.
 pub const SIMULATED: &str = "virtual bench";

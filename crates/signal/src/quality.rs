@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use numerics::order::{lower_median, lower_median_streamed, select_streamed};
+use numerics::order::{lower_median, lower_median_streamed, select, select_streamed};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_range};
@@ -13,7 +13,7 @@ use crate::runs;
 pub struct QualityOptions {
     /// Shortest run at the smallest or largest value that counts as clipped; at least two.
     pub clip_run: usize,
-    /// Samples on each side whose median a spike is compared with; at least one.
+    /// Samples on each side whose median a spike is compared with; at least one. No spike is longer.
     pub spike_half_window: usize,
     /// Probability that Gaussian data of any colour show a spike anywhere, with the scale estimated robustly.
     pub spike_false_alarm: f64,
@@ -74,7 +74,8 @@ impl Quality {
 ///
 /// A spike at sample t stands out from the middle of its neighbours, `r(t) = x(t) − (x(t−1) + x(t+1))/2`, or where data do not
 /// remember their past from the median of all, by more than `s √(2 ln(N/p))`, which N Gaussian values of deviation s exceed with a probability below p whatever their colour, and from
-/// the median of its window as well, as a step does not.
+/// the median of its window as well, as a step does not. It also stands out from what the samples around it do: where a ripple or a
+/// fast ramp moves them from one to the next, no sample of these is a spike, whatever the rest of the record is like.
 ///
 /// # Source
 /// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation); the largest of N:
@@ -106,6 +107,10 @@ const FAR_BEYOND: f64 = 20.0;
 /// A spike departs from the median of its window by at least this part of what it does from its neighbours.
 const ALONE: f64 = 0.5;
 
+/// A spike departs so many times as far as all but a share of the samples around it move from one to the next; how many count
+/// on each side, and that share. Of a ripple that the raster folds, and of a corner between two ramps, the ratio is 1.
+const AROUND: (f64, usize, f64) = (3.0, 24, 0.2);
+
 /// The share of samples that sets the scale where their tails are heavier than Gaussian ones, and how many Gaussian standard
 /// deviations that share lies beyond.
 const TAIL: (f64, f64) = (0.02, 2.326_347_874);
@@ -125,9 +130,15 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     let (held, all) = departure_sizes().fold((0, 0), |(held, all), size| (held + usize::from(size == 0.0), all + 1));
     let threshold = if 2 * held < all { least } else { least.max(3.0 * standard_deviation(x)) };
     let mut departure = departures(x, options.spike_half_window);
-    let mut is_spike = |i: &usize| error(*i).abs() > threshold && departure(*i).abs() > ALONE * error(*i).abs();
+    let mut is_spike = |i: &usize| {
+        let size = error(*i).abs();
+        size > threshold
+            && departure(*i).abs() > ALONE * size
+            && size > AROUND.0 * moved_around(x, *i, options.spike_half_window)
+    };
     let found: Vec<usize> = (0..x.len()).filter(&mut is_spike).collect();
     let found = with_neighbours(&found, x.len(), &mut departure);
+    let found = no_longer_than(options.spike_half_window, &found);
     let most = (options.spike_max_fraction * x.len() as f64).max(1.0) as usize;
     if found.len() <= most {
         return found;
@@ -153,6 +164,25 @@ fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm
     let Some(tail) = select_streamed(&sizes, place) else { return f64::INFINITY };
     let usual = 1.4826 * lower_median_streamed(&sizes).unwrap_or(0.0);
     usual.max(tail / TAIL.1) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
+}
+
+/// How far the samples around a place move from one to the next, but for the largest of them. What is within a spike's reach of the
+/// place does not count.
+fn moved_around(x: &[f64], i: usize, reach: usize) -> f64 {
+    let (_, side, share) = AROUND;
+    let before = i.saturating_sub(reach + side)..i.saturating_sub(reach);
+    let after = (i + reach).min(x.len())..(i + reach + side).min(x.len());
+    let moved = |range: Range<usize>| x[range].windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut sizes: Vec<f64> = moved(before).chain(moved(after)).filter(|size| size.is_finite()).collect();
+    let largest = (share * sizes.len() as f64) as usize;
+    let place = sizes.len().saturating_sub(1 + largest);
+    select(&mut sizes, place).unwrap_or(0.0)
+}
+
+/// What was found without longer stretches, which are no spikes.
+fn no_longer_than(most: usize, found: &[usize]) -> Vec<usize> {
+    let stretches = found.chunk_by(|a, b| b - a == 1);
+    stretches.filter(|stretch| stretch.len() <= most).flatten().copied().collect()
 }
 
 /// Spikes of several samples: beside one, what departs to the same side at least half as far.

@@ -19,6 +19,9 @@ pub use parameter::ModelParameter;
 pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};
 
+/// Part of a sample below which two instants count as one.
+const INSTANT: f64 = 1e-9;
+
 /// Two masses and a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Mechanics {
@@ -88,18 +91,26 @@ pub struct BenchModel {
 }
 
 impl BenchModel {
-    /// Samples of the controller by which ω_d* is late in the speed error, and in the feed-forward. Where a recording has ω_d* later
-    /// than the controller has it, both are those of ω_d* as the controller has it.
-    pub fn demand_lags(&self) -> (usize, usize) {
+    /// Samples of the controller by which ω_d* is late in the speed error, beside the reading, and in the feed-forward. Both are those
+    /// of ω_d* as the controller has it, [`Self::demand_lead`] samples before recordings have it. Below zero the error waits so many
+    /// samples for its demand: its output is not needed before.
+    pub fn demand_lags(&self) -> (isize, usize) {
         let (error, feed_forward) = self.recorded_demand_lags();
         let lead = self.demand_lead() as isize;
-        ((error + lead).unsigned_abs(), (feed_forward + lead).unsigned_abs())
+        (error + lead, (feed_forward + lead).unsigned_abs())
     }
 
-    /// Samples by which the demand of [`Self::demand_lags`] is earlier than ω_d* of recordings.
+    /// Samples by which recordings have ω_d* later than the controller has it: a recorded demand is advanced by as many before a model
+    /// takes it that runs in real time. At least so many that no delay of the demand is negative, and that the error has its demand
+    /// when its output acts.
     pub fn demand_lead(&self) -> usize {
-        let (error, feed_forward) = self.recorded_demand_lags();
-        error.min(feed_forward).min(0).unsigned_abs()
+        let Some(pi) = self.speed_controller else { return 0 };
+        let (error, _) = self.recorded_demand_lags();
+        let fed_s = self.feed_forward.map_or(0.0, |feed| feed.delay_s);
+        let early = (-pi.demand_delay_s.min(fed_s) / pi.sample_time_s).round() as isize;
+        let acts_after_s = pi.delay_s + self.torque_control.map_or(0.0, |control| control.delay_s);
+        let longest_wait = (acts_after_s / pi.sample_time_s + INSTANT).floor() as isize;
+        early.max(-error - longest_wait).max(0).unsigned_abs()
     }
 
     /// The same of ω_d* as recordings have it, which may be later than the controller has it: negative then.
@@ -114,8 +125,7 @@ impl BenchModel {
     #[must_use]
     pub fn with_demand_of_controller(&self) -> Self {
         let Some(pi) = self.speed_controller else { return self.clone() };
-        let fed_s = self.feed_forward.map_or(0.0, |feed| feed.delay_s);
-        let early_s = (-pi.demand_delay_s.min(fed_s) / pi.sample_time_s).round().max(0.0) * pi.sample_time_s;
+        let early_s = self.demand_lead() as f64 * pi.sample_time_s;
         BenchModel {
             speed_controller: Some(PiController { demand_delay_s: pi.demand_delay_s + early_s, ..pi }),
             feed_forward: self.feed_forward.map(|feed| FeedForwardGains { delay_s: feed.delay_s + early_s, ..feed }),

@@ -55,6 +55,8 @@ enum State {
     Immediate(usize),
     /// Earlier ω_d*.
     Demand(usize),
+    /// Earlier reading of ω_d.
+    Reading(usize),
 }
 
 /// A linear function of the states, of both inputs at this sample, and of both at the next.
@@ -91,6 +93,7 @@ impl LinearForm {
             State::Delayed(back) => format!("pi_{back}"),
             State::Immediate(back) => format!("direct_{back}"),
             State::Demand(back) => format!("w_d_demand_{back}"),
+            State::Reading(back) => format!("w_d_read_{back}"),
         };
         self.states.iter().map(name).collect()
     }
@@ -105,7 +108,7 @@ impl LinearForm {
             State::Plant(which) => plant[which],
             State::DynoAngle(back) => turned(start.dyno_speed_rad_s, back),
             State::EngineAngle(back) => turned(start.engine_speed_rad_s, back),
-            State::DynoSpeed(_) => start.dyno_speed_rad_s,
+            State::DynoSpeed(_) | State::Reading(_) => start.dyno_speed_rad_s,
             State::EngineSpeed(_) => start.engine_speed_rad_s,
             State::Integral | State::Delayed(_) => start.integrator_nm,
             State::Immediate(_) => feed_forward_nm,
@@ -124,15 +127,19 @@ struct Builder<'a> {
     states: Vec<State>,
     /// Samples by which ω_d* is late in the speed error and in the feed-forward.
     lags: (usize, usize),
+    /// Samples for which the speed error waits for its demand; its output is as much younger than the reading in it.
+    wait: usize,
 }
 
 impl<'a> Builder<'a> {
     fn new(model: &'a BenchModel, mode: LoopMode, step_s: f64) -> Result<Self, SimulationError> {
         let torque_control = model.torque_control.ok_or(SimulationError::MissingPart { part: Part::TorqueControl })?;
         let substeps = Substep::of_a_sample(model, Some(torque_control), step_s)?;
-        let lags = model.demand_lags();
-        let states = states(model, mode, step_s, &substeps, lags);
-        Ok(Builder { model, mode, step_s, substeps, states, lags })
+        let (in_error, in_feed_forward) = model.demand_lags();
+        let lags = (in_error.max(0).unsigned_abs(), in_feed_forward);
+        let wait = in_error.min(0).unsigned_abs();
+        let states = states(model, mode, step_s, &substeps, (lags, wait));
+        Ok(Builder { model, mode, step_s, substeps, states, lags, wait })
     }
 
     fn build(self) -> Result<LinearForm, SimulationError> {
@@ -215,7 +222,8 @@ impl<'a> Builder<'a> {
         let Some(pi) = self.model.speed_controller.filter(|_| self.mode == LoopMode::Speed) else {
             return Demand { delayed: self.zero(), immediate: self.input(0, false), error: self.zero() };
         };
-        let error = combined(&[(1.0, &self.dyno_reading()), (-1.0, &self.late_demand(self.lags.0))]);
+        let reading = if self.wait == 0 { self.dyno_reading() } else { self.state(State::Reading(self.wait)) };
+        let error = combined(&[(1.0, &reading), (-1.0, &self.late_demand(self.lags.0))]);
         let delayed = combined(&[(pi.proportional_nm_s_per_rad, &error), (1.0, &self.state(State::Integral))]);
         let immediate = self.model.feed_forward.map_or_else(
             || self.zero(),
@@ -228,13 +236,13 @@ impl<'a> Builder<'a> {
         Demand { delayed, immediate, error }
     }
 
-    /// T_d* as it acts with these delays in samples.
+    /// T_d* as it acts with these delays in samples; that of the controller's output counts from the reading in it.
     fn acting(&self, demand: &Demand, delayed_back: usize, immediate_back: usize) -> Form {
         let past = |now: &Form, back: usize, state: fn(usize) -> State| match back {
             0 => now.clone(),
             _ => self.state(state(back)),
         };
-        let delayed = past(&demand.delayed, delayed_back, State::Delayed);
+        let delayed = past(&demand.delayed, delayed_back.saturating_sub(self.wait), State::Delayed);
         let immediate = past(&demand.immediate, immediate_back, State::Immediate);
         combined(&[(1.0, &delayed), (1.0, &immediate)])
     }
@@ -259,9 +267,11 @@ impl<'a> Builder<'a> {
             State::Delayed(1) => demand.delayed.clone(),
             State::Immediate(1) => demand.immediate.clone(),
             State::Demand(1) => self.input(0, false),
+            State::Reading(1) => self.dyno_reading(),
             State::Delayed(back) => self.state(State::Delayed(back - 1)),
             State::Immediate(back) => self.state(State::Immediate(back - 1)),
             State::Demand(back) => self.state(State::Demand(back - 1)),
+            State::Reading(back) => self.state(State::Reading(back - 1)),
         };
         self.states.iter().map(row).collect()
     }
@@ -322,17 +332,24 @@ fn combined(terms: &[(f64, &Form)]) -> Form {
 }
 
 /// The states that this model needs.
-fn states(model: &BenchModel, mode: LoopMode, step_s: f64, substeps: &[Substep], lags: (usize, usize)) -> Vec<State> {
+fn states(
+    model: &BenchModel,
+    mode: LoopMode,
+    step_s: f64,
+    substeps: &[Substep],
+    (lags, wait): ((usize, usize), usize),
+) -> Vec<State> {
     let gate = model.encoder_gate_s / step_s;
     let samples = gate.max(0.0).ceil() as usize;
     let speeds = if gate.fract() == 0.0 { 0 } else { samples };
     let most = |back: fn(&Substep) -> usize| substeps.iter().map(back).max().unwrap_or(0);
     let own_delay = model.speed_controller.map_or(0.0, |pi| pi.delay_s / pi.sample_time_s);
-    let (delayed, demands) = match mode {
-        LoopMode::Torque => (0, 0),
+    let (delayed, demands, readings) = match mode {
+        LoopMode::Torque => (0, 0, 0),
         LoopMode::Speed => {
             let feed = model.feed_forward.map_or(0, |_| lags.1 + 1);
-            (most(|s| s.delayed_back).max(samples_back(own_delay, 0.0)), lags.0.max(feed))
+            let oldest = most(|s| s.delayed_back).max(samples_back(own_delay, 0.0));
+            (oldest.saturating_sub(wait), lags.0.max(feed), wait)
         }
     };
     let mut states: Vec<State> = (0..4).map(State::Plant).collect();
@@ -344,5 +361,6 @@ fn states(model: &BenchModel, mode: LoopMode, step_s: f64, substeps: &[Substep],
     states.extend((1..=delayed).map(State::Delayed));
     states.extend((1..=most(|s| s.immediate_back)).map(State::Immediate));
     states.extend((1..=demands).map(State::Demand));
+    states.extend((1..=readings).map(State::Reading));
     states
 }

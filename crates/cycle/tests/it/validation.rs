@@ -53,15 +53,69 @@ fn exact_a_torque_that_is_too_small_fails_by_its_slope() {
 }
 
 #[test]
-fn exact_numbers_are_rounded_before_they_are_compared() {
+fn exact_slopes_are_rounded_to_the_decimals_of_their_limits() {
     // A shift or an omission may make a slope smaller.
-    let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement("1065.514").unwrap() };
-    let slope = |gain: f64| {
+    let of = |name: &str| cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement(name).unwrap() };
+    let passes = |name: &str, gain: f64| {
         let (reference, feedback) = run(0.0, gain);
-        validate(&reference, &feedback, &set).unwrap().passes
+        let found = validate(&reference, &feedback, &of(name)).unwrap();
+        let slope = found.checked.iter().find(|one| one.signal == Signal::Torque).unwrap();
+        assert_eq!(slope.statistic, Statistic::Slope);
+        (slope.value, slope.passes)
     };
-    assert!(slope(1.0304), "1.0304 is 1.030");
-    assert!(!slope(1.0306), "1.0306 is 1.031");
+    assert_eq!(passes("1065.514", 1.0304), (1.03, true));
+    assert_eq!(passes("1065.514", 1.0306), (1.031, false));
+    // No text of the other regulations was seen that rounds.
+    let found = passes("nrtc", 1.0304);
+    assert!((found.0 - 1.0304).abs() < 1e-4 && !found.1, "{found:?}");
+}
+
+/// A limit in per cent is exact, and what it limits is not rounded: 40 CFR 1090.50(c).
+#[test]
+fn exact_limits_in_per_cent_are_exact() {
+    let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement("1065.514").unwrap() };
+    // 2 % of the largest torque is 22 Nm.
+    let passes = |offset_nm: f64| {
+        let (reference, mut feedback) = run(0.0, 1.0);
+        feedback.torque_nm.iter_mut().for_each(|torque| *torque += offset_nm);
+        let found = validate(&reference, &feedback, &set).unwrap();
+        let is_it = |one: &&cycle::Checked| (one.signal, one.statistic) == (Signal::Torque, Statistic::Intercept);
+        let checked = *found.checked.iter().find(is_it).unwrap();
+        assert!((checked.value - offset_nm).abs() < 0.05 && checked.high == Some(22.0), "{checked:?}");
+        checked.passes
+    };
+    assert!(passes(21.9));
+    // This is 2.01 %, which is 2.0 % to one decimal.
+    assert!(!passes(22.11));
+}
+
+/// A filter of the feedback acts on the statistics and on the work alike: 40 CFR 1065.514 asks for that.
+#[test]
+fn exact_the_work_is_that_of_the_feedback_that_is_compared() {
+    let set = cycle::RequirementSet { shift_s: 0.0, omission: false, ..requirement("nrtc").unwrap() };
+    let (reference, feedback) = run(0.0, 1.0);
+    let of = |feedback: &Feedback| {
+        let found = validate(&reference, feedback, &set).unwrap();
+        let value = |signal: Signal, statistic: Statistic| {
+            found.checked.iter().find(|one| (one.signal, one.statistic) == (signal, statistic)).unwrap().value
+        };
+        (value(Signal::Torque, Statistic::Determination), value(Signal::Power, Statistic::Work))
+    };
+    let means = |values: &[f64]| -> Vec<f64> {
+        let mean = |k: usize| {
+            let around = &values[k.saturating_sub(50)..(k + 51).min(values.len())];
+            around.iter().sum::<f64>() / around.len() as f64
+        };
+        (0..values.len()).map(mean).collect()
+    };
+    let filtered = Feedback {
+        speed_rad_s: means(&feedback.speed_rad_s),
+        torque_nm: means(&feedback.torque_nm),
+        ..feedback.clone()
+    };
+    let (whole, less) = (of(&feedback), of(&filtered));
+    assert!(whole.0 > 0.99 && (whole.1 - 1.0).abs() < 5e-3, "{whole:?}");
+    assert!(less.0 < 0.9 && less.1 < whole.1 - 5e-3, "{less:?}");
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub(crate) struct CanArguments {
     /// Full-load curve of the engine: a table of speed and torque
     #[arg(long, value_name = "FILE", help_heading = "Test")]
     pub(crate) engine_map: Option<PathBuf>,
-    /// Warm idle speed [default: the lowest speed of the map]
+    /// Warm idle speed [default: the lowest speed of the engine map, or of the cycle without one]
     #[arg(long, value_name = "RPM", value_parser = number::positive_rpm, help_heading = "Test")]
     pub(crate) idle: Option<f64>,
     /// Vehicle and gears for a cycle of vehicle speed: a TOML file

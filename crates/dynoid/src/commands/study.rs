@@ -295,7 +295,8 @@ pub(crate) fn read_bench(bench: &Path) -> Result<(BenchFile, String), CliError> 
     Ok((file, text))
 }
 
-fn bench_text(bench: &Path) -> Result<String, CliError> {
+/// The text of a bench file.
+pub(crate) fn bench_text(bench: &Path) -> Result<String, CliError> {
     if bench.is_dir() {
         let inside = bench.join("bench.toml");
         let remedy = match inside.is_file() {

@@ -82,6 +82,119 @@ fn exact_a_recorded_run_that_misses_a_line_names_it() {
     assert!(ran.stdout.contains("FAIL by slope a_1 of the torque (1065.514)"), "{}", ran.stdout);
 }
 
+/// The run of [`level`] as an emission cell exports it: the speed of the engine and the torque of its flange, every `raster_s`, as
+/// means with the firing ripple of three cylinders. A function may change the rows.
+fn exported_run(raster_s: f64, change: impl Fn(f64, &mut f64, &mut f64)) -> String {
+    let mut text = String::from("time [s],N_Engine [rpm],M_Flange [Nm]\n");
+    let (fine, mut phase) = (20, 0.0_f64);
+    for row in 0..=(60.0 / raster_s).round() as i32 {
+        let time = f64::from(row) * raster_s;
+        let (mut speed, mut torque) = (0.0, 0.0);
+        for part in 0..fine {
+            let at = (time + raster_s * (f64::from(part) / f64::from(fine) - 0.5)).clamp(0.0, 60.0);
+            let (low, share) = (at.floor(), at.fract());
+            let (from, to) = (level(low), level(low + 1.0));
+            let straight = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            phase += std::f64::consts::TAU * 1.5 * straight.0 / 60.0 * raster_s / f64::from(fine);
+            speed += (straight.0 + 30_000.0 / straight.0 * phase.sin()) / f64::from(fine);
+            torque += (straight.1 + 40.0 * phase.sin()) / f64::from(fine);
+        }
+        change(time, &mut speed, &mut torque);
+        writeln!(text, "{time:.3},{speed:.4},{torque:.4}").unwrap();
+    }
+    text
+}
+
+/// What a command printed, without the ends of its lines.
+fn words(printed: &str) -> String {
+    printed.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+const NEITHER: fn(f64, &mut f64, &mut f64) = |_, _, _| {};
+
+/// A bench file with no number of the bench, and these channels.
+fn judging(channels: &str) -> Campaign {
+    let campaign = campaign();
+    campaign.write("bench.toml", format!("[channels]\n{channels}").as_bytes());
+    campaign
+}
+
+#[test]
+fn exact_a_run_needs_only_the_channels_that_its_statistics_use() {
+    for channels in [
+        "engine_speed = \"N_Engine\"\nflange_torque = \"M_Flange\"\n",
+        "dyno_speed = \"N_Engine\"\nload_cell_torque = \"M_Flange\"\n",
+        "dyno_speed = \"N_Engine\"\nengine_speed = \"N_Engine\"\nflange_torque = \"M_Flange\"\ndyno_torque_demand = \"absent\"\n",
+    ] {
+        let campaign = judging(channels);
+        for raster_s in [0.02, 0.1, 0.2, 1.0] {
+            campaign.write("run.csv", exported_run(raster_s, NEITHER).as_bytes());
+            let ran = campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv"]);
+            assert_eq!(ran.code, Some(0), "{raster_s} s: {}{}", ran.stdout, ran.stderr);
+            let said = words(&ran.stdout);
+            assert!(said.contains("PASS") && !said.contains("in ms"), "{said}");
+            assert_eq!(said.contains("mean of data at 5 Hz or more"), raster_s > 0.2, "{said}");
+        }
+    }
+    // A set of the speed alone takes no torque, and a missing speed is asked for by name.
+    let campaign = judging("engine_speed = \"N_Engine\"\n");
+    campaign.write("run.csv", exported_run(0.1, NEITHER).as_bytes());
+    let ran = campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv", "--by", "1036.545"]);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
+    let ran = campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv"]);
+    ran.assert_refused(3, &["run.csv", "flange_torque", "[channels]"]);
+    let campaign = judging("flange_torque = \"M_Flange\"\n");
+    campaign.write("run.csv", exported_run(0.1, NEITHER).as_bytes());
+    let ran = campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv"]);
+    ran.assert_refused(3, &["run.csv", "engine_speed, dyno_speed", "[channels]"]);
+}
+
+#[test]
+fn exact_what_is_left_out_of_a_run_is_named() {
+    let campaign = judging("engine_speed = \"N_Engine\"\nflange_torque = \"M_Flange\"\n");
+    let judge = || campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv"]);
+    campaign.write("run.csv", exported_run(0.02, NEITHER).as_bytes());
+    assert!(!judge().stdout.contains("spike"), "the ripple of firing is no spike");
+    let spike = |time: f64, speed: &mut f64, _: &mut f64| {
+        if (time - 31.0).abs() < 1e-6 {
+            *speed = 30_000.0;
+        }
+    };
+    campaign.write("run.csv", exported_run(0.02, spike).as_bytes());
+    let ran = judge();
+    assert!(
+        ran.code == Some(0) && words(&ran.stdout).contains("One sample is a spike"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
+    // A gap of two seconds leaves a part of the run, and the refusal says which and why.
+    let whole = exported_run(0.02, NEITHER);
+    let is_kept = |line: &&str| {
+        !line.split(',').next().and_then(|time| time.parse().ok()).is_some_and(|time: f64| (20.0..22.0).contains(&time))
+    };
+    campaign
+        .write("run.csv", whole.lines().filter(is_kept).map(|line| format!("{line}\n")).collect::<String>().as_bytes());
+    judge().assert_refused(3, &["the feedback covers", "gap", "2", "only the stretch from 22"]);
+}
+
+#[test]
+fn exact_what_limits_refer_to_is_stated() {
+    let campaign = judging("engine_speed = \"N_Engine\"\nflange_torque = \"M_Flange\"\n");
+    campaign.write("run.csv", exported_run(0.1, NEITHER).as_bytes());
+    let judge = |more: &[&str]| {
+        let ran = campaign.run(&[&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv"], more].concat());
+        words(&ran.stdout)
+    };
+    let (own, map) = (judge(&[]), judge(&["--engine-map", "engine.csv"]));
+    assert!(own.contains("Without an engine map these are the lowest speed and the largest values"), "{own}");
+    assert!(map.contains("700 rpm at warm idle") && map.contains("the lowest one of the engine map"), "{map}");
+    let stated = judge(&["--idle", "650"]);
+    assert!(stated.contains("650 rpm at warm idle"), "{stated}");
+    let json = campaign.run(&["can", "bench.toml", "cycle.csv", "--recorded", "run.csv", "--json"]).json();
+    assert_eq!(json["limits_refer_to"]["of"].as_str(), Some("cycle"));
+}
+
 #[test]
 fn exact_requirements_of_ones_own_judge_a_recording() {
     let campaign = recorded();

@@ -46,8 +46,13 @@ impl<'a> Description<'a> {
     /// One sentence about the model.
     pub(super) fn sentence(&self) -> String {
         let mode = if self.numbers.has_speed_control { "speed and torque control" } else { "torque control" };
+        let lead = self
+            .numbers
+            .demand_lead
+            .as_ref()
+            .map_or_else(String::new, |words| format!("; of the speed demand {words}"));
         format!(
-            "Dynamometer test bench in {mode}: two masses, a shaft and a sampled controller, identified from recordings"
+            "Dynamometer test bench in {mode}: two masses, a shaft and a sampled controller, identified from recordings{lead}"
         )
     }
 
@@ -130,9 +135,10 @@ pub(super) fn attribute(name: &str, value: &str) -> String {
     format!(" {name}=\"{}\"", escaped(value))
 }
 
-/// Text for XML and HTML.
+/// Text for XML and HTML; characters that XML cannot have are left out.
 pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let plain: String = text.chars().filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')).collect();
+    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Attributes of a variable that both versions have.

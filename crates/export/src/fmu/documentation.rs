@@ -15,6 +15,8 @@ pub(super) fn page(description: &Description<'_>) -> String {
     let parameters = rows(|role| matches!(role, Role::Fixed | Role::Tunable));
     let states = rows(|role| role == Role::State);
     let draws = description.numbers.draws.len();
+    let lead = crate::numbers::demand_lead_sentence(&description.document.model);
+    let lead = lead.map_or_else(String::new, |words| format!("<p>{}</p>\n", escaped(&words)));
     let (tool, date) = (escaped(&description.tool()), escaped(&description.document.provenance.date));
     let made = format!("<p>Made by {tool} from a model of {date}.</p>\n");
     let validity = escaped(&description.validity());
@@ -31,7 +33,7 @@ pub(super) fn page(description: &Description<'_>) -> String {
          <h2>Uncertainty</h2>\n<p>The FMU holds {draws} draws of the parameters from their covariance. Set <code>draw</code> to 0 for \
          the estimate, or to k for the k-th draw. A parameter that is set to another value than the estimate keeps that \
          value.</p>\n\
-         <h2>Time</h2>\n{TIME}\
+         <h2>Time</h2>\n{TIME}{lead}\
          <h2>Inputs</h2>\n{HEAD}{inputs}</table>\n<h2>Outputs</h2>\n{HEAD}{outputs}</table>\n\
          <h2>Parameters</h2>\n{HEAD}{parameters}</table>\n<h2>States</h2>\n{HEAD}{states}</table>\n</body>\n</html>\n"
     )

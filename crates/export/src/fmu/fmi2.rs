@@ -65,7 +65,8 @@ fn typed(description: &Description<'_>, variable: &Variable) -> String {
             let displayed = if variable.is_speed() { " displayUnit=\"rpm\"" } else { "" };
             let unit = attribute("unit", unit.name);
             let (min, start) = (number("min", min), number("start", start));
-            format!("<Real{unit}{displayed}{min}{start}{}/>", derivative.unwrap_or_default())
+            let nominal = number("nominal", variable.nominal);
+            format!("<Real{unit}{displayed}{min}{nominal}{start}{}/>", derivative.unwrap_or_default())
         }
         Kind::ControlMode(start) => {
             format!("<Enumeration declaredType=\"ControlMode\"{}/>", attribute("start", &start.to_string()))

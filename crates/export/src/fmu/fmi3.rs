@@ -54,8 +54,9 @@ fn variable(variable: &Variable) -> String {
             };
             let unit = attribute("unit", unit.name);
             format!(
-                "    <Float64{head}{unit}{displayed}{}{}{derivative}/>\n",
+                "    <Float64{head}{unit}{displayed}{}{}{}{derivative}/>\n",
                 number("min", min),
+                number("nominal", variable.nominal),
                 number("start", start)
             )
         }
@@ -101,12 +102,26 @@ pub(super) fn build_description(runtime: Runtime) -> String {
     )
 }
 
-/// `terminalsAndIcons/terminalsAndIcons.xml`.
-pub(super) fn icons() -> String {
-    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  \
-     <GraphicalRepresentation>\n    \
-     <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n    \
-     <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  \
-     </GraphicalRepresentation>\n</fmiTerminalsAndIcons>\n"
-        .to_owned()
+/// `terminalsAndIcons/terminalsAndIcons.xml`. A bench has a terminal where the engine is flanged to the shaft.
+pub(super) fn icons(runtime: Runtime) -> String {
+    let terminals = match runtime {
+        Runtime::Bench => TERMINALS,
+        Runtime::Linear => "",
+    };
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  \
+         <GraphicalRepresentation>\n    \
+         <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n    \
+         <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  \
+         </GraphicalRepresentation>\n{terminals}</fmiTerminalsAndIcons>\n"
+    )
 }
+
+/// The engine's flange: torque in, speed and angle out, as members of the same names.
+const TERMINALS: &str = "  <Terminals>\n    \
+    <Terminal name=\"engine_flange\" matchingRule=\"plug\" terminalKind=\"dynoid.rotational_flange\" \
+    description=\"Where the engine is flanged to the shaft: its torque in, speed and angle there out\">\n      \
+    <TerminalMemberVariable variableKind=\"signal\" memberName=\"tau\" variableName=\"engine_torque\"/>\n      \
+    <TerminalMemberVariable variableKind=\"signal\" memberName=\"w\" variableName=\"engine_side_speed\"/>\n      \
+    <TerminalMemberVariable variableKind=\"signal\" memberName=\"phi\" variableName=\"engine_angle\"/>\n    \
+    </Terminal>\n  </Terminals>\n";

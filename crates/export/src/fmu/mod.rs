@@ -108,7 +108,7 @@ fn packed(names: &Names, version: FmiVersion, runtime: Runtime, content: &Conten
         FmiVersion::V2 => archive.add("model.png", icon),
         FmiVersion::V3 => {
             archive.add("terminalsAndIcons/icon.png", icon);
-            archive.add("terminalsAndIcons/terminalsAndIcons.xml", fmi3::icons().as_bytes());
+            archive.add("terminalsAndIcons/terminalsAndIcons.xml", fmi3::icons(runtime).as_bytes());
             archive.add("sources/buildDescription.xml", fmi3::build_description(runtime).as_bytes());
         }
     }

@@ -3,7 +3,8 @@
 use bench_model::document::{BenchModelDocument, Range};
 use bench_model::model::{BenchModel, ModelParameter};
 
-use crate::numbers::{Number, Unit, all, name_of};
+use crate::numbers::{Number, Unit, all, demand_lead, name_of};
+use crate::start::{start_nm, start_rad_s};
 use crate::{ExportError, draws};
 
 /// The names of the parameters in the runtime's order (`bench.h`).
@@ -15,8 +16,6 @@ const ORDER: [&str; 16] = [
 const LONGEST_SAMPLES: f64 = 508.0;
 /// Sample time of a bench whose controller is not known, s.
 const SAMPLE_TIME_S: f64 = 1e-3;
-/// Speed at the start where the model has no range, rad/s.
-const START_RAD_S: f64 = 100.0;
 /// Draws of the covariance that an FMU holds.
 pub const DRAWS: usize = 200;
 /// Seed of the draws.
@@ -39,6 +38,10 @@ pub(super) struct BenchNumbers {
     pub(super) has_speed_control: bool,
     /// ω_d at the start, rad/s.
     pub(super) start_rad_s: f64,
+    /// Torque through the whole bench at the start, Nm: none, unless the model is not valid there.
+    pub(super) start_nm: f64,
+    /// By how much a recorded speed demand is to be advanced, in words.
+    pub(super) demand_lead: Option<String>,
     pub(super) speed_range_rad_s: Option<Range>,
     pub(super) torque_range_nm: Option<Range>,
     /// The parameters of a draw.
@@ -67,14 +70,16 @@ impl BenchNumbers {
 
     /// The estimate alone.
     pub(super) fn without_draws(document: &BenchModelDocument) -> Result<Self, ExportError> {
-        let model = document.model.with_demand_of_controller();
-        let known = all(&model);
+        let model = &document.model;
+        let known = all(model);
         let parameters: Vec<RuntimeParameter> = ORDER.into_iter().filter_map(|name| of_runtime(name, &known)).collect();
         let validity = document.validity;
         let numbers = BenchNumbers {
             parameters,
             has_speed_control: model.speed_controller.is_some() && model.torque_control.is_some(),
-            start_rad_s: validity.dyno_speed_rad_s.map_or(START_RAD_S, |(low, high)| 0.5 * (low + high)),
+            start_rad_s: start_rad_s(&validity),
+            start_nm: start_nm(&validity),
+            demand_lead: demand_lead(model),
             speed_range_rad_s: validity.dyno_speed_rad_s,
             torque_range_nm: validity.air_gap_torque_nm,
             drawn: Vec::new(),

@@ -34,11 +34,11 @@ pub(super) fn run(model: &BenchModel, numbers: &BenchNumbers) -> Result<Referenc
         (0..SAMPLES).map(|k| if k < from { low } else { high }).collect()
     };
     let speed = stepped(STEPS[0], numbers.start_rad_s, numbers.start_rad_s + STEP_RAD_S);
-    let torque = stepped(STEPS[0], 0.0, STEP_NM);
-    let engine = stepped(STEPS[1], 0.0, STEP_NM);
+    let torque = stepped(STEPS[0], numbers.start_nm, numbers.start_nm + STEP_NM);
+    let engine = stepped(STEPS[1], numbers.start_nm, numbers.start_nm + STEP_NM);
     let dyno =
         if numbers.has_speed_control { DynoInput::SpeedDemand(&speed) } else { DynoInput::TorqueDemand(&torque) };
-    let start = InitialState::steady(&model, numbers.start_rad_s, 0.0);
+    let start = InitialState::steady(&model, numbers.start_rad_s, numbers.start_nm);
     let response = simulate(&model, &Inputs { sample_time_s, engine_torque_nm: &engine, dyno }, &start)?;
     let time_s = |k: usize| k as f64 * sample_time_s;
     let slope = |k: usize| (engine[(k + 1).min(SAMPLES - 1)] - engine[k]) / sample_time_s;

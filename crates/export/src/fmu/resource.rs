@@ -15,9 +15,9 @@ pub(super) fn text(numbers: &BenchNumbers, token: &str) -> String {
         let (number, unit) = (csv::number(value), parameter.unit.plain());
         line(&mut text, format_args!("{name} {} # {number} {unit}, {}", hexadecimal(value), parameter.description));
     }
-    let start = numbers.start_rad_s;
-    let plain = csv::number(start);
-    line(&mut text, format_args!("initial {} {} # {plain} rad/s, 0 Nm", hexadecimal(start), hexadecimal(0.0)));
+    let start = [numbers.start_rad_s, numbers.start_nm];
+    let ([speed, torque], [rad_s, nm]) = (start.map(hexadecimal), start.map(csv::number));
+    line(&mut text, format_args!("initial {speed} {torque} # {rad_s} rad/s, {nm} Nm"));
     for (name, range) in [("speed_range", numbers.speed_range_rad_s), ("torque_range", numbers.torque_range_nm)] {
         if let Some((low, high)) = range {
             line(&mut text, format_args!("{name} {} {}", hexadecimal(low), hexadecimal(high)));

@@ -7,7 +7,7 @@ use super::numbers::BenchNumbers;
 use super::platforms::Runtime;
 use crate::ExportedFile;
 use crate::names::Names;
-use crate::numbers::written_by;
+use crate::numbers::{demand_lead_sentence, written_by};
 
 macro_rules! runtime {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../runtime/", $name)))),*] };
@@ -107,8 +107,9 @@ fn model_header(document: &BenchModelDocument, numbers: &BenchNumbers, name: &st
             format!("    {}, /* {}, {}: {} */\n", csv::number(one.value), one.name, one.unit.plain(), one.description)
         })
         .collect();
+    let lead = demand_lead_sentence(&document.model).map_or_else(String::new, |words| format!("\n * {words}"));
     format!(
-        "/* {} */\n#ifndef {name}_H\n#define {name}_H\n\n#include \"bench.h\"\n\n\
+        "/* {}{lead} */\n#ifndef {name}_H\n#define {name}_H\n\n#include \"bench.h\"\n\n\
          /* The numbers of the model, in the order of bench.h; 0 stands for a part that the model lacks. */\n\
          static const double {name}[BENCH_PARAMETERS] = {{\n{rows}}};\n\n#endif\n",
         written_by(document).replace("*/", "")
@@ -119,7 +120,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 fn example(names: &CNames, numbers: &BenchNumbers) -> String {
     let CNames { header, example, program, numbers: model } = names;
-    let speed = csv::number(numbers.start_rad_s);
+    let (speed, torque) = (csv::number(numbers.start_rad_s), csv::number(numbers.start_nm));
     let (mode, step) = if numbers.has_speed_control {
         ("BENCH_SPEED_CONTROL", "inputs.speed_demand_rad_s += 5.0;")
     } else {
@@ -130,8 +131,8 @@ fn example(names: &CNames, numbers: &BenchNumbers) -> String {
          #include <stdio.h>\n\n#include \"{header}\"\n\n\
          int main(void) {{\n    \
          static bench model;\n    \
-         const bench_initial start = {{.speed_rad_s = {speed}}};\n    \
-         bench_inputs inputs = {{.speed_demand_rad_s = {speed}}};\n    \
+         const bench_initial start = {{.speed_rad_s = {speed}, .torque_nm = {torque}}};\n    \
+         bench_inputs inputs = {{.speed_demand_rad_s = {speed}, .torque_demand_nm = {torque}, .engine_torque_nm = {torque}}};\n    \
          if (!bench_start(&model, {model}, {mode}, &start)) return 1;\n    \
          for (int k = 0; k < 1000; k++) {{\n        \
          if (k == 100) {step}\n        \

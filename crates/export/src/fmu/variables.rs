@@ -52,6 +52,8 @@ pub(super) struct Variable {
     pub(super) description: String,
     pub(super) role: Role,
     pub(super) kind: Kind,
+    /// How large it usually is, for solvers; none where that says nothing.
+    pub(super) nominal: Option<f64>,
 }
 
 const TORQUE_RATE: FmiUnit = FmiUnit { name: "N.m/s", exponents: [1, 2, -3, 0] };
@@ -60,6 +62,8 @@ const ACCELERATION: FmiUnit = FmiUnit { name: "rad/s2", exponents: [0, 0, -2, 1]
 const PARAMETER: u32 = 10;
 const INITIAL: u32 = 30;
 const STATE: u32 = 60;
+/// Usual torque of a bench whose model has no range, Nm.
+const NOMINAL_NM: f64 = 100.0;
 /// What the reference of a derivative is beyond that of its state.
 const TO_DERIVATIVE: u32 = 10;
 
@@ -76,7 +80,27 @@ impl Variable {
     }
 
     fn new(reference: u32, name: &str, role: Role, kind: Kind, description: &str) -> Self {
-        Variable { name: name.to_owned(), reference, description: description.to_owned(), role, kind }
+        Variable { name: name.to_owned(), reference, description: description.to_owned(), role, kind, nominal: None }
+    }
+
+    /// How large it usually is: as the model's range says, or as the parameter is.
+    fn with_nominal(mut self, numbers: &BenchNumbers) -> Self {
+        let Kind::Real(unit, start, _) = self.kind else { return self };
+        let torque_nm = numbers.torque_range_nm.map_or(NOMINAL_NM, |(low, high)| low.abs().max(high.abs()));
+        let stiffness = numbers.value("K");
+        self.nominal = match (self.role, unit.name) {
+            (Role::Fixed | Role::Tunable, _) if !(INITIAL..INITIAL + 10).contains(&self.reference) => {
+                start.map(f64::abs)
+            }
+            (Role::Derivative(_) | Role::Time, _) => None,
+            (_, "rad/s") if self.name.contains("difference") => None,
+            (_, "rad/s") => Some(numbers.start_rad_s.abs()),
+            (_, "N.m") => Some(torque_nm),
+            (_, "rad") if self.name.starts_with("twist") && stiffness > 0.0 => Some(torque_nm / stiffness),
+            _ => None,
+        };
+        self.nominal = self.nominal.filter(|nominal| nominal.is_finite() && *nominal > 0.0);
+        self
     }
 
     /// Whether an importer learns its first value from the FMU.
@@ -95,6 +119,7 @@ pub(super) fn all(numbers: &BenchNumbers) -> Vec<Variable> {
         .chain(choices(numbers))
         .chain(outputs())
         .chain(states())
+        .map(|variable| variable.with_nominal(numbers))
         .collect()
 }
 
@@ -103,25 +128,26 @@ fn real(unit: impl Into<FmiUnit>, start: Option<f64>) -> Kind {
 }
 
 fn inputs(numbers: &BenchNumbers) -> Vec<Variable> {
-    let input = |reference, name, unit: FmiUnit, start, description| {
+    let input = |reference, name, unit: FmiUnit, start, description: &str| {
         Variable::new(reference, name, Role::Input, real(unit, Some(start)), description)
     };
+    let lead = numbers.demand_lead.as_ref().map_or_else(String::new, |words| format!("; {words}"));
     vec![
         input(
             1,
             "speed_demand",
             Unit::Speed.into(),
             numbers.start_rad_s,
-            "N_d*, in speed control; the controller samples it",
+            &format!("N_d*, in speed control; the controller samples it{lead}"),
         ),
         input(
             2,
             "torque_demand",
             Unit::Torque.into(),
-            0.0,
+            numbers.start_nm,
             "T_d*, in torque control; sampled as well; positive brakes",
         ),
-        input(3, "engine_torque", Unit::Torque.into(), 0.0, "T_e"),
+        input(3, "engine_torque", Unit::Torque.into(), numbers.start_nm, "T_e"),
         input(4, "engine_torque_rate", TORQUE_RATE, 0.0, "slope of T_e within the next step (Co-Simulation alone)"),
     ]
 }
@@ -147,7 +173,7 @@ fn parameters(numbers: &BenchNumbers) -> Vec<Variable> {
 fn initial_values(numbers: &BenchNumbers) -> Vec<Variable> {
     let values: [(&str, Unit, f64, &str); 6] = [
         ("initial_speed", Unit::Speed, numbers.start_rad_s, "speed of both sides at the start"),
-        ("initial_torque", Unit::Torque, 0.0, "torque through the whole bench at the start"),
+        ("initial_torque", Unit::Torque, numbers.start_nm, "torque through the whole bench at the start"),
         ("initial_speed_difference", Unit::Speed, 0.0, "engine's speed less the dynamometer's at the start"),
         ("initial_twist_offset", Unit::Angle, 0.0, "twist at the start beyond initial_torque/K"),
         ("initial_air_gap_torque_offset", Unit::Torque, 0.0, "T_d at the start beyond initial_torque"),

@@ -4,8 +4,7 @@ function [tn, nt, plant, bench] = @NAME@ ()
 %   [tn, nt, plant, bench] = @NAME@ () returns
 %     tn     the bench in torque control, discrete: T_d_demand, T_e to w_d, w_e, T_d, T_shaft, T_d_demand
 %     nt     the bench in speed control, discrete: w_d_demand, T_e to the same; [] without a speed controller. Recordings
-%            have w_d_demand later by bench.demand_lead ticks: advance a recorded demand by as many. Of the
-%            parameters, tau_n and tau_f are delays of the demand as recordings have it
+%            have w_d_demand later by bench.demand_lead ticks: advance a recorded demand by as many
 %     plant  mechanics and lag of the torque control, continuous; in MATLAB with the delay of T_d_demand
 %     bench  parameters, units, covariance of independent parts, range of validity, and the matrices
 %   @NAME@ () without outputs draws frequency and step responses.

@@ -2,8 +2,8 @@ within ;
 package @CLASS@ "@TITLE@"
 
   model Plant "Two masses and a shaft@WITH_TORQUE_CONTROL@"
-@PLANT_PARAMETERS@    parameter Real w_start(unit = "rad/s") = 100.0 "speed at the start";
-    parameter Real T_start(unit = "N.m") = 0.0 "torque at the start";
+@PLANT_PARAMETERS@    parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
+    parameter Real T_start(unit = "N.m") = @T_START@ "torque at the start";
     input Real @TORQUE@(unit = "N.m", start = T_start) "@TORQUE_WORDS@; positive brakes the dynamometer";
     input Real T_e(unit = "N.m", start = T_start) "torque of the engine";
     output Real w_d(unit = "rad/s", start = w_start, fixed = true) "speed of the dynamometer";

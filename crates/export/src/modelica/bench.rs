@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 
 use bench_model::document::{BenchModelDocument, Range};
-use bench_model::model::{BenchModel, FeedForwardGains, PiController};
+use bench_model::model::{BenchModel, PiController};
 
 use super::{html, number, text};
 use crate::ExportedFile;
 use crate::names::Names;
 use crate::numbers::{self, Number, written_by};
+use crate::start::{start_nm, start_rad_s};
 
 const PACKAGE: &str = include_str!("bench.mo");
 const CONTROL: &str = include_str!("control.mo");
@@ -23,6 +24,8 @@ pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
     let control = model.torque_control.and(model.speed_controller);
     let package = plant(PACKAGE, document)
         .replace("@CONTROL@", &control.map_or_else(String::new, |pi| controller(model, &pi)))
+        .replace("@W_START@", &number(start_rad_s(&document.validity)))
+        .replace("@T_START@", &number(start_nm(&document.validity)))
         .replace("@CLASS@", &names.class)
         .replace("@TITLE@", &text(&format!("Bench model of {}", document.bench.name)))
         .replace("@DOCUMENTATION@", &documentation(document));
@@ -81,54 +84,64 @@ fn validity(document: &BenchModelDocument) -> String {
 
 /// How a recorded demand becomes the one that the controller takes.
 fn demand_lead(model: &BenchModel) -> String {
-    match model.demand_lead() {
-        0 => String::new(),
-        lead => format!("; recordings have it {lead} T_s later: advance a recorded demand by as much"),
-    }
+    numbers::demand_lead(model).map_or_else(String::new, |words| format!("; {words}"))
 }
 
-/// The model with the delays of ω_d* that the code of [`controller`] has: whole samples, of the demand that it takes.
-fn with_demand_of_code(model: &BenchModel) -> BenchModel {
-    let Some(pi) = model.speed_controller else { return model.clone() };
-    let (lag, feed_lag) = model.demand_lags();
-    let samples = |count: usize| count as f64 * pi.sample_time_s;
-    BenchModel {
-        speed_controller: Some(PiController { demand_delay_s: pi.delay_s + samples(lag), ..pi }),
-        feed_forward: model.feed_forward.map(|feed| FeedForwardGains { delay_s: samples(feed_lag), ..feed }),
-        ..model.clone()
-    }
-}
-
-/// The speed controller, with its demand as late as the recordings show.
+/// The speed controller, with its demand as late as the recordings show. Where the speed error waits for its demand, the reading and
+/// the feed-forward of then go with it, and its output acts as much sooner after it.
 fn controller(model: &BenchModel, pi: &PiController) -> String {
-    let (lag, feed_lag) = model.demand_lags();
+    let (in_error, feed_lag) = model.demand_lags();
+    let (lag, wait) = (in_error.max(0).unsigned_abs(), in_error.min(0).unsigned_abs());
     let feed = model.feed_forward.is_some();
-    let oldest = lag.max(if feed { feed_lag + 1 } else { 0 });
-    let start = "(unit = \"rad/s\", start = w_start, fixed = true)";
-    let past: String = (0..=oldest).map(|back| format!("    discrete Real past_{back}{start};\n")).collect();
-    let shifts: String = (1..=oldest).map(|back| format!("      past_{back} = pre(past_{});\n", back - 1)).collect();
     let (feed_now, feed_start) = match feed {
         true => (format!("k * past_{feed_lag} + k_a * (past_{feed_lag} - past_{}) / T_s", feed_lag + 1), "k * w_start"),
         false => ("0.0".to_owned(), "0.0"),
     };
+    let speed = "(unit = \"rad/s\", start = w_start, fixed = true)";
+    let torque = format!("(unit = \"N.m\", start = {feed_start}, fixed = true)");
+    let (reading, fed) = match wait {
+        0 => ("w_d".to_owned(), "feed_forward".to_owned()),
+        _ => (format!("read_{wait}"), format!("fed_{wait}")),
+    };
+    let oldest = lag.max(if feed { feed_lag + 1 } else { 0 });
+    let waiting = (wait > 0).then_some(wait);
+    let kept = [("past", Some(oldest), speed), ("read", waiting, speed), ("fed", waiting, &torque)];
+    let kept = || kept.iter().filter_map(|(name, oldest, start)| Some((name, (*oldest)?, start)));
+    let past: String = kept()
+        .flat_map(|(name, oldest, start)| {
+            (0..=oldest).map(move |back| format!("    discrete Real {name}_{back}{start};\n"))
+        })
+        .collect();
+    let shift = |name: &str, oldest: usize| -> String {
+        (1..=oldest).map(|back| format!("      {name}_{back} = pre({name}_{});\n", back - 1)).collect()
+    };
+    let readings = if wait > 0 { format!("      read_0 = w_d;\n{}", shift("read", wait)) } else { String::new() };
+    let feeds = if wait > 0 { format!("      fed_0 = feed_forward;\n{}", shift("fed", wait)) } else { String::new() };
     let step = "pre(integrator) + K_i * T_s * error";
-    let demanded = if pi.delay_s > 0.0 { "delay(pi_part, tau_c) + feed_forward" } else { "pi_part + feed_forward" };
+    let left_s = pi.delay_s - wait as f64 * pi.sample_time_s;
+    let demanded = match (left_s > 0.0, wait) {
+        (false, _) => "pi_part + feed_forward".to_owned(),
+        (true, 0) => "delay(pi_part, tau_c) + feed_forward".to_owned(),
+        (true, wait) => format!("delay(pi_part, tau_c - {wait} * T_s) + feed_forward"),
+    };
     let (integrator, limited) = match model.torque_limit_nm {
         Some(_) => (
             format!(
-                "if abs(pi_part + feed_forward) > T_limit and K_i * error * (pi_part + feed_forward) > 0.0 then pre(integrator) else {step}"
+                "if abs(pi_part + {fed}) > T_limit and K_i * error * (pi_part + {fed}) > 0.0 then pre(integrator) else {step}"
             ),
             format!("max(-T_limit, min(T_limit, {demanded}))"),
         ),
-        None => (step.to_owned(), demanded.to_owned()),
+        None => (step.to_owned(), demanded),
     };
     CONTROL
         .replace("@CONTROLLER_PARAMETERS@", &parameters(model, &CONTROLLER))
         .replace("@DEMAND_LEAD@", &demand_lead(model))
-        .replace("@PAST_EQUATIONS@", &shifts)
+        .replace("@PAST_EQUATIONS@", &format!("{}{readings}", shift("past", oldest)))
         .replace("@PAST@", &past)
+        .replace("@READING_IN_ERROR@", &reading)
         .replace("@LAG@", &lag.to_string())
         .replace("@FEED@", &feed_now)
+        .replace("@FED_EQUATIONS@", &feeds)
         .replace("@FEED_START@", feed_start)
         .replace("@INTEGRATOR@", &integrator)
         .replace("@LIMITED@", &limited)
@@ -141,7 +154,7 @@ fn documentation(document: &BenchModelDocument) -> String {
          <table border=\\\"1\\\">\n<tr><th></th><th></th><th>value</th><th>standard error</th><th>unit</th></tr>\n",
         html(&document.bench.name)
     );
-    for one in numbers::all(&with_demand_of_code(&document.model)) {
+    for one in numbers::all(&document.model) {
         let Some(value) = one.value else { continue };
         let error = one.parameter.and_then(|parameter| document.uncertainty.standard_error(parameter));
         let error = error.map_or_else(|| "exact".to_owned(), |(error, _)| format!("{error:.3e}"));
@@ -152,12 +165,8 @@ fn documentation(document: &BenchModelDocument) -> String {
         );
     }
     page.push_str("</table>\n");
-    if document.model.demand_lead() > 0 {
-        let _ = writeln!(
-            page,
-            "<p>Delays of w_d* are those of the demand that the model takes{}.</p>",
-            demand_lead(&document.model)
-        );
+    if let Some(words) = numbers::demand_lead_sentence(&document.model) {
+        let _ = writeln!(page, "<p>{words}</p>");
     }
     let range = |name: &str, unit: &str, range: Option<Range>| {
         range.map(|(low, high)| format!("{name} {low:.4} … {high:.4} {unit}"))

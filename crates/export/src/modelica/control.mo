@@ -1,7 +1,7 @@
 
   model SpeedController "PI with feed-forward, as it runs: every T_s, its output held"
-@CONTROLLER_PARAMETERS@    parameter Real w_start(unit = "rad/s") = 100.0 "speed at the start";
-    parameter Real T_start(unit = "N.m") = 0.0 "torque at the start";
+@CONTROLLER_PARAMETERS@    parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
+    parameter Real T_start(unit = "N.m") = @T_START@ "torque at the start";
     input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
     input Real w_d(unit = "rad/s", start = w_start) "speed as the encoder reads it";
     output Real T_d_demand(unit = "N.m") "demanded torque";
@@ -13,17 +13,17 @@
 @PAST@  equation
     when sample(0.0, T_s) then
       past_0 = w_d_demand;
-@PAST_EQUATIONS@      error = w_d - past_@LAG@;
+@PAST_EQUATIONS@      error = @READING_IN_ERROR@ - past_@LAG@;
       pi_part = K_p * error + pre(integrator);
       feed_forward = @FEED@;
-      integrator = @INTEGRATOR@;
+@FED_EQUATIONS@      integrator = @INTEGRATOR@;
     end when;
     T_d_demand = @LIMITED@;
   end SpeedController;
 
   model SpeedControl "The bench in speed control (NT)"
-    parameter Real w_start(unit = "rad/s") = 100.0 "speed at the start";
-    parameter Real T_start(unit = "N.m") = 0.0 "torque at the start";
+    parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
+    parameter Real T_start(unit = "N.m") = @T_START@ "torque at the start";
     input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
     input Real T_e(unit = "N.m", start = T_start) "torque of the engine";
     output Real w_d(unit = "rad/s") "speed of the dynamometer";

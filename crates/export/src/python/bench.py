@@ -7,9 +7,9 @@ anti-windup and encoder gate. It needs numpy alone. All numbers are in SI: rad/s
     from @MODULE@ import Bench, Start
 
     bench = Bench()
-    start = Start.steady(bench, speed=125.0, torque=40.0)
-    engine = np.full(2000, 40.0)
-    engine[1000:] = 60.0
+    start = Start.steady(bench, speed=@SPEED@, torque=@TORQUE@)
+    engine = np.full(2000, @TORQUE@)
+    engine[1000:] = @MORE@
     response = bench.simulate(engine, start, @EXAMPLE@)
     response["T_shaft"]
 
@@ -110,7 +110,8 @@ class Bench:
     ):
         """Simulates the bench. Give one demand, with one value a tick as the engine torque has.
 
-        engine_torque: T_e, Nm, linear between the samples. speed_demand: w_d*, rad/s (NT). torque_demand: T_d*, Nm, held (TN).
+        engine_torque: T_e, Nm, linear between the samples. speed_demand: w_d*, rad/s (NT), as the controller has it: advance a
+        recorded one by DEMAND_LEAD ticks. torque_demand: T_d*, Nm, held (TN).
         air_gap_torque: T_d itself, Nm, linear between the samples. engine_speed_control: an EngineSpeedControl, whose torque is added
         to engine_torque. sample_time: of the inputs in TN, s; in NT it is that of the controller.
         Returns a dict of arrays: w_d and w_e as the encoders read them, T_d, T_shaft, T_e, and T_d_demand (none with air_gap_torque).

@@ -9,6 +9,7 @@ use bench_model::document::{BenchModelDocument, Range};
 use crate::ExportedFile;
 use crate::names::Names;
 use crate::numbers::{self, written_by};
+use crate::start::{start_nm, start_rad_s};
 pub use linear::linear;
 
 /// The module without the numbers of the model.
@@ -19,16 +20,20 @@ const BEGIN: &str = "# begin of the model\n";
 #[must_use]
 pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
     let model = &document.model;
+    let (speed, torque) = (start_rad_s(&document.validity), start_nm(&document.validity));
     let example = match model.speed_controller.and(model.torque_control) {
-        Some(_) => "speed_demand=np.full(2000, 125.0)",
-        None if model.torque_control.is_some() => "torque_demand=np.full(2000, 40.0)",
-        None => "air_gap_torque=np.full(2000, 40.0)",
+        Some(_) => format!("speed_demand=np.full(2000, {})", number(speed)),
+        None if model.torque_control.is_some() => format!("torque_demand=np.full(2000, {})", number(torque)),
+        None => format!("air_gap_torque=np.full(2000, {})", number(torque)),
     };
     let title = format!("{} {}", one_line(&document.bench.name), written_by(document));
     let text = MODULE
         .replace("@TITLE@", &format!("Bench model {title}"))
         .replace("@MODULE@", &names.file)
-        .replace("@EXAMPLE@", example)
+        .replace("@SPEED@", &number(speed))
+        .replace("@TORQUE@", &number(torque))
+        .replace("@MORE@", &number(torque + 20.0))
+        .replace("@EXAMPLE@", &example)
         .replace(BEGIN, &format!("{BEGIN}{}", data(document)));
     ExportedFile::text(format!("{}.py", names.file), text)
 }
@@ -40,7 +45,14 @@ fn data(document: &BenchModelDocument) -> String {
         let (value, unit) = (optional(number.value), number.unit.plain());
         let _ = writeln!(text, "    \"{}\": {value},  # {unit}: {}", number.name, number.description);
     }
-    text.push_str("}\n# Covariance of independent parts: names, matrix, degrees of freedom.\nCOVARIANCE = [\n");
+    text.push_str("}\n");
+    if document.model.speed_controller.is_some() {
+        let words = numbers::demand_lead_sentence(&document.model);
+        let words = words.unwrap_or_else(|| "Recordings have the speed demand as the controller does.".to_owned());
+        let _ = writeln!(text, "# Ticks by which a recorded speed demand is to be advanced. {words}");
+        let _ = writeln!(text, "DEMAND_LEAD = {}", document.model.demand_lead());
+    }
+    text.push_str("# Covariance of independent parts: names, matrix, degrees of freedom.\nCOVARIANCE = [\n");
     for (names, covariance, degrees_of_freedom) in numbers::covariance(document) {
         let rows: Vec<String> = covariance.iter().map(|row| list(row)).collect();
         let degrees = number(degrees_of_freedom);

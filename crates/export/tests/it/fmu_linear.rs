@@ -7,7 +7,7 @@ use faer::Mat;
 use ident::{LinearModel, ModelDocument};
 use lti::{PolynomialEquation, PolynomialModel};
 
-use crate::fmu::{compiled, printed};
+use crate::fmu::{compiled, printed, text, unpacked};
 use crate::model::{arx, document, oscillator};
 use crate::others::{folder_with, largest, python};
 
@@ -144,4 +144,29 @@ fn ref_a_program_in_c_simulates_a_linear_model_as_the_program_does() {
         assert_eq!(said.lines().count(), 200);
         assert!(most <= 1e-12 * size, "{most:e} of {size:e}");
     }
+}
+
+/// Levels that were taken off the data, and units that an importer can convert.
+#[test]
+fn exact_levels_and_units_are_in_the_description() {
+    let (mut model, _) = arx();
+    let line = |level| vec![ident::Line::level(level)];
+    model.trend = Some(ident::Trend::per_experiment(vec![line(19.87)], vec![line(82.55)]).unwrap());
+    for version in [FmiVersion::V2, FmiVersion::V3] {
+        let files = unpacked(&made(&model, version).content);
+        let description = text(&files, "modelDescription.xml");
+        assert!(description.contains("Levels of the inputs: 19.87; of the outputs: 82.55"), "{description}");
+        assert!(description.contains("difference from the level 19.87 Nm"), "{description}");
+        assert!(description.contains("difference from the level 82.55 rpm"), "{description}");
+        assert!(
+            description.contains("<Unit name=\"Nm\"><BaseUnit kg=\"1\" m=\"2\" s=\"-2\"/></Unit>"),
+            "{description}"
+        );
+        let rpm = "<Unit name=\"rpm\"><BaseUnit s=\"-1\" rad=\"1\" factor=\"0.10471975511965977\"/></Unit>";
+        assert!(description.contains(rpm), "{description}");
+        let page = text(&files, "documentation/index.html");
+        assert!(page.contains("19.87 Nm") && page.contains("Levels of the inputs: 19.87"), "{page}");
+    }
+    let absolute = text(&unpacked(&made(&arx().0, FmiVersion::V3).content), "modelDescription.xml");
+    assert!(!absolute.contains("level"), "{absolute}");
 }

@@ -7,6 +7,7 @@ mod cases;
 mod draws;
 mod fmu;
 mod fmu_linear;
+mod lead;
 mod linear;
 mod matlab;
 mod model;

@@ -10,5 +10,5 @@ mod words;
 pub use changes::change;
 pub use map::{MapPage, page as map};
 pub use predicted::{Asked, page as predicted};
-pub use recorded::{AlignedOn, JudgedOwn, RecordedRun, page as recorded};
+pub use recorded::{AlignedOn, JudgedOwn, RecordedRun, Referred, ScalesOf, page as recorded};
 pub use words::{answer, limit_of, omission, own, required, statistic, value_of};

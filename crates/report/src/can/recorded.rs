@@ -1,7 +1,8 @@
 //! A run of a cycle that was recorded, and whether it is valid.
 
-use cycle::{Judged, Own, RequirementSet, Validation};
+use cycle::{Judged, Own, RequirementSet, Scales, Validation};
 use page::{Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone};
+use serde::Serialize;
 use units::RPM_RAD_S;
 
 use super::words;
@@ -9,6 +10,8 @@ use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 200;
+/// Longest time between values that may be values of an instant, s: 40 CFR 1065.202, Table 1, asks for 5 Hz.
+const SLOWEST_S: f64 = 0.2;
 
 /// How the beginning of the cycle was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +24,30 @@ pub enum AlignedOn {
     Given,
     /// The recording's first sample.
     FirstSample,
+}
+
+/// Where the speeds, the torque and the power are from that limits in per cent refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScalesOf {
+    /// An engine map, whose lowest speed counts as warm idle.
+    Map,
+    /// An engine map, and a stated idle speed.
+    MapAndStatedIdle,
+    /// The cycle itself, whose lowest speed counts as warm idle.
+    Cycle,
+    /// The cycle itself, and a stated idle speed.
+    CycleAndStatedIdle,
+}
+
+/// What limits in per cent refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Referred {
+    /// The numbers.
+    #[serde(flatten)]
+    pub scales: Scales,
+    /// Where they are from.
+    pub of: ScalesOf,
 }
 
 /// A requirement of one's own with what a recording makes of it.
@@ -52,20 +79,26 @@ pub struct RecordedRun<'a> {
     pub start_s: f64,
     /// How that was found.
     pub aligned_on: AlignedOn,
-    /// Which signals were taken, in words.
-    pub signals: (&'a str, &'a str),
+    /// Which signals were taken as speed and torque, in words; none where no requirement uses it.
+    pub signals: (Option<String>, Option<String>),
     /// Whether the operator's demand was recorded.
     pub has_demand: bool,
+    /// Time between the values that were compared, s.
+    pub sample_time_s: f64,
+    /// What limits in per cent refer to.
+    pub referred: Referred,
+    /// What was left out of the recording and why, and what else is wrong with it.
+    pub remarks: &'a [String],
     /// Requirement sets, judged.
     pub sets: &'a [(RequirementSet, Validation)],
     /// Requirements of one's own, judged.
     pub own: &'a [JudgedOwn],
     /// Time on the clock of the test, s, with demanded and measured speed (rad/s) and torque (Nm).
     pub time_s: &'a [f64],
-    /// Demanded and measured speed, rad/s.
-    pub speed_rad_s: (&'a [f64], &'a [f64]),
-    /// Demanded and measured torque, Nm.
-    pub torque_nm: (&'a [f64], &'a [f64]),
+    /// Demanded and measured speed, rad/s, where a requirement uses it.
+    pub speed_rad_s: Option<(&'a [f64], &'a [f64])>,
+    /// Demanded and measured torque, Nm, where a requirement uses it.
+    pub torque_nm: Option<(&'a [f64], &'a [f64])>,
 }
 
 impl RecordedRun<'_> {
@@ -95,7 +128,8 @@ pub fn page(run: &RecordedRun<'_>) -> Page {
                      never as most. Give `throttle` in [channels] if it was recorded.";
         all.push(Block::Finding(Finding::new(Tone::Caution, "assumed", words)));
     }
-    all.push(Block::figure(figure(run)));
+    all.push(doubts(run));
+    all.push(figure(run).map(Block::figure).into_iter().collect::<Blocks>());
     Page::new(format!("{}, {}", run.test, run.file), all.into_vec())
 }
 
@@ -118,12 +152,73 @@ fn begins(run: &RecordedRun<'_>) -> String {
         AlignedOn::Given => "as given",
         AlignedOn::FirstSample => "the first sample",
     };
+    let taken = |what: &str, signal: &Option<String>| {
+        signal.as_ref().map_or_else(String::new, |signal| format!(" {what}: {signal}."))
+    };
     format!(
-        "The test begins at {} of the recording ({how}). Speed: {}. Torque: {}.",
+        "The test begins at {} of the recording ({how}).{}{}",
         number::time(run.start_s),
-        run.signals.0,
-        run.signals.1
+        taken("Speed", &run.signals.0),
+        taken("Torque", &run.signals.1)
     )
+}
+
+/// What the judgement takes for granted, and what is wrong with the recording.
+fn doubts(run: &RecordedRun<'_>) -> Blocks {
+    let finding = |tone, severity, words: &str| Block::Finding(Finding::new(tone, severity, words));
+    let mut all: Blocks = run.remarks.iter().map(|words| finding(Tone::Caution, "recording", words)).collect();
+    if run.sets.is_empty() {
+        return all;
+    }
+    let (tone, severity, words) = referred(&run.referred);
+    all.push(finding(tone, severity, &words));
+    if run.sample_time_s > SLOWEST_S {
+        let words = format!(
+            "A value every {} must be a mean of data at 5 Hz or more (40 CFR 1065.202, Table 1). The recording does not show \
+             whether it is.",
+            number::measure(run.sample_time_s, "s")
+        );
+        all.push(finding(Tone::Caution, "assumed", &words));
+    }
+    all
+}
+
+/// What limits in per cent refer to, and whether it is stated or taken for granted.
+fn referred(referred: &Referred) -> (Tone, &'static str, String) {
+    let scales = &referred.scales;
+    let rpm = |speed: f64| number::significant(speed / RPM_RAD_S, 5);
+    let all = format!(
+        "Limits in per cent refer to {} rpm at warm idle, {} rpm as the maximum test speed, {} Nm and {} kW.",
+        rpm(scales.idle_rad_s),
+        rpm(scales.maximum_test_speed_rad_s),
+        number::significant(scales.maximum_torque_nm, 5),
+        number::significant(1e-3 * scales.maximum_power_w, 5)
+    );
+    match referred.of {
+        ScalesOf::Map => (
+            Tone::Plain,
+            "scales",
+            format!("{all} The idle speed is the lowest one of the engine map; state another one with --idle."),
+        ),
+        ScalesOf::MapAndStatedIdle => {
+            (Tone::Plain, "scales", format!("{all} The engine map has all but the idle speed, which is stated."))
+        }
+        ScalesOf::Cycle => (
+            Tone::Caution,
+            "assumed",
+            format!(
+                "{all} Without an engine map these are the lowest speed and the largest values of the cycle. Give \
+                 --engine-map, or state the idle speed with --idle."
+            ),
+        ),
+        ScalesOf::CycleAndStatedIdle => (
+            Tone::Caution,
+            "assumed",
+            format!(
+                "{all} Without an engine map all but the idle speed are the largest values of the cycle. Give --engine-map."
+            ),
+        ),
+    }
 }
 
 fn judged(set: &RequirementSet, validation: &Validation) -> Blocks {
@@ -136,11 +231,12 @@ fn judged(set: &RequirementSet, validation: &Validation) -> Blocks {
     ]);
     for one in &validation.checked {
         let (tone, word) = if one.passes { (Tone::Good, "pass") } else { (Tone::Bad, "fail") };
+        let (value, allowed) = words::compared(one);
         table.row([
             words::signal(one.signal).0.into(),
             words::statistic(one.statistic).into(),
-            words::value_of(one.signal, one.statistic, one.value).into(),
-            words::allowed(one.signal, one.statistic, (one.low, one.high)).into(),
+            value.into(),
+            allowed.into(),
             Cell::toned(word, tone),
         ]);
     }
@@ -178,9 +274,9 @@ fn own(own: &[JudgedOwn]) -> Table {
     table
 }
 
-/// A number with what the samples leave open.
+/// A number with what the samples leave open, to the digits that separate it from its limit.
 fn value(one: &JudgedOwn) -> String {
-    let value = words::own_value(&one.own, one.judged.value);
+    let value = words::own_value_beside(&one.own, one.judged.value, one.judged.limit);
     one.uncertain_by.map_or_else(|| value.clone(), |by| format!("{value} ± {}", words::own_value(&one.own, by)))
 }
 
@@ -193,7 +289,7 @@ fn open(one: &JudgedOwn) -> Block {
     Block::Finding(Finding::new(Tone::Caution, "uncertain", words))
 }
 
-fn figure(run: &RecordedRun<'_>) -> Figure {
+fn figure(run: &RecordedRun<'_>) -> Option<Figure> {
     let rpm = |values: &[f64]| values.iter().map(|value| value / RPM_RAD_S).collect::<Vec<_>>();
     let panel = |label: &str, unit: &str, (demand, value): (&[f64], &[f64])| {
         let layers = vec![
@@ -202,8 +298,9 @@ fn figure(run: &RecordedRun<'_>) -> Figure {
         ];
         Panel::new(Axis::linear(label, unit), HEIGHT, layers)
     };
-    let speed = panel("speed", "rpm", (&rpm(run.speed_rad_s.0), &rpm(run.speed_rad_s.1)));
-    let torque = panel("torque", "Nm", run.torque_nm);
-    Figure::new("Demanded and measured", Axis::time(), vec![speed, torque])
-        .with_caption("Time counts from the beginning of the test.")
+    let speed = run.speed_rad_s.map(|(demand, value)| panel("speed", "rpm", (&rpm(demand), &rpm(value))));
+    let torque = run.torque_nm.map(|both| panel("torque", "Nm", both));
+    let panels: Vec<Panel> = speed.into_iter().chain(torque).collect();
+    let caption = "Time counts from the beginning of the test.";
+    (!panels.is_empty()).then(|| Figure::new("Demanded and measured", Axis::time(), panels).with_caption(caption))
 }

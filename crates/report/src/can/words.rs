@@ -1,13 +1,15 @@
 //! Words of requirements, statistics and limits.
 
 use capability::{Answer, LimitOf, Verdict};
-use cycle::{Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
+use cycle::{Checked, Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
 use design::safety::Proportion;
 use page::{Finding, Tone};
 use units::RPM_RAD_S;
 
 use crate::wording::number;
 
+/// Digits that a number beside its limit has at least, and at most.
+const DIGITS: (i32, i32) = (4, 12);
 /// What more benches miss than this share of them prevents a yes on its own.
 const PREVENTS: f64 = 0.05;
 
@@ -33,16 +35,40 @@ pub fn statistic(statistic: Statistic) -> &'static str {
 
 /// A number of a requirement set with its unit.
 pub fn value_of(of: Signal, statistic: Statistic, value: f64) -> String {
+    to_digits(of, statistic, value, DIGITS.0)
+}
+
+fn to_digits(of: Signal, statistic: Statistic, value: f64, digits: i32) -> String {
     let (_, unit, si) = signal(of);
     match statistic {
-        Statistic::Intercept | Statistic::StandardError => format!("{} {unit}", number::significant(value / si, 4)),
-        Statistic::Slope | Statistic::Determination | Statistic::Work => number::significant(value, 4),
+        Statistic::Intercept | Statistic::StandardError => {
+            format!("{} {unit}", number::significant(value / si, digits))
+        }
+        Statistic::Slope | Statistic::Determination | Statistic::Work => number::significant(value, digits),
     }
 }
 
+/// A number and what its limits allow, to the digits that separate it from them.
+pub(super) fn compared(one: &Checked) -> (String, String) {
+    let text = |value: f64, digits: i32| to_digits(one.signal, one.statistic, value, digits);
+    let limits = [one.low, one.high].into_iter().flatten();
+    let digits = limits.map(|limit| separating(one.value, limit, &text)).max().unwrap_or(DIGITS.0);
+    (text(one.value, digits), allowed_to(one.signal, one.statistic, (one.low, one.high), digits))
+}
+
+/// The fewest digits to which two numbers differ in print; the usual ones where they are equal.
+fn separating(value: f64, limit: f64, text: &dyn Fn(f64, i32) -> String) -> i32 {
+    let differ = |digits: &i32| value == limit || text(value, *digits) != text(limit, *digits);
+    (DIGITS.0..=DIGITS.1).find(differ).unwrap_or(DIGITS.1)
+}
+
 /// What a limit allows.
-pub(super) fn allowed(of: Signal, statistic: Statistic, (low, high): (Option<f64>, Option<f64>)) -> String {
-    let value = |value: f64| value_of(of, statistic, value);
+pub(super) fn allowed(of: Signal, statistic: Statistic, limits: (Option<f64>, Option<f64>)) -> String {
+    allowed_to(of, statistic, limits, DIGITS.0)
+}
+
+fn allowed_to(of: Signal, statistic: Statistic, (low, high): (Option<f64>, Option<f64>), digits: i32) -> String {
+    let value = |value: f64| to_digits(of, statistic, value, digits);
     match (low, high) {
         (Some(low), Some(high)) => format!("{} … {}", value(low), value(high)),
         (Some(low), None) => format!("at least {}", value(low)),
@@ -106,13 +132,23 @@ fn sensor(sensor: Sensor) -> &'static str {
 
 /// A number of a requirement of one's own.
 pub(super) fn own_value(own: &Own, value: f64) -> String {
+    own_value_to(own, value, DIGITS.0)
+}
+
+/// A number of a requirement of one's own, to the digits that separate it from its limit.
+pub(super) fn own_value_beside(own: &Own, value: f64, limit: f64) -> String {
+    let text = |value: f64, digits: i32| own_value_to(own, value, digits);
+    own_value_to(own, value, separating(value, limit, &text))
+}
+
+fn own_value_to(own: &Own, value: f64, digits: i32) -> String {
     let (_, unit, si) = signal(own.signal());
     match own {
         _ if value.is_infinite() => "never".to_owned(),
-        Own::Within { .. } | Own::Amplitude { .. } => format!("{} {unit}", number::significant(value / si, 4)),
-        Own::Phase { .. } => format!("{}°", number::significant(value.to_degrees(), 4)),
-        Own::Overshoot { .. } => number::share(value),
-        Own::Rise { .. } | Own::Settling { .. } => number::measure(value, "s"),
+        Own::Within { .. } | Own::Amplitude { .. } => format!("{} {unit}", number::significant(value / si, digits)),
+        Own::Phase { .. } => format!("{}°", number::significant(value.to_degrees(), digits)),
+        Own::Overshoot { .. } => format!("{} %", number::significant(100.0 * value, digits)),
+        Own::Rise { .. } | Own::Settling { .. } => number::significant_with_unit(value, digits, "s"),
     }
 }
 

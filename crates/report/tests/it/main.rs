@@ -1,5 +1,6 @@
 //! The tests of the report. A name's prefix says what it proves.
 
+mod can;
 mod counterparts;
 mod fixture;
 mod known;

@@ -31,7 +31,7 @@ use std::str::FromStr;
 pub use crate::channels::ChannelMapping;
 pub use fault::{BenchFileError, Fault, FaultKind};
 pub use stated::PLACEHOLDER;
-pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, ShaftPrior};
+pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, RunChannels, ShaftPrior};
 pub use write::Draft;
 
 impl FromStr for BenchFile {
@@ -44,5 +44,18 @@ impl FromStr for BenchFile {
     /// [`BenchFileError`] with every fault found, each with its line, key and remedy.
     fn from_str(text: &str) -> Result<Self, BenchFileError> {
         read::read(text)
+    }
+}
+
+impl FromStr for RunChannels {
+    type Err = BenchFileError;
+
+    /// Reads the channels of a bench file's text; whatever else it states may be missing.
+    ///
+    /// # Errors
+    ///
+    /// [`BenchFileError`] with every fault found in what is read, each with its line, key and remedy.
+    fn from_str(text: &str) -> Result<Self, BenchFileError> {
+        read::read_for_a_run(text)
     }
 }

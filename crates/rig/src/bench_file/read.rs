@@ -9,7 +9,8 @@ use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
 use super::virtual_bench;
 use crate::bench_file::stated::{
-    BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ReportIdentity, ShaftPrior,
+    BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ReportIdentity, RunChannels,
+    ShaftPrior,
 };
 use crate::channels::ChannelMapping;
 use crate::facts::BenchVariant;
@@ -29,10 +30,30 @@ const BENCH_KEYS: &[&str] = &[
 ];
 const DYNAMOMETER_INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
 const ENGINE_INERTIA_EXAMPLE: &str = "\"0.2 kg m²\"";
+const SPEED_LIMIT_EXAMPLE: &str = "\"6000 rpm\"";
 const FRICTION_EXAMPLE: &str = "\"0.01 Nm s/rad\"";
 
 /// Reads a bench file and notes every fault in it.
 pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
+    with_root(text, read_root)
+}
+
+/// Reads what the judgement of a run takes from a bench file, and notes every fault in that alone.
+pub(super) fn read_for_a_run(text: &str) -> Result<RunChannels, BenchFileError> {
+    with_root(text, |root, faults| {
+        let limits = root.section("limits", faults);
+        Some(RunChannels {
+            channels: read_channels(&root.section("channels", faults), &[], Purpose::Judgement, faults),
+            speed_limit_rad_s: read_limit(&limits, "speed", Quantity::AngularSpeed, SPEED_LIMIT_EXAMPLE, faults),
+        })
+    })
+}
+
+/// What a reader makes of a document, or all the faults that it notes.
+fn with_root<T>(
+    text: &str,
+    reader: impl FnOnce(&Section<'_, '_>, &mut Faults<'_>) -> Option<T>,
+) -> Result<T, BenchFileError> {
     let mut faults = Faults::new(text);
     let document = match DeTable::parse(text) {
         Ok(document) => document.into_inner(),
@@ -42,11 +63,17 @@ pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
             return Err(faults.into_error());
         }
     };
-    let file = read_root(&Section::root(&document), &mut faults);
-    match file {
-        Some(file) if faults.is_empty() => Ok(file),
+    match reader(&Section::root(&document), &mut faults) {
+        Some(found) if faults.is_empty() => Ok(found),
         _ => Err(faults.into_error()),
     }
+}
+
+/// What channels are read for. A judgement may take one channel for several roles, and asks for no role that is not filled in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    Estimates,
+    Judgement,
 }
 
 fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFile> {
@@ -73,7 +100,7 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         Some(0) => &[Role::DynoSpeed],
         _ => required_roles(variant),
     });
-    let channels = read_channels(&root.section("channels", faults), required, faults);
+    let channels = read_channels(&root.section("channels", faults), required, Purpose::Estimates, faults);
     let recordings = read_recordings(&root.section("recordings", faults), faults);
     let report = read_report(&root.section("report", faults), faults);
     Some(BenchFile {
@@ -231,7 +258,7 @@ fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
     Limits {
         torque_nm: read_limit(section, "torque", Quantity::Torque, "\"400 Nm\"", faults),
         shaft_torque_nm: read_limit(section, "shaft_torque", Quantity::Torque, "\"500 Nm\"", faults),
-        speed_rad_s: read_limit(section, "speed", Quantity::AngularSpeed, "\"6000 rpm\"", faults),
+        speed_rad_s: read_limit(section, "speed", Quantity::AngularSpeed, SPEED_LIMIT_EXAMPLE, faults),
         torque_slew_nm_per_s: read_limit(section, "torque_slew", Quantity::TorqueRate, slew, faults),
         shaft_torque_slew_nm_per_s: read_limit(section, "shaft_torque_slew", Quantity::TorqueRate, slew, faults),
         time_at_resonance_s: read_limit(section, "time_at_resonance", Quantity::Time, "\"5 s\"", faults),
@@ -335,19 +362,23 @@ fn read_limit(
 fn read_channels(
     section: &Section<'_, '_>,
     required: &[Role],
+    purpose: Purpose,
     faults: &mut Faults<'_>,
 ) -> BTreeMap<Role, ChannelMapping> {
     section.only(&Role::ALL.map(Role::key), faults);
     let mut channels: BTreeMap<Role, ChannelMapping> = BTreeMap::new();
     for role in Role::ALL {
         let Some(place) = section.get(role.key()) else { continue };
+        if purpose == Purpose::Judgement && place.is_placeholder() {
+            continue;
+        }
         let Some(mapping) = read_mapping(section, role, place, faults) else { continue };
         match channels.iter().find(|(_, known)| known.name == mapping.name) {
-            Some((other, _)) => {
+            Some((other, _)) if purpose == Purpose::Estimates => {
                 let kind = FaultKind::ChannelUsedTwice { channel: mapping.name, other: other.key().to_owned() };
                 faults.add(place.offset, section.path_of(role.key()), kind);
             }
-            None => {
+            _ => {
                 channels.insert(role, mapping);
             }
         }

@@ -47,6 +47,15 @@ pub struct BenchFile {
     pub report: ReportIdentity,
 }
 
+/// What the judgement of a recorded run takes from a bench file: no number of a model, and no role that it does not use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunChannels {
+    /// Channel of each role. A channel may play several.
+    pub channels: BTreeMap<Role, ChannelMapping>,
+    /// The bench's largest speed, rad/s, if stated.
+    pub speed_limit_rad_s: Option<f64>,
+}
+
 /// What a report says of itself; what is not stated is not shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
 pub struct ReportIdentity {

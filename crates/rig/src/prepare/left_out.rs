@@ -59,11 +59,15 @@ fn stale_samples(source: &Source<'_>, stale: Stale, log: &mut Log) -> Vec<bool> 
 }
 
 fn spikes(source: &Source<'_>, all: &[Source<'_>], log: &mut Log) -> Vec<bool> {
-    let options = QualityOptions { spike_false_alarm: SPIKE_FALSE_ALARM, ..QualityOptions::default() };
-    let Ok(quality) = check_quality(source.samples, &options) else { return Vec::new() };
     let possible = demanded(source.role, all);
     let si = |i: &usize| source.factor * source.samples[*i];
-    let is_impossible = |i: &usize| possible.as_ref().is_none_or(|range| !range.contains(&si(i)));
+    spikes_if(source, &|i| possible.as_ref().is_none_or(|range| !range.contains(&si(i))), log)
+}
+
+/// Spikes of a channel whose samples are impossible.
+pub(super) fn spikes_if(source: &Source<'_>, is_impossible: &dyn Fn(&usize) -> bool, log: &mut Log) -> Vec<bool> {
+    let options = QualityOptions { spike_false_alarm: SPIKE_FALSE_ALARM, ..QualityOptions::default() };
+    let Ok(quality) = check_quality(source.samples, &options) else { return Vec::new() };
     left_out(source, quality.spikes.into_iter().filter(is_impossible).collect(), log)
 }
 

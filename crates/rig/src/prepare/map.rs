@@ -22,20 +22,23 @@ pub(super) fn sources<'r>(
     log: &mut Log,
 ) -> Vec<Source<'r>> {
     let roles = bench_file.channels.iter();
-    roles.filter_map(|(role, mapping)| source(recording, *role, mapping, label, log)).collect()
+    let is_absent = |role: &Role, mapping: &ChannelMapping| {
+        label.is_without_shaft() && is_beyond_shaft(*role) && recording.channel(&mapping.name).is_none()
+    };
+    roles
+        .filter(|(role, mapping)| !is_absent(role, mapping))
+        .filter_map(|(role, mapping)| source(recording, *role, mapping, log))
+        .collect()
 }
 
-fn source<'r>(
+/// The channel of a role, if it is there and has a fitting unit.
+pub(super) fn source<'r>(
     recording: &'r Recording,
     role: Role,
     mapping: &ChannelMapping,
-    label: &ExperimentLabel,
     log: &mut Log,
 ) -> Option<Source<'r>> {
     let Some(channel) = recording.channel(&mapping.name) else {
-        if label.is_without_shaft() && is_beyond_shaft(role) {
-            return None;
-        }
         let names = recording.channels.iter().map(|channel| channel.name.as_str());
         let finding = Finding::MissingChannel { role, closest: closest(&mapping.name, names, SUGGESTIONS) };
         let severity = if role == Role::Throttle { Severity::Note } else { Severity::Warning };

@@ -9,6 +9,7 @@ mod log;
 mod map;
 mod physics;
 mod rasters;
+mod run;
 mod samples;
 mod sign;
 mod source;
@@ -23,6 +24,7 @@ use crate::diagnostics::Diagnostic;
 use crate::experiment::{Experiment, ExperimentLabel};
 use log::Log;
 pub use physics::saturated_stretches;
+pub use run::prepare_run;
 pub use sign::{believable, wrong_sign};
 
 /// A recording of which nothing can be used.

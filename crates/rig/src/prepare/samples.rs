@@ -37,7 +37,7 @@ pub(super) fn are_usable(
     if quality.constant {
         return is_constant_usable(source, signal, label, log);
     }
-    if !is_plausible(source, signal, bench_file, log) {
+    if !is_plausible(source, signal, bench_file.limits.speed_rad_s, log) {
         return false;
     }
     note_steps(source, signal, log);
@@ -96,12 +96,21 @@ fn should_move(role: Role, label: &ExperimentLabel) -> bool {
 }
 
 /// Whether a signal's magnitude is possible. What is possible but rare is noted.
-fn is_plausible(source: &Source<'_>, signal: &Signal, bench_file: &BenchFile, log: &mut Log) -> bool {
+pub(super) fn is_plausible(
+    source: &Source<'_>,
+    signal: &Signal,
+    speed_limit_rad_s: Option<f64>,
+    log: &mut Log,
+) -> bool {
     let magnitudes = signal.samples.iter().map(|value| value.abs()).enumerate();
     let Some((index, largest)) = magnitudes.max_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
-    let impossible = largest_possible(source.role, bench_file);
+    let stated = speed_limit_rad_s.filter(|_| source.role.quantity() == Quantity::AngularSpeed);
+    let impossible = stated
+        .map(|limit| BEYOND_LIMIT * limit)
+        .or(source.role.quantity().largest_at_a_bench())
+        .unwrap_or(f64::INFINITY);
     let rare = if source.unit.spelling == "rad/s" { FAST_RAD_S.min(impossible) } else { impossible };
-    if largest <= rare || (largest <= impossible && stated_limit(source.role, bench_file).is_some()) {
+    if largest <= rare || (largest <= impossible && stated.is_some()) {
         return true;
     }
     let looks_like = plausible_unit(source.unit, largest, rare);
@@ -110,18 +119,6 @@ fn is_plausible(source: &Source<'_>, signal: &Signal, bench_file: &BenchFile, lo
     let severity = if refused { Severity::Error } else { Severity::Warning };
     log.channel(severity, source.channel, Some(signal.time_s(index)), finding);
     !refused
-}
-
-fn stated_limit(role: Role, bench_file: &BenchFile) -> Option<f64> {
-    match role.quantity() {
-        Quantity::AngularSpeed => bench_file.limits.speed_rad_s,
-        _ => None,
-    }
-}
-
-fn largest_possible(role: Role, bench_file: &BenchFile) -> f64 {
-    let stated = stated_limit(role, bench_file).map(|limit| BEYOND_LIMIT * limit);
-    stated.or(role.quantity().largest_at_a_bench()).unwrap_or(f64::INFINITY)
 }
 
 /// The usual unit in which the recorded number would be plausible.

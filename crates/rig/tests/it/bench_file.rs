@@ -404,3 +404,19 @@ fn exact_a_bench_of_which_nothing_is_stated_says_what_is_assumed() {
     // The shaft of a model goes with the inertias that it was estimated with.
     assert_eq!(known.parameters.mechanics.engine_inertia_kg_m2, 0.2831);
 }
+
+/// A judgement takes the channels alone: neither the bench's numbers nor the roles that an estimate needs, and one channel twice.
+#[test]
+fn exact_the_channels_of_a_judgement_need_nothing_else() {
+    let text = "[bench]\nname = \"x\"\n[limits]\nspeed = \"6000 rpm\"\n[channels]\ndyno_speed = \"N\"\nengine_speed = \"N\"\n\
+        flange_torque = { name = \"M\", sign = -1 }\nair_gap_torque = \"FILL IN\"\n";
+    let text = text.replace("FILL IN", PLACEHOLDER);
+    let run: rig::RunChannels = text.parse().unwrap();
+    let names: Vec<(Role, &str)> = run.channels.iter().map(|(role, channel)| (*role, channel.name.as_str())).collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    assert!(names.contains(&(Role::DynoSpeed, "N")) && names.contains(&(Role::EngineSpeed, "N")), "{names:?}");
+    assert!((run.speed_limit_rad_s.unwrap() - 6000.0 * RPM_RAD_S).abs() < 1e-9);
+    assert!(parse(&text).is_err(), "an estimate needs the rest");
+    let fault = "[channels]\nspeed = \"N\"\n".parse::<rig::RunChannels>().unwrap_err();
+    assert!(fault.to_string().contains("line 2: channels.speed: there is no such key"), "{fault}");
+}

@@ -367,3 +367,26 @@ fn regress_reader_findings_are_passed_on() {
     assert!(matches!(only(&diagnostics).finding, Finding::ReaderDoubt { .. }));
     assert_eq!(diagnostics[0].severity, Severity::Warning);
 }
+
+/// Of each list the first role that is there; a gap in a channel that is not compared costs nothing.
+#[test]
+fn exact_a_run_is_prepared_from_what_is_compared_alone() {
+    let mut text = String::from("time [s],N [rpm],M [Nm],other [Nm]\n");
+    for row in 0..400 {
+        let other = if (100..200).contains(&row) { String::new() } else { "5".to_owned() };
+        // A torque that rests for seconds is that of those seconds.
+        let torque = if row < 200 { 0 } else { row };
+        text.push_str(&format!("{:.2},{},{torque},{other}\n", 0.05 * f64::from(row), 1000 + row));
+    }
+    let recording = recording::decode("run.csv", text.as_bytes(), &recording::Selection::All).unwrap();
+    let channels = "[channels]\nengine_speed = \"absent\"\ndyno_speed = \"N\"\nflange_torque = \"M\"\nair_gap_torque = \"other\"\n";
+    let run: rig::RunChannels = channels.parse().unwrap();
+    let compared: [&[Role]; 2] = [&[Role::EngineSpeed, Role::DynoSpeed], &[Role::FlangeTorque, Role::AirGapTorque]];
+    let label = || "FreeForm_N_NT".parse().unwrap();
+    let (experiment, found) = rig::prepare_run("run.csv", &recording, &run, &compared, label()).unwrap();
+    assert_eq!(experiment.signals.keys().copied().collect::<Vec<_>>(), [Role::DynoSpeed, Role::FlangeTorque]);
+    assert!(experiment.signals.values().all(|signal| signal.len() == 400), "{found:?}");
+    assert!(found.iter().all(|one| matches!(one.finding, Finding::MissingChannel { .. })), "{found:?}");
+    let none: [&[Role]; 1] = [&[Role::Throttle]];
+    assert!(rig::prepare_run("run.csv", &recording, &run, &none, label()).is_err());
+}

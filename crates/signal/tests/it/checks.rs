@@ -136,6 +136,82 @@ fn exact_a_spike_of_three_samples_is_found_whole() {
     assert_eq!(check_quality(&x, &QualityOptions::default()).unwrap().spikes, [100, 101, 102]);
 }
 
+/// The speed of an engine in a cycle, rpm: corners at seconds, and the firing ripple of so many cylinders (four strokes), whose
+/// amplitude is that of the load over inertia and speed. With a gate the samples are means over their raster.
+fn cycle_with_ripple(seed: u64, raster_s: f64, cylinders: f64, has_gate: bool) -> Vec<f64> {
+    let mut random = Random::new(seed);
+    let seconds = 240;
+    let mut speed = 900.0;
+    let mut corners = Vec::new();
+    for second in 0..=seconds {
+        // A third of the time the engine idles, as in a cycle of a town.
+        let idles = second / 20 % 3 == 0;
+        speed = if idles { 850.0 } else { (speed + 250.0 * random.normal()).clamp(850.0, 4800.0) };
+        corners.push((speed, if idles { 8.0 } else { 20.0 + 120.0 * random.uniform() }));
+    }
+    let fine_s = 1e-3;
+    let mut phase = 0.0;
+    let fine: Vec<f64> = (0..(f64::from(seconds) / fine_s) as usize)
+        .map(|k| {
+            let time = k as f64 * fine_s;
+            let (low, share) = (time as usize, time.fract());
+            let between = |a: f64, b: f64| a + share * (b - a);
+            let (rpm, load) =
+                (between(corners[low].0, corners[low + 1].0), between(corners[low].1, corners[low + 1].1));
+            phase += std::f64::consts::TAU * 0.5 * cylinders * rpm / 60.0 * fine_s;
+            let ripple = 900.0 * load / (rpm * cylinders) * (phase.sin() + 0.3 * (2.0 * phase).sin());
+            rpm + ripple + 0.3 * random.normal()
+        })
+        .collect();
+    let per = (raster_s / fine_s).round() as usize;
+    fine.chunks_exact(per).map(|cell| if has_gate { cell.iter().sum::<f64>() / per as f64 } else { cell[0] }).collect()
+}
+
+const RASTERS_S: [f64; 8] = [0.005, 0.008, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2];
+
+/// Where a sample lasts 0.2 s, an engine may turn round within one: of such a raster two samples in 1200 may be taken for a spike.
+#[test]
+fn exact_the_ripple_of_firing_has_no_spikes_on_any_raster() {
+    for raster_s in RASTERS_S {
+        for cylinders in [3.0, 4.0, 5.0, 6.0] {
+            for has_gate in [true, false] {
+                let x = cycle_with_ripple(7, raster_s, cylinders, has_gate);
+                let found = check_quality(&x, &QualityOptions::default()).unwrap().spikes;
+                let most = if raster_s > 0.1 { 2 } else { 0 };
+                assert!(found.len() <= most, "{raster_s} s, {cylinders} cylinders, means {has_gate}: {found:?}");
+            }
+        }
+    }
+}
+
+/// A spike beside a corner may take a sample of the corner with it.
+#[test]
+fn exact_spikes_among_the_ripple_of_firing_are_found() {
+    for raster_s in RASTERS_S {
+        for cylinders in [3.0, 6.0] {
+            let mut x = cycle_with_ripple(7, raster_s, cylinders, true);
+            let planted: Vec<usize> = (1..6).map(|part| part * x.len() / 6 + part).collect();
+            for (number, at) in planted.iter().enumerate() {
+                let far = if number % 2 == 0 { 20_000.0 } else { 0.0 };
+                x[*at] = far - x[*at];
+            }
+            let found = check_quality(&x, &QualityOptions::default()).unwrap().spikes;
+            let is_found = planted.iter().all(|at| found.contains(at));
+            assert!(is_found && found.len() <= planted.len() + 2, "{raster_s} s, {cylinders} cylinders: {found:?}");
+        }
+    }
+}
+
+/// Where every other sample of a stretch stands out, the raster folds an oscillation.
+#[test]
+fn exact_a_stretch_that_alternates_is_no_spike() {
+    let mut x = filtered(3, 3000, &[0.9]);
+    for k in 1500..1520 {
+        x[k] += if k % 2 == 0 { 12.0 } else { -12.0 };
+    }
+    assert!(check_quality(&x, &QualityOptions::default()).unwrap().spikes.is_empty());
+}
+
 #[test]
 fn exact_commands_of_levels_have_no_spikes() {
     let timing = Timing { sample_time_s: 1.0, length: 2000 };

@@ -1,5 +1,6 @@
 //! `dynoid can`: whether a bench can run a test, and whether a run of one is valid.
 
+mod compared;
 mod cycle_table;
 mod engine_map;
 mod map;

@@ -4,30 +4,25 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use cycle::{
-    Course, Feedback, Own, Reference, RequirementSet, Samples, Sensor, Signal as Of, Validation, find_start, validate,
+    Course, Feedback, Own, Reference, RequirementSet, Samples, Signal as Of, Validation, find_start, validate,
 };
-use report::can::{AlignedOn, JudgedOwn, RecordedRun};
+use report::can::{AlignedOn, JudgedOwn, RecordedRun, Referred, ScalesOf};
 use report::wording;
-use rig::experiment::{ControlMode, Excitation, Test as Experimental, UPDATE_S};
-use rig::{Experiment, ExperimentLabel, PrepareError, Role, Severity, prepare};
+use rig::Role;
+use rig::experiment::{ControlMode, UPDATE_S};
 use serde_json::json;
 use signal::Signal;
 
+use super::compared::{Compared, mode};
 use super::test::{Test, What};
 use super::wanted::Wanted;
 use crate::cli::can::CanArguments;
 use crate::commands::result::show;
-use crate::commands::study::read_bench;
 use crate::error::{CliError, Outcome};
-use crate::input::{self, InputFile};
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// Time between samples of what is compared second by second, s: at least 5 Hz are asked for.
 const STEP_S: f64 = 0.1;
-
-/// Roles whose signal can be the torque of the shaft, the best first.
-const SHAFT: [Role; 4] = [Role::FlangeTorque, Role::SystemShaftTorque, Role::LoadCellTorque, Role::AirGapTorque];
 
 pub(super) fn run(
     arguments: &CanArguments,
@@ -36,7 +31,6 @@ pub(super) fn run(
     file: &Path,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    let refused = |reason: String| CliError::NotAsTest { path: file.to_owned(), reason };
     if wanted.sets.is_empty() && wanted.own.is_empty() {
         let what = format!(
             "{}: nothing to judge the recording by. This test has no requirement set of its own: name one with --by, or give a \
@@ -45,91 +39,51 @@ pub(super) fn run(
         );
         return Err(CliError::Usage { what });
     }
-    let experiment = experiment(arguments, test, file, terminal)?;
-    let (speeds, torques) = followed(test);
-    let (speed_role, speed) = first(&experiment, speeds).map_err(refused)?;
-    let (torque_role, torque) = first(&experiment, torques).map_err(refused)?;
+    let compared = Compared::read(arguments, test, wanted, file, terminal)?;
+    let refused = |reason: String| CliError::NotAsTest { path: file.to_owned(), reason: compared.explained(&reason) };
     let reference = reference(test);
-    let (start_s, aligned_on) = start(arguments, test, &reference, &experiment, speed).map_err(refused)?;
-    let throttle = experiment.signal(Role::Throttle);
-    let feedback = feedback(speed, torque, throttle, start_s).map_err(refused)?;
+    let (start_s, aligned_on) = start(arguments, test, &reference, &compared).map_err(refused)?;
+    let feedback = feedback(&compared, start_s).map_err(refused)?;
     let judge = |set: &RequirementSet| validate(&reference, &feedback, set).map(|found| (set.clone(), found));
     let sets =
         wanted.sets.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(|error| refused(error.to_string()))?;
-    let signal = |own: &Own| if own.signal() == Of::Speed { speed } else { torque };
-    let judge = |own: &Own| judged(own, test, &reference, (&experiment, signal(own)), start_s);
+    let judge = |own: &Own| judged(own, test, &reference, &compared, start_s);
     let own = wanted.own.iter().map(judge).collect::<Result<Vec<_>, String>>().map_err(refused)?;
     let (time_s, wanted_speed, wanted_torque) = shown(&feedback, test, &reference);
-    let within = time_s.len();
     let run = RecordedRun {
-        file: &experiment.file,
+        file: &compared.experiment.file,
         test: &test.title,
         start_s,
         aligned_on,
-        signals: (&wording::role(speed_role), &wording::role(torque_role)),
-        has_demand: throttle.is_some(),
+        signals: (role_of(compared.speed), role_of(compared.torque)),
+        has_demand: compared.throttle.is_some(),
+        sample_time_s: feedback.sample_time_s,
+        referred: Referred { scales: reference.scales, of: scales_of(arguments, test) },
+        remarks: &compared.remarks,
         sets: &sets,
         own: &own,
         time_s: &time_s,
-        speed_rad_s: (&wanted_speed, &feedback.speed_rad_s[..within]),
-        torque_nm: (&wanted_torque, &feedback.torque_nm[..within]),
+        speed_rad_s: compared.speed.map(|_| (&wanted_speed[..], &feedback.speed_rad_s[..])),
+        torque_nm: compared.torque.map(|_| (&wanted_torque[..], &feedback.torque_nm[..])),
     };
     let passes = run.passes();
     show(&arguments.on.result, || report::can::recorded(&run), || facts(&run, &sets, &own), terminal)?;
     Ok(if passes { Outcome::Done } else { Outcome::NotSafe })
 }
 
-/// The recording by roles, in SI; what is wrong with it is warned of.
-fn experiment(
-    arguments: &CanArguments,
-    test: &Test,
-    path: &Path,
-    terminal: &mut Terminal,
-) -> Result<Experiment, CliError> {
-    let (bench, _) = read_bench(&arguments.on.bench)?;
-    if bench.channels.is_empty() {
-        return Err(CliError::NoChannelsNamed { path: arguments.on.bench.clone() });
-    }
-    let file = InputFile { path: path.to_owned(), name: paths::with_slashes(path) };
-    let progress = terminal.long(&format!("reading {}", file.name));
-    let names = bench.channels.values().map(|channel| channel.name.clone()).collect::<Vec<_>>();
-    let read =
-        input::read_recording(&file, &recording::Selection::Names(names), None, &|done, all| progress.at(done, all));
-    let read = match read {
-        Err(CliError::Recording { source: recording::RecordingError::NoSuchChannel { .. }, .. }) => {
-            input::read_recording(&file, &recording::Selection::All, None, &|done, all| progress.at(done, all))
-        }
-        other => other,
-    };
-    drop(progress);
-    let label = match &test.what {
-        What::Plan { plan, .. } => plan.label.clone(),
-        What::Cycle { .. } => ExperimentLabel::new(Experimental::FreeForm, Excitation::Speed, ControlMode::Nt),
-    };
-    match prepare(&file.name, &read?.recording, &bench, label) {
-        Ok((experiment, diagnostics)) => {
-            let errors = diagnostics.iter().filter(|one| one.severity == Severity::Error);
-            errors.for_each(|one| terminal.warning(&wording::remark(one)));
-            Ok(experiment)
-        }
-        Err(
-            PrepareError::NothingUsable { diagnostics, .. }
-            | PrepareError::NoCommonStretch { diagnostics, .. }
-            | PrepareError::Mislabelled { diagnostics, .. },
-        ) => {
-            let worst = diagnostics.iter().find(|one| one.severity == Severity::Error).or(diagnostics.first());
-            let reason = worst.map_or_else(|| "nothing in it can be used".to_owned(), wording::remark);
-            Err(CliError::NotAsTest { path: path.to_owned(), reason })
-        }
-    }
+fn role_of(compared: Option<Role>) -> Option<String> {
+    compared.map(wording::role)
 }
 
-fn first<'a>(experiment: &'a Experiment, roles: &[Role]) -> Result<(Role, &'a Signal), String> {
-    let found = roles.iter().find_map(|role| Some((*role, experiment.signal(*role)?)));
-    found.ok_or_else(|| {
-        let keys: Vec<&str> = roles.iter().map(|role| role.key()).collect();
-        format!("none of the channels {} is there and usable; name one in [channels]", keys.join(", "))
-    })
+/// What limits in per cent refer to.
+fn scales_of(arguments: &CanArguments, test: &Test) -> ScalesOf {
+    let has_map = matches!(&test.what, What::Cycle { map: Some(_), .. });
+    match (has_map, arguments.idle.is_some()) {
+        (true, true) => ScalesOf::MapAndStatedIdle,
+        (true, false) => ScalesOf::Map,
+        (false, true) => ScalesOf::CycleAndStatedIdle,
+        (false, false) => ScalesOf::Cycle,
+    }
 }
 
 /// What the test asks for.
@@ -152,31 +106,42 @@ fn start(
     arguments: &CanArguments,
     test: &Test,
     reference: &Reference,
-    experiment: &Experiment,
-    speed: &Signal,
+    compared: &Compared,
 ) -> Result<(f64, AlignedOn), String> {
     if let Some(start_s) = arguments.start {
         return Ok((start_s, AlignedOn::Given));
     }
     if let What::Plan { .. } = test.what {
-        return Ok((speed.start_s, AlignedOn::FirstSample));
+        return Ok((compared.first_sample_s(), AlignedOn::FirstSample));
     }
-    let (signal, on) = match experiment.signal(Role::DynoSpeedDemand) {
-        Some(demand) => (demand, AlignedOn::SpeedDemand),
-        None => (speed, AlignedOn::Speed),
-    };
-    find_start(reference, (signal.start_s, signal.sample_time_s, &signal.samples))
-        .map(|start_s| (start_s, on))
-        .map_err(|error| error.to_string())
+    let found = |signal: &Signal| find_start(reference, (signal.start_s, signal.sample_time_s, &signal.samples));
+    // A demand that was recorded in part shows nothing.
+    let by_demand = compared.demand.as_ref().and_then(|demand| found(demand).ok());
+    if let Some(start_s) = by_demand {
+        return Ok((start_s, AlignedOn::SpeedDemand));
+    }
+    let speed = compared.speed()?;
+    found(speed).map(|start_s| (start_s, AlignedOn::Speed)).map_err(|error| error.to_string())
 }
 
-/// Means over a tenth of a second, or the samples of a slower signal, on the clock of the test.
-fn feedback(speed: &Signal, torque: &Signal, throttle: Option<&Signal>, start_s: f64) -> Result<Feedback, String> {
-    let signals = || [Some(speed), Some(torque), throttle].into_iter().flatten();
+/// Means over a tenth of a second, or the samples of a slower signal, on the clock of the test. What no requirement uses is zero.
+fn feedback(compared: &Compared, start_s: f64) -> Result<Feedback, String> {
+    let of = |role: Option<Role>| role.and_then(|role| compared.experiment.signal(role));
+    let (speed, torque, throttle) = (of(compared.speed), of(compared.torque), of(compared.throttle));
+    let signals = || [speed, torque, throttle].into_iter().flatten();
     let step_s = signals().map(|signal| signal.sample_time_s).fold(STEP_S, f64::max);
     let from_s = signals().map(|signal| signal.start_s).fold(f64::NEG_INFINITY, f64::max);
     let to_s = signals().map(Signal::end_s).fold(f64::INFINITY, f64::min);
     let count = ((to_s - from_s) / step_s).floor();
+    if signals().next().is_none() {
+        return Ok(Feedback {
+            start_s: 0.0,
+            sample_time_s: step_s,
+            speed_rad_s: vec![],
+            torque_nm: vec![],
+            demand: None,
+        });
+    }
     if count.is_nan() || count < 3.0 {
         return Err("speed and torque share too little time".to_owned());
     }
@@ -191,11 +156,12 @@ fn feedback(speed: &Signal, torque: &Signal, throttle: Option<&Signal>, start_s:
         };
         (0..=count as usize).map(mean).collect()
     };
+    let or_zero = |signal: Option<&Signal>| signal.map_or_else(|| vec![0.0; count as usize + 1], means);
     Ok(Feedback {
         start_s: from_s - start_s,
         sample_time_s: step_s,
-        speed_rad_s: means(speed),
-        torque_nm: means(torque),
+        speed_rad_s: or_zero(speed),
+        torque_nm: or_zero(torque),
         demand: throttle.map(means),
     })
 }
@@ -221,15 +187,14 @@ fn judged(
     own: &Own,
     test: &Test,
     reference: &Reference,
-    (experiment, signal): (&Experiment, &Signal),
+    compared: &Compared,
     start_s: f64,
 ) -> Result<JudgedOwn, String> {
-    let signal = at_sensor(experiment, own.sensor()).unwrap_or(Ok(signal))?;
+    let signal = compared.of_own(own)?;
     let lasts_s = test.demand().duration_s();
     let begins_s = start_s + reference.start_s;
     let part = signal.slice(begins_s, begins_s + lasts_s);
-    let recorded =
-        recorded_demand(experiment, own, mode(test)).map(|demand| demand.slice(begins_s, begins_s + lasts_s));
+    let recorded = recorded_demand(compared, own, mode(test)).map(|demand| demand.slice(begins_s, begins_s + lasts_s));
     let recorded = recorded.filter(|demand| !demand.is_empty());
     let wanted = |k: usize| {
         let (speed, torque) = wanted_at(test, reference, part.time_s(k) - start_s);
@@ -280,51 +245,20 @@ fn planned<'a>(own: &Own, test: &'a Test) -> Option<&'a [f64]> {
     })
 }
 
-/// Roles of the speed and of the torque that follow the demands of a test, the best first: as in a prediction.
-fn followed(test: &Test) -> (&'static [Role], &'static [Role]) {
-    let (engine, dyno) = (&[Role::EngineSpeed, Role::DynoSpeed], &[Role::DynoSpeed, Role::EngineSpeed]);
-    match mode(test) {
-        Some(ControlMode::Nt) => (dyno, &SHAFT),
-        Some(ControlMode::Tn) => (engine, &[Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque]),
-        None => (engine, &SHAFT),
-    }
-}
-
-/// The mode of a plan.
-fn mode(test: &Test) -> Option<ControlMode> {
-    match &test.what {
-        What::Plan { plan, .. } => Some(plan.label.mode),
-        What::Cycle { .. } => None,
-    }
-}
-
 /// The demand that a phase refers to, where it was recorded.
-fn recorded_demand<'a>(experiment: &'a Experiment, own: &Own, mode: Option<ControlMode>) -> Option<&'a Signal> {
-    match (own, mode) {
-        (Own::Phase { signal: Of::Speed, .. }, None | Some(ControlMode::Nt)) => {
-            experiment.signal(Role::DynoSpeedDemand)
-        }
-        (Own::Phase { signal: Of::Torque, .. }, Some(ControlMode::Tn)) => experiment.signal(Role::DynoTorqueDemand),
-        _ => None,
-    }
+fn recorded_demand<'a>(compared: &'a Compared, own: &Own, mode: Option<ControlMode>) -> Option<&'a Signal> {
+    let role = match (own, mode) {
+        (Own::Phase { signal: Of::Speed, .. }, None | Some(ControlMode::Nt)) => Role::DynoSpeedDemand,
+        (Own::Phase { signal: Of::Torque, .. }, Some(ControlMode::Tn)) => Role::DynoTorqueDemand,
+        _ => return None,
+    };
+    compared.experiment.signal(role)
 }
 
 /// The sample of a signal at a time, or that of its end.
 fn held(signal: &Signal, time_s: f64) -> f64 {
     let place = ((time_s - signal.start_s) / signal.sample_time_s + 1e-6).floor().max(0.0) as usize;
     signal.samples[place.min(signal.len() - 1)]
-}
-
-/// The signal of a sensor with a role of its own.
-fn at_sensor(experiment: &Experiment, sensor: Sensor) -> Option<Result<&Signal, String>> {
-    let roles: &[Role] = match sensor {
-        Sensor::Speed | Sensor::Torque => return None,
-        Sensor::DynoSpeed => &[Role::DynoSpeed],
-        Sensor::EngineSpeed => &[Role::EngineSpeed],
-        Sensor::ShaftTorque => &[Role::FlangeTorque, Role::SystemShaftTorque],
-        Sensor::TorqueDemand => &[Role::DynoTorqueDemand],
-    };
-    Some(first(experiment, roles).map(|(_, signal)| signal))
 }
 
 /// Times on the clock of the test, with what it asks for.
@@ -349,6 +283,8 @@ fn facts(run: &RecordedRun<'_>, sets: &[(RequirementSet, Validation)], own: &[Ju
         "start_s": run.start_s,
         "speed": run.signals.0,
         "torque": run.signals.1,
+        "limits_refer_to": run.referred,
+        "remarks": run.remarks,
         "requirements": sets.iter().map(set).collect::<Vec<_>>(),
         "own": own.iter().map(one).collect::<Vec<_>>(),
     })

@@ -7,6 +7,7 @@ use cycle::{Driver, EngineMap, Gearbox, Kind, Reference, Vehicle, builtin};
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use serde::Deserialize;
+use units::RPM_RAD_S;
 
 use super::{cycle_table, engine_map};
 use crate::cli::can::CanArguments;
@@ -51,7 +52,7 @@ impl Test {
         if path.is_file()
             && let Some(reference) = cycle_table::read(path, map.as_ref(), terminal)?
         {
-            let what = What::Cycle { reference, map };
+            let what = What::Cycle { reference: with_idle(reference, map.as_ref(), arguments), map };
             return Ok(Test { title: arguments.test.clone(), what, usual_set: Some("1065.514") });
         }
         if !path.exists() && paths::ending(path).is_none() && !arguments.test.contains('_') {
@@ -92,8 +93,16 @@ fn of_builtin(cycle: &cycle::Builtin, map: Option<EngineMap>, arguments: &CanArg
             return Err(usage(format!("{}: {what}", cycle.name)));
         }
     };
-    let what = What::Cycle { reference, map };
+    let what = What::Cycle { reference: with_idle(reference, map.as_ref(), arguments), map };
     Ok(Test { title: cycle.name.to_uppercase(), what, usual_set: Some(cycle.requirement) })
+}
+
+/// The reference with the idle speed that is stated; an engine map has it already.
+fn with_idle(mut reference: Reference, map: Option<&EngineMap>, arguments: &CanArguments) -> Reference {
+    if let (None, Some(idle_rpm)) = (map, arguments.idle) {
+        reference.scales.idle_rad_s = idle_rpm * RPM_RAD_S;
+    }
+    reference
 }
 
 impl VehicleFile {

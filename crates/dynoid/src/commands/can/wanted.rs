@@ -1,6 +1,6 @@
 //! What a test must meet.
 
-use cycle::{Own, RequirementSet, requirement};
+use cycle::{Own, RequirementSet, Sensor, Signal, requirement};
 
 use super::test::Test;
 use crate::cli::can::CanArguments;
@@ -29,5 +29,11 @@ impl Wanted {
         }
         let own = arguments.require.iter().map(|text| text.parse()).collect::<Result<Vec<_>, _>>().map_err(usage)?;
         Ok(Wanted { sets, own })
+    }
+
+    /// Whether a requirement uses the speed, or the torque, that follows the demand.
+    pub(super) fn uses(&self, signal: Signal) -> bool {
+        let sensor = if signal == Signal::Speed { Sensor::Speed } else { Sensor::Torque };
+        self.sets.iter().any(|set| set.uses(signal)) || self.own.iter().any(|own| own.sensor() == sensor)
     }
 }

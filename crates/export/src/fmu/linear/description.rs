@@ -1,10 +1,12 @@
 //! What both versions of a linear model's description have in common.
 
 use ident::{Label, ModelDocument};
+use units::Quantity;
 
 use super::super::csv;
 use super::super::description::{attribute, named};
 use super::model::LinearNumbers;
+use crate::levels::{self, Levels};
 use crate::names::Names;
 
 /// First reference of the inputs, as `linear_instance.c` has it; outputs and initial states follow.
@@ -49,8 +51,8 @@ pub(super) struct Description<'a> {
     pub(super) tool: String,
     pub(super) token: &'a str,
     pub(super) variables: Vec<Variable>,
-    /// Whether means or trends were taken off the data.
-    pub(super) has_trend: bool,
+    /// What the inputs and outputs are differences from, if from anything.
+    pub(super) levels: Option<String>,
 }
 
 impl<'a> Description<'a> {
@@ -67,14 +69,16 @@ impl<'a> Description<'a> {
             tool: format!("dynoid {version}"),
             token,
             variables: variables(document, numbers.system.states()),
-            has_trend: document.trend.is_some(),
+            levels: document.trend.as_ref().map(|_| levels::sentence(document)),
         }
     }
 
     pub(super) fn sentence(&self) -> String {
         let system = &self.numbers.system;
+        let levels =
+            self.levels.as_ref().map_or_else(String::new, |words| format!(". {}", words.trim_end_matches('.')));
         format!(
-            "Linear model on the clock of its data: {} inputs, {} outputs, {} states",
+            "Linear model on the clock of its data: {} inputs, {} outputs, {} states{levels}",
             system.inputs(),
             system.outputs(),
             system.states()
@@ -105,7 +109,7 @@ impl<'a> Description<'a> {
         units.dedup();
         let define = |unit: &&str| match *unit {
             "s" => "    <Unit name=\"s\"><BaseUnit s=\"1\"/></Unit>\n".to_owned(),
-            unit => format!("    <Unit{}/>\n", attribute("name", unit)),
+            unit => definition(unit),
         };
         units.iter().filter(|unit| !unit.is_empty()).map(define).collect()
     }
@@ -125,16 +129,71 @@ impl<'a> Description<'a> {
     }
 }
 
+/// A unit with what it is in SI's base units; of one that is not known its name alone.
+fn definition(unit: &str) -> String {
+    let name = attribute("name", unit);
+    let Ok(known) = units::parse_unit(unit) else { return format!("    <Unit{name}/>\n") };
+    let symbols = ["kg", "m", "s", "A", "K", "rad"];
+    let bases = symbols.into_iter().zip(exponents(known.quantity)).filter(|(_, exponent)| *exponent != 0);
+    let bases: String = bases.map(|(base, exponent)| attribute(base, &exponent.to_string())).collect();
+    let other_than = |usual: f64, name: &str, value: f64| match value == usual {
+        true => String::new(),
+        false => attribute(name, &csv::number(value)),
+    };
+    let (factor, offset) = (other_than(1.0, "factor", known.factor), other_than(0.0, "offset", known.offset));
+    format!("    <Unit{name}><BaseUnit{bases}{factor}{offset}/></Unit>\n")
+}
+
+/// Exponents of kg, m, s, A, K and rad; rad counts as a unit.
+fn exponents(quantity: Quantity) -> [i32; 6] {
+    match quantity {
+        Quantity::AngularSpeed => [0, 0, -1, 0, 0, 1],
+        Quantity::Torque => [1, 2, -2, 0, 0, 0],
+        Quantity::Ratio => [0; 6],
+        Quantity::Inertia => [1, 2, 0, 0, 0, 0],
+        Quantity::Stiffness => [1, 2, -2, 0, 0, -1],
+        Quantity::Damping => [1, 2, -1, 0, 0, -1],
+        Quantity::Angle => [0, 0, 0, 0, 0, 1],
+        Quantity::AngularAcceleration => [0, 0, -2, 0, 0, 1],
+        Quantity::TorqueRate | Quantity::Power => [1, 2, -3, 0, 0, 0],
+        Quantity::Time => [0, 0, 1, 0, 0, 0],
+        Quantity::Temperature => [0, 0, 0, 0, 1, 0],
+        Quantity::Pressure => [1, -1, -2, 0, 0, 0],
+        Quantity::Force => [1, 1, -2, 0, 0, 0],
+        Quantity::Current => [0, 0, 0, 1, 0, 0],
+        Quantity::Voltage => [1, 2, -3, -1, 0, 0],
+        Quantity::MassFlow => [1, 0, -1, 0, 0, 0],
+        Quantity::Length => [0, 1, 0, 0, 0, 0],
+        Quantity::Speed => [0, 1, -1, 0, 0, 0],
+    }
+}
+
+/// What a channel is a difference from, for its description.
+fn from_level(levels: Option<&Levels>, role: Role, place: usize, unit: &str) -> String {
+    let of = |levels: &Levels| match role {
+        Role::Input => levels.inputs.get(place).copied(),
+        Role::Output => levels.outputs.get(place).copied(),
+        Role::Initial => None,
+    };
+    let level = levels.and_then(of).filter(|level| *level != 0.0);
+    level.map_or_else(String::new, |level| {
+        format!("; difference from the level {} {unit}", csv::number(level)).trim_end().to_owned()
+    })
+}
+
 fn variables(document: &ModelDocument, states: usize) -> Vec<Variable> {
-    let channel = |role: Role| move |label: &Label| (role, label.name.clone(), label.unit.clone());
-    let initial = |state: usize| (Role::Initial, format!("initial_x{}", state + 1), String::new());
-    let inputs = document.inputs.iter().map(channel(Role::Input));
-    let outputs = document.outputs.iter().map(channel(Role::Output));
+    let channel =
+        |role: Role| move |(place, label): (usize, &Label)| (role, place, label.name.clone(), label.unit.clone());
+    let initial = |state: usize| (Role::Initial, state, format!("initial_x{}", state + 1), String::new());
+    let inputs = document.inputs.iter().enumerate().map(channel(Role::Input));
+    let outputs = document.outputs.iter().enumerate().map(channel(Role::Output));
+    let levels = Levels::of(document);
     let mut all: Vec<Variable> = Vec::new();
-    for (role, name, unit) in inputs.chain(outputs).chain((0..states).map(initial)) {
+    for (role, place, name, unit) in inputs.chain(outputs).chain((0..states).map(initial)) {
+        let level = from_level(levels.as_ref(), role, place, &unit);
         let description = match role {
-            Role::Input => "input, sampled".to_owned(),
-            Role::Output => "output of the last sample".to_owned(),
+            Role::Input => format!("input, sampled{level}"),
+            Role::Output => format!("output of the last sample{level}"),
             Role::Initial => "state at the start".to_owned(),
         };
         let name = unused(&name, &all);
