@@ -10,7 +10,7 @@ use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use crate::support::RPM;
 
 /// Length of the part of a cycle, s.
-const CYCLE_S: usize = 40;
+const CYCLE_S: usize = 30;
 
 /// A test.
 pub(crate) struct Asked {
@@ -21,7 +21,7 @@ pub(crate) struct Asked {
 }
 
 enum What {
-    Plan(ExperimentPlan, Demands),
+    Plan(Box<ExperimentPlan>, Demands),
     Cycle(Reference),
 }
 
@@ -40,7 +40,7 @@ impl Asked {
         let height = random.between(20.0, 120.0) * random.one_of([-1.0, 1.0]);
         let step = [("speed", speed(&mut random) + 120.0), ("torque", 60.0), ("height", height)];
         let amplitude = ("amplitude", random.between(5.0, 20.0));
-        let sweep = [("speed", speed(&mut random)), amplitude, ("to", 30.0), ("duration", 8.0)];
+        let sweep = [("speed", speed(&mut random)), amplitude, ("to", 30.0), ("duration", 6.0)];
         let held_rpm = speed(&mut random);
         let in_torque_control = random.one_of([
             ("WhiteNoise_T_TN", ExperimentPlan::white_noise_t_tn as fn(f64, f64) -> ExperimentPlan),
@@ -51,7 +51,7 @@ impl Asked {
             shaped("tip-in", &tip_in, &["speed within 10 rpm for 95 %"]),
             shaped("speed-step", &step, &["speed settling within 20 % below 1 s", "speed overshoot below 50 %"]),
             shaped("sine-sweep", &sweep, &[]),
-            planned(in_torque_control.0, in_torque_control.1(held_rpm, 8.0), seed, &[]),
+            planned(in_torque_control.0, in_torque_control.1(held_rpm, 6.0), seed, &[]),
             Asked {
                 name: "cycle",
                 what: What::Cycle(part_of_a_cycle(lowest_rad_s, &mut random)),
@@ -127,7 +127,7 @@ fn shaped(name: &'static str, numbers: &[(&str, f64)], own: &[&str]) -> Asked {
 fn planned(name: &'static str, plan: ExperimentPlan, seed: u64, own: &[&str]) -> Asked {
     let demands = Demands::of(&plan, seed, DEMAND_HOLD_S);
     let own = own.iter().map(|text| text.parse().unwrap()).collect();
-    Asked { name, what: What::Plan(plan, demands), own, sets: Vec::new() }
+    Asked { name, what: What::Plan(Box::new(plan), demands), own, sets: Vec::new() }
 }
 
 /// Speeds within 1500 rpm and torques from 10 to 120 Nm, which go on at random from second to second.

@@ -12,7 +12,7 @@ use super::asked::Asked;
 use crate::known::Known;
 
 /// Benches drawn for an answer.
-pub(crate) const SAMPLES: usize = 100;
+pub(crate) const SAMPLES: usize = 80;
 
 /// A bench as the program knows it.
 pub(crate) struct Predictor<'a> {

@@ -67,7 +67,11 @@ impl Tally {
     }
 }
 
-/// Prints both tables; returns the tallies by statistic, over all tests.
+/// Share of what happens that a band of 90 % should hold, and the least of any statistic.
+const GOAL: (f64, f64) = (0.87, 0.93);
+const LEAST: f64 = 0.8;
+
+/// Prints the tables and what misses the goal; returns the tallies by statistic, over all tests.
 pub(crate) fn tallies(rows: &[Row], answers: &[Yes]) -> BTreeMap<String, Tally> {
     let mut by_statistic: BTreeMap<String, Tally> = BTreeMap::new();
     let mut by_test: BTreeMap<String, Tally> = BTreeMap::new();
@@ -81,7 +85,23 @@ pub(crate) fn tallies(rows: &[Row], answers: &[Yes]) -> BTreeMap<String, Tally> 
     by_test.iter_mut().for_each(|(name, tally)| tally.print(name));
     println!();
     by_statistic.iter_mut().for_each(|(name, tally)| tally.print(name));
-    println!();
+    let those = |is_so: fn(f64) -> bool| {
+        let names = by_statistic.iter().filter(|(_, tally)| is_so(tally.inside())).map(|(name, _)| name.as_str());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    println!("\nless than {} % inside: {}", 100.0 * LEAST, those(|inside| inside < LEAST));
+    println!(
+        "within {} … {} %: {}",
+        100.0 * GOAL.0,
+        100.0 * GOAL.1,
+        those(|inside| (GOAL.0..=GOAL.1).contains(&inside))
+    );
+    let sum = |of: fn(&Tally) -> usize| by_statistic.values().map(of).sum::<usize>();
+    println!(
+        "single limits said to be kept: {}, of these reached: {}\n",
+        sum(|tally| tally.yes),
+        sum(|tally| tally.wrong)
+    );
     let mut verdicts: BTreeMap<(&str, &str), (usize, usize)> = BTreeMap::new();
     for yes in answers {
         let count = verdicts.entry((yes.by, yes.test)).or_default();
