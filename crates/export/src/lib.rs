@@ -18,6 +18,7 @@ pub mod names;
 pub mod numbers;
 pub mod python;
 pub mod ssv;
+mod xml;
 
 pub use continuous::{Continuous, of as continuous};
 pub use draws::draws;

@@ -105,6 +105,23 @@ fn exact_an_fmu_has_all_its_parts_and_the_same_bytes_again() {
     }
 }
 
+/// No parser of XML takes a control character, whatever the bench is called.
+#[test]
+fn regress_control_characters_of_a_name_are_in_no_xml() {
+    let mut named = document();
+    named.bench.name = "a\u{1b}b\0c\u{fffe}".to_owned();
+    for version in [FmiVersion::V2, FmiVersion::V3] {
+        let files = unpacked(&made(&named, version));
+        let texts =
+            files.keys().filter(|path| [".xml", ".html", ".ssv", ".txt", ".csv"].iter().any(|end| path.ends_with(end)));
+        for path in texts {
+            let is_bad = |c: char| (c.is_control() && !"\r\n\t".contains(c)) || c == '\u{fffe}';
+            assert!(!text(&files, path).contains(is_bad), "{path}");
+        }
+        assert!(text(&files, "modelDescription.xml").contains("modelName=\"abc\""));
+    }
+}
+
 #[test]
 fn exact_an_fmu_holds_the_draws_of_the_covariance() {
     let files = unpacked(&made(&document(), FmiVersion::V3));
