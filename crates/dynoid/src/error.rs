@@ -103,15 +103,21 @@ pub(crate) enum CliError {
     /// A file or folder of another kind has the name of the output.
     #[error("{}: {what} of this name exists already; remove it, or choose another place with --out", .path.display())]
     InTheWay { path: PathBuf, what: &'static str },
+    /// Something that is no bench file where one is to be written.
+    #[error("{}: there is a file of this name, and it is no bench file; choose another name with --out, or replace it with --overwrite", .path.display())]
+    NotABenchFile { path: PathBuf },
     /// A bench file that must not be overwritten.
-    #[error("{}: the bench file exists already; write another with --out, or replace it with --force", .path.display())]
+    #[error("{}: the bench file exists already; write another with --out, add to it with --update, or replace it with --force", .path.display())]
     BenchFileExists { path: PathBuf },
-    /// A recording that must not be overwritten.
+    /// A file that must not be overwritten, and what shows who made it.
     #[error(
-        "{}: there is a file of this name, and nothing shows that dynoid wrote it; choose another name, or replace it with --overwrite",
-        .path.display()
+        "{}: there is a file of this name, and {}; choose another name, or replace it with --overwrite",
+        .path.display(), made_by(.maker.as_deref())
     )]
-    RecordingExists { path: PathBuf },
+    Occupied { path: PathBuf, maker: Option<String> },
+    /// An input that a result would replace.
+    #[error("{}: this file is read; give the result another name", .path.display())]
+    IsRead { path: PathBuf },
     /// An FMU of another version of FMI, which must not be overwritten.
     #[error(
         "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name with --out, or replace it with \
@@ -129,9 +135,9 @@ pub(crate) enum CliError {
     /// A device where a folder is needed.
     #[error("{}: this is a device, and the results are files; choose a folder with --out", .path.display())]
     IsDevice { path: PathBuf },
-    /// A simulation among measured recordings.
+    /// A result among the recordings of a bench.
     #[error(
-        "{}: {} lists this place among its recordings, and a study would take the simulation for a measurement; write it to \
+        "{}: {} lists this place among its recordings, and a study would take the result for a measurement; write it to \
          another folder",
         .path.display(), .bench.display()
     )]
@@ -261,12 +267,6 @@ pub(crate) enum CliError {
     /// A model that cannot be exported.
     #[error("{}: {source}", .path.display())]
     Export { path: PathBuf, source: export::ExportError },
-    /// A file that is not the bench model of an earlier study.
-    #[error(
-        "{}: there is a file of this name that is no bench model; move it, or choose another place with --out",
-        .path.display()
-    )]
-    NotABenchModel { path: PathBuf },
     /// An experiment that cannot be checked.
     #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
     NotCheckable { path: PathBuf, reason: String },
@@ -314,20 +314,28 @@ impl CliError {
             CliError::Write { .. }
             | CliError::InTheWay { .. }
             | CliError::BenchFileExists { .. }
-            | CliError::RecordingExists { .. }
+            | CliError::NotABenchFile { .. }
+            | CliError::Occupied { .. }
             | CliError::OtherFmi { .. }
             | CliError::OtherSource { .. }
             | CliError::IsDevice { .. }
-            | CliError::NotABenchModel { .. }
             | CliError::AmongRecordings { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::Encode { .. }
             | CliError::StandardOutput { .. } => OUTPUT,
-            CliError::Usage { .. } | CliError::PlotEnding { .. } | CliError::NoOutputNamed { .. } => USAGE,
+            CliError::Usage { .. }
+            | CliError::IsRead { .. }
+            | CliError::PlotEnding { .. }
+            | CliError::NoOutputNamed { .. } => USAGE,
             CliError::Internal { .. } => INTERNAL,
             _ => INPUT,
         }
     }
+}
+
+/// What a file shows of who made it.
+fn made_by(maker: Option<&str>) -> String {
+    maker.map_or("nothing shows that dynoid wrote it".to_owned(), |maker| format!("{maker} wrote it"))
 }
 
 /// The first reasons, one a line.

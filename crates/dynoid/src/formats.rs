@@ -1,15 +1,16 @@
 //! The formats that recordings are written in.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
 use recording::{Recording, RecordingError};
 
 use crate::error::CliError;
+use crate::mark::Mark;
 use crate::output::replace_with;
 use crate::paths::ending;
+use crate::this_run;
 
 /// A format of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -29,25 +30,6 @@ pub(crate) enum FileFormat {
 }
 
 const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
-
-/// Bytes at the beginning of a file in which the program that wrote it has its name.
-const NAMED_WITHIN: u64 = 512;
-
-/// Whether dynoid wrote a file: MDF and MATLAB files and exported models name the program in their first bytes. Other formats do not
-/// show it.
-pub(crate) fn is_own(path: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(NAMED_WITHIN).read_to_end(&mut start));
-    read.is_ok() && start.windows(7).any(|bytes| bytes == b"dynoid ")
-}
-
-/// Refuses to replace a file that dynoid did not write, unless that is wanted.
-pub(crate) fn check_replaceable(path: &Path, overwrite: bool) -> Result<(), CliError> {
-    match overwrite || !path.is_file() || is_own(path) {
-        true => Ok(()),
-        false => Err(CliError::RecordingExists { path: path.to_owned() }),
-    }
-}
 
 impl FileFormat {
     /// The ending of its files.
@@ -90,13 +72,14 @@ impl FileFormat {
 
     /// Writes a recording in this format, piece by piece.
     pub(crate) fn write(self, recording: &Recording, path: &Path) -> Result<(), CliError> {
-        replace_with(path, |out| {
+        let program = this_run::generator();
+        replace_with(path, Some(&Mark::of_run()), |out| {
             let written = match self {
-                FileFormat::Mf4 => recording::write_mdf4(recording, out),
+                FileFormat::Mf4 => recording::write_mdf4(recording, &program, out),
                 FileFormat::Csv => recording::write_csv(recording, out),
                 FileFormat::Tsv => recording::write_tsv(recording, out),
-                FileFormat::Mat => recording::write_mat5(recording, out),
-                FileFormat::Parquet => parquet(recording, out),
+                FileFormat::Mat => recording::write_mat5(recording, &program, out),
+                FileFormat::Parquet => parquet(recording, &program, out),
                 FileFormat::Arrow => arrow(recording, out),
             };
             written.map_err(|source| match source {
@@ -166,15 +149,25 @@ fn lost_in_text(recording: &Recording) -> Option<String> {
 /// A recording as a table for data frames; where this build leaves Parquet out, as MDF.
 pub(crate) fn encode_table(recording: &Recording) -> Result<Vec<u8>, CliError> {
     #[cfg(feature = "parquet")]
-    let encoded = recording::encode_parquet(recording);
+    {
+        let mut bytes = Vec::new();
+        parquet(recording, &this_run::generator(), &mut bytes).map_err(CliError::internal)?;
+        Ok(bytes)
+    }
     #[cfg(not(feature = "parquet"))]
-    let encoded = recording::encode_mdf4(recording);
-    encoded.map_err(CliError::internal)
+    encode_mdf4(recording)
+}
+
+/// A recording as MDF, in memory.
+pub(crate) fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, CliError> {
+    let mut bytes = Cursor::new(Vec::new());
+    recording::write_mdf4(recording, &this_run::generator(), &mut bytes).map_err(CliError::internal)?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
-    recording::write_parquet(recording, out)
+fn parquet(recording: &Recording, program: &str, out: impl Write + Send) -> Result<(), RecordingError> {
+    recording::write_parquet(recording, program, out)
 }
 
 #[cfg(feature = "parquet")]
@@ -183,7 +176,7 @@ fn arrow(recording: &Recording, out: impl Write) -> Result<(), RecordingError> {
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: &Recording, _: impl Write) -> Result<(), RecordingError> {
+fn parquet(_: &Recording, _: &str, _: impl Write) -> Result<(), RecordingError> {
     Err(left_out("Parquet"))
 }
 

@@ -15,7 +15,10 @@ use sha2::{Digest, Sha256};
 use study::Source;
 
 use crate::error::CliError;
+use crate::mark::Mark;
 use crate::paths;
+use crate::patterns::{self, PatternFault};
+use crate::this_run::{self, Listing};
 
 /// Endings of files that are taken for recordings in a folder.
 const ENDINGS: [&str; 11] = ["mf4", "mdf", "dat", "csv", "tsv", "mat", "h5", "hdf5", "parquet", "arrow", "feather"];
@@ -32,6 +35,7 @@ pub(crate) struct InputFile {
 /// The bytes of a file.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     refuse_folder(path)?;
+    this_run::reads(path);
     std::fs::read(path).map_err(|source| CliError::read(path, source))
 }
 
@@ -158,6 +162,7 @@ fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
     if paths::is_stream(&file.path) {
         return Err(CliError::IsStream { path: file.path.clone() });
     }
+    this_run::reads(&file.path);
     File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))
 }
 
@@ -225,20 +230,12 @@ fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, C
     if literal.is_dir() {
         return recordings_in(&literal);
     }
-    let full = full_pattern(folder, pattern);
-    let bad = |error: glob::PatternError| CliError::BadPattern {
-        bench: bench.to_owned(),
-        pattern: pattern.to_owned(),
-        reason: error.msg,
-    };
-    let mut files = Vec::new();
-    for entry in glob::glob(&full).map_err(bad)? {
-        let path = entry.map_err(|error| CliError::Read { path: error.path().to_owned(), source: error.into() })?;
-        if path.is_file() {
-            files.push(path);
+    patterns::files(folder, pattern).map_err(|fault| match fault {
+        PatternFault::Pattern(error) => {
+            CliError::BadPattern { bench: bench.to_owned(), pattern: pattern.to_owned(), reason: error.msg }
         }
-    }
-    Ok(files)
+        PatternFault::Unreadable { path, source } => CliError::Read { path, source },
+    })
 }
 
 /// A pattern of a bench file in this folder, with its folders.
@@ -249,18 +246,27 @@ fn full_pattern(folder: &Path, pattern: &str) -> String {
     }
 }
 
-/// Whether a bench file would list a file of this name, and lists one already that dynoid did not write.
-pub(crate) fn is_among_measured(bench: &Path, patterns: &[String], file: &Path) -> bool {
-    let Ok(folder) = std::path::absolute(paths::folder_of(bench)) else { return false };
-    let Ok(file) = std::path::absolute(file) else { return false };
+/// The bench file of this run, if it would list a file of this name.
+pub(crate) fn bench_that_lists(file: &Path) -> Option<PathBuf> {
+    let Listing { bench, patterns } = this_run::listing()?;
+    let folder = std::path::absolute(paths::folder_of(&bench)).ok()?;
+    let file = std::path::absolute(file).ok()?;
     let lists = |pattern: &String| {
         let place = folder.join(pattern);
         place == file
             || file.parent() == Some(&place)
-            || glob::Pattern::new(&full_pattern(&folder, pattern)).is_ok_and(|full| full.matches_path(&file))
+            || glob::Pattern::new(&full_pattern(&folder, pattern))
+                .is_ok_and(|full| full.matches(&file.to_string_lossy()))
     };
-    let is_measured = |input: &InputFile| !crate::formats::is_own(&input.path);
-    patterns.iter().any(lists) && listed(bench, patterns).is_ok_and(|files| files.iter().any(is_measured))
+    patterns.iter().any(lists).then_some(bench)
+}
+
+/// As [`bench_that_lists`], if it lists a measured recording already: one that no other command of this program made.
+pub(crate) fn bench_with_measured(file: &Path) -> Option<PathBuf> {
+    let bench = bench_that_lists(file)?;
+    let is_measured = |mark: Option<Mark>| mark.is_none_or(|mark| mark == Mark::Command("convert".to_owned()));
+    let files = listed(&bench, &this_run::listing()?.patterns).ok()?;
+    files.iter().any(|input| is_measured(Mark::of_file(&input.path))).then_some(bench)
 }
 
 /// The folders of a pattern that hold no wildcard.
@@ -280,9 +286,15 @@ pub(crate) fn named(arguments: &[PathBuf]) -> Result<Vec<InputFile>, CliError> {
             Ok(_) => vec![argument.clone()],
             Err(source) => return Err(CliError::read(argument, source)),
         };
+        found.iter().for_each(|path| this_run::reads(path));
         files.extend(found.into_iter().map(|path| InputFile { name: paths::with_slashes(&path), path }));
     }
     Ok(files)
+}
+
+/// Whether a file has an ending of recordings.
+pub(crate) fn is_recording(path: &Path) -> bool {
+    paths::ending(path).is_some_and(|ending| ENDINGS.contains(&ending.to_lowercase().as_str()))
 }
 
 /// The recordings in a folder, by their endings, in order; an error if there is none.
@@ -291,7 +303,7 @@ pub(crate) fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        if paths::ending(&path).is_some_and(|e| ENDINGS.contains(&e.to_lowercase().as_str())) && path.is_file() {
+        if is_recording(&path) && path.is_file() {
             files.push(path);
         }
     }

@@ -12,10 +12,13 @@ mod date;
 mod error;
 mod formats;
 mod input;
+mod mark;
 mod output;
 mod paths;
+mod patterns;
 mod summary;
 mod terminal;
+mod this_run;
 
 use std::process::ExitCode;
 

@@ -1,7 +1,9 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, and none over a file that must stay.
 //!
 //! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given its
 //! name: whoever looks finds the old file or the new one, never a part.
+//!
+//! [`check_replaceable`] is the one rule for files that are there, and every function that writes asks it.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -10,7 +12,35 @@ use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
 use crate::error::CliError;
+use crate::input;
+use crate::mark::Mark;
 use crate::paths::is_stream;
+use crate::this_run;
+
+/// The rule for files that are there. A file is replaced if a command made it that makes files of this `mark`, or if the user asks
+/// for it; a file that is read, and a recording of the bench, never. No result is written among measured recordings.
+pub(crate) fn check_replaceable(path: &Path, mark: Option<&Mark>) -> Result<(), CliError> {
+    if input::is_recording(path)
+        && let Some(bench) = input::bench_with_measured(path)
+    {
+        return Err(CliError::AmongRecordings { path: path.to_owned(), bench });
+    }
+    if !path.is_file() {
+        return Ok(());
+    }
+    if this_run::is_read(path) {
+        return Err(CliError::IsRead { path: path.to_owned() });
+    }
+    let found = Mark::of_file(path);
+    if mark.is_some() && found.as_ref() == mark {
+        return Ok(());
+    }
+    match input::bench_that_lists(path) {
+        Some(bench) => Err(CliError::AmongRecordings { path: path.to_owned(), bench }),
+        None if this_run::overwrites() => Ok(()),
+        None => Err(CliError::Occupied { path: path.to_owned(), maker: found.map(|mark| mark.maker()) }),
+    }
+}
 
 /// A folder for results.
 #[derive(Debug)]
@@ -47,6 +77,7 @@ impl OutputFolder {
             if is_stream(&target) {
                 return Err(CliError::InTheWay { path: target, what: "a device" });
             }
+            check_replaceable(&target, Mark::of_content(content).as_ref())?;
             let failed = |source| CliError::write(&target, source);
             let backup = if target.exists() { Some(backup(&target).map_err(failed)?) } else { None };
             let file = stage(&self.path, content).map_err(failed)?;
@@ -65,9 +96,12 @@ impl OutputFolder {
         names.iter().filter(|name| !is_written(name)).try_for_each(|name| self.remove(name))
     }
 
-    /// Removes an earlier result, if there is one.
+    /// Removes an earlier result, if there is one. What shows no mark of this program stays.
     fn remove(&self, name: &str) -> Result<(), CliError> {
         let path = self.path.join(name);
+        if Mark::of_file(&path).is_none() {
+            return Ok(());
+        }
         match std::fs::remove_file(&path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => Err(CliError::write(&path, source)),
             _ => Ok(()),
@@ -75,8 +109,9 @@ impl OutputFolder {
     }
 }
 
-/// Checks that a file can be written, before any work is done for it. Nothing is changed.
-pub(crate) fn check_file(path: &Path) -> Result<(), CliError> {
+/// Checks that a file of this mark can be written, before any work is done for it. Nothing is changed.
+pub(crate) fn check_file(path: &Path, mark: &Mark) -> Result<(), CliError> {
+    check_replaceable(path, Some(mark))?;
     let failed = |source| CliError::write(path, source);
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(CliError::InTheWay { path: path.to_owned(), what: "a folder" }),
@@ -85,16 +120,19 @@ pub(crate) fn check_file(path: &Path) -> Result<(), CliError> {
     }
 }
 
-/// Writes one file, replacing an existing one. What is no file, such as a device, is written to and stays what it is.
+/// Writes one file, replacing an existing one of the same mark. What is no file, such as a device, is written to and stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
-    replace_with(path, |file| file.write_all(content).map_err(|source| CliError::write(path, source)))
+    let write = |file: &mut BufWriter<&File>| file.write_all(content).map_err(|source| CliError::write(path, source));
+    replace_with(path, Mark::of_content(content).as_ref(), write)
 }
 
 /// Writes one file as [`replace_file`] does, with what `write` puts into it, piece by piece.
 pub(crate) fn replace_with(
     path: &Path,
+    mark: Option<&Mark>,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), CliError>,
 ) -> Result<(), CliError> {
+    check_replaceable(path, mark)?;
     let failed = |source| CliError::write(path, source);
     let fill = |file: &File| {
         let mut buffered = BufWriter::with_capacity(1 << 16, file);
@@ -118,21 +156,6 @@ pub(crate) fn replace_with(
     fill(file.as_file())?;
     file.as_file().sync_all().map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
-    sync_folder(&folder);
-    Ok(())
-}
-
-/// Writes one file, unless there is one of this name: then it says so.
-pub(crate) fn create_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
-    let failed = |source: io::Error| match source.kind() {
-        io::ErrorKind::AlreadyExists => CliError::BenchFileExists { path: path.to_owned() },
-        _ => CliError::write(path, source),
-    };
-    if is_stream(path) {
-        return replace_file(path, content);
-    }
-    let folder = crate::paths::folder_of(path);
-    stage(&folder, content).map_err(failed)?.persist_noclobber(path).map_err(|error| failed(error.error))?;
     sync_folder(&folder);
     Ok(())
 }

@@ -19,6 +19,7 @@ pub mod numbers;
 pub mod python;
 pub mod ssv;
 mod start;
+mod xml;
 
 pub use continuous::{Continuous, of as continuous};
 pub use draws::draws;

@@ -94,6 +94,12 @@ impl Names {
     }
 }
 
+/// A text in one line, without control characters: for comments and strings of programs.
+pub(crate) fn one_line(text: &str) -> String {
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join(" ")
+}
+
 /// The text with Latin letters in ASCII: umlauts as German spells them without, all others without their accents. An accent that is a
 /// character of its own is left out.
 fn in_ascii(text: &str) -> String {

@@ -10,6 +10,7 @@ use ident::ModelDocument;
 
 use crate::names::Names;
 use crate::numbers::{self, Number, Unit, written_by};
+use crate::xml::escaped;
 use crate::{ExportError, ExportedFile, draws};
 
 /// Seed of the draws: the same model gives the same files.
@@ -197,10 +198,4 @@ fn units(parameters: &[Parameter]) -> String {
     }
     text.push_str("  </ssv:Units>\n");
     text
-}
-
-/// A text in an attribute of XML; control characters are left out.
-fn escaped(text: &str) -> String {
-    let plain: String = text.chars().filter(|c| !c.is_control()).collect();
-    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

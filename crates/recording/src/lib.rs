@@ -85,7 +85,9 @@ pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
 pub use mat::{encode_mat5, write_mat5};
 pub use mdf::{Extras, encode_mdf4, write_mdf4};
-pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
+pub use model::{
+    Catalogue, Channel, ChannelInfo, Format, PROGRAM, Raster, RasterInfo, Recording, Selection, StartTime,
+};
 
 /// Decodes the bytes of a measurement file.
 ///

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Finding, RecordingError, names};
 
+/// The program by which files are made, where no other is named.
+pub const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
+
 /// A decoded measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {

@@ -200,6 +200,13 @@ pub enum Finding {
     },
     /// Time stamps go backwards or repeat.
     TimeNotIncreasing,
+    /// Time stamps come in bursts, far closer to each other than one comes on average.
+    Bursts {
+        /// Time between stamps of a burst, s.
+        sample_time_s: f64,
+        /// Time between stamps on average, s.
+        mean_s: f64,
+    },
     /// Time stamps jitter by more than a tenth of the sample time.
     Jitter {
         /// Largest deviation from a uniform clock, s.

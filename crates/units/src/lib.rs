@@ -50,6 +50,14 @@ pub enum UnitError {
         /// A unit that would do.
         example: &'static str,
     },
+    /// A number with a decimal comma.
+    #[error("`{text}` has a decimal comma; write a point, `{instead}`")]
+    DecimalComma {
+        /// The text.
+        text: String,
+        /// The same with a point.
+        instead: String,
+    },
     /// A number with a unit does not begin with a number.
     #[error("`{text}` is not a number with a unit, such as `0.6 kg m²`")]
     NotANumber {
@@ -126,11 +134,8 @@ pub fn parse_unit_of(text: &str, quantity: Quantity) -> Result<Unit, UnitError> 
 ///
 /// [`UnitError`] if there is no number, no unit, or a unit of something else.
 pub fn parse_value(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
-    let text = text.trim();
-    let split = number_length(text);
-    let number = text[..split].parse::<f64>().ok().filter(|value| value.is_finite());
-    let Some(number) = number else { return Err(UnitError::NotANumber { text: text.to_owned() }) };
-    Ok(parse_unit_of(&text[split..], quantity)?.to_si(number))
+    let (number, unit) = number_and_unit(text.trim())?;
+    Ok(parse_unit_of(unit, quantity)?.to_si(number))
 }
 
 /// Reads a frequency, such as `18 Hz`, in Hz. Only where nothing but cycles a second can be meant: of a speed `Hz` has two
@@ -140,14 +145,24 @@ pub fn parse_value(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
 ///
 /// [`UnitError`] if there is no number, or no `Hz` behind it.
 pub fn parse_frequency_hz(text: &str) -> Result<f64, UnitError> {
-    let text = text.trim();
-    let split = number_length(text);
-    let number = text[..split].parse::<f64>().ok().filter(|value| value.is_finite());
-    let Some(number) = number else { return Err(UnitError::NotANumber { text: text.to_owned() }) };
-    match normalised(&text[split..]).as_str() {
+    let (number, unit) = number_and_unit(text.trim())?;
+    match normalised(unit).as_str() {
         "hz" => Ok(number),
         "" => Err(UnitError::Empty),
-        _ => Err(UnitError::Unknown { text: text[split..].trim().to_owned(), closest: vec!["Hz".to_owned()] }),
+        _ => Err(UnitError::Unknown { text: unit.trim().to_owned(), closest: vec!["Hz".to_owned()] }),
+    }
+}
+
+/// The number that a text begins with, and what is behind it.
+fn number_and_unit(text: &str) -> Result<(f64, &str), UnitError> {
+    let (digits, unit) = text.split_at(number_length(text));
+    let number = digits.parse::<f64>().ok().filter(|value| value.is_finite());
+    let number = number.ok_or_else(|| UnitError::NotANumber { text: text.to_owned() })?;
+    match unit.strip_prefix(',') {
+        Some(decimals) if decimals.starts_with(|c: char| c.is_ascii_digit()) => {
+            Err(UnitError::DecimalComma { text: text.to_owned(), instead: format!("{digits}.{decimals}") })
+        }
+        _ => Ok((number, unit)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a text is no bench model.
 
 use super::json::JsonFault;
-use crate::model::ModelParameter;
+use crate::model::{Bound, ModelParameter, short};
 
 /// Why a text is no bench model that can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -53,15 +53,21 @@ pub enum DocumentError {
     },
     /// A number that no bench can have.
     #[error(
-        "`model.{field}` is {value}, and must be {limit}; correct it, or let `dynoid study bench.toml` write the file again"
+        "`{field}` is {}, and a bench has {bound}; correct it, or let `dynoid study bench.toml` write the file again", short(*.value)
     )]
     Impossible {
-        /// Where it is below `model`.
-        field: &'static str,
+        /// Where it is.
+        field: String,
         /// Its value.
         value: f64,
-        /// What it must be.
-        limit: &'static str,
+        /// What it can be.
+        bound: Bound,
+    },
+    /// Numbers that no bench has together.
+    #[error("{problem}; correct it, or let `dynoid study bench.toml` write the file again")]
+    Together {
+        /// Which numbers, and what is wrong with them.
+        problem: String,
     },
     /// The covariance holds a number that the model lacks, or holds it twice.
     #[error(

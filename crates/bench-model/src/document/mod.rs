@@ -134,7 +134,7 @@ impl BenchModelDocument {
             return Err(DocumentError::Version { found: header.version, known: VERSION });
         }
         let document: BenchModelDocument = from_json(text).map_err(content)?;
-        check::all(&document.model, &document.parameters, &document.uncertainty)?;
+        check::all(&document)?;
         Ok(document)
     }
 

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 pub use assembled::AssembledModel;
 pub use linear::mean_over;
-pub(crate) use parameter::Bound;
-pub use parameter::ModelParameter;
+pub(crate) use parameter::short;
+pub use parameter::{Bound, ModelParameter};
 pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};
 

@@ -1,5 +1,7 @@
 //! The numbers of a bench model, each by its name, so that uncertainty can be passed through any function of them.
 
+use std::fmt;
+
 use rig::results::Quantity;
 use serde::{Deserialize, Serialize};
 
@@ -103,20 +105,18 @@ impl ModelParameter {
         }
     }
 
-    /// Values that a bench can have: gains are free, all else has a sign.
+    /// Values that a bench can have, generously: from the rotor of a toy to a ship's engine.
     pub(crate) fn bound(self) -> Bound {
         match self {
-            ModelParameter::Proportional
-            | ModelParameter::Integral
-            | ModelParameter::SpeedFeedForward
-            | ModelParameter::AccelerationFeedForward => Bound::Finite,
-            ModelParameter::DynoInertia
-            | ModelParameter::EngineInertia
-            | ModelParameter::Stiffness
-            | ModelParameter::TorqueControlBandwidth => Bound::Positive,
-            ModelParameter::Damping | ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => {
-                Bound::NotNegative
-            }
+            ModelParameter::DynoInertia | ModelParameter::EngineInertia => Bound::new(1e-6, 1e6, "kg m²"),
+            ModelParameter::Stiffness => Bound::new(1e-2, 1e10, "Nm/rad"),
+            ModelParameter::Damping => Bound::new(0.0, 1e7, "Nm s/rad"),
+            ModelParameter::Proportional => Bound::within(1e8, "Nm s/rad"),
+            ModelParameter::Integral => Bound::within(1e10, "Nm/rad"),
+            ModelParameter::SpeedFeedForward => Bound::within(1e6, "Nm s/rad"),
+            ModelParameter::AccelerationFeedForward => Bound::within(1e6, "Nm s²/rad"),
+            ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => Bound::new(0.0, 1.0, "s"),
+            ModelParameter::TorqueControlBandwidth => Bound::new(1e-3, 1e9, "rad/s"),
         }
     }
 
@@ -126,32 +126,45 @@ impl ModelParameter {
     }
 }
 
-/// Values that a number of the model can have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bound {
-    Finite,
-    NotNegative,
-    Positive,
+/// The values that a number can have, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    low: f64,
+    high: f64,
+    unit: &'static str,
 }
 
 impl Bound {
-    pub(crate) fn allows(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Bound::Finite => true,
-                Bound::NotNegative => value >= 0.0,
-                Bound::Positive => value > 0.0,
-            }
+    pub(crate) const fn new(low: f64, high: f64, unit: &'static str) -> Self {
+        Bound { low, high, unit }
     }
 
-    /// What a value must be.
-    pub(crate) fn words(self) -> &'static str {
-        match self {
-            Bound::Finite => "a finite number",
-            Bound::NotNegative => "0 or above",
-            Bound::Positive => "above 0",
-        }
+    /// Of either sign, up to this magnitude.
+    pub(crate) const fn within(most: f64, unit: &'static str) -> Self {
+        Bound::new(-most, most, unit)
     }
+
+    pub(crate) fn allows(self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+
+    /// The largest magnitude.
+    pub(crate) fn largest(self) -> f64 {
+        self.high
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let range = format!("{} to {} {}", short(self.low), short(self.high), self.unit);
+        f.write_str(range.trim_end())
+    }
+}
+
+/// A number without a long row of zeros.
+pub(crate) fn short(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-4..1e7).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
 impl BenchModel {

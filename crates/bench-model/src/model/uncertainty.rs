@@ -1,6 +1,7 @@
 //! Uncertainty of what is computed from the model.
 
 use faer::Mat;
+use numerics::linalg::symmetric_eigenvalues;
 use numerics::random::Stream;
 use rig::results::{Parameter, Quantity};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -117,6 +118,11 @@ impl ModelUncertainty {
         })
     }
 
+    /// The least eigenvalue of the correlations in each part, by its number: below 0 in no covariance, but for rounding.
+    pub(crate) fn least_eigenvalues(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.parts.iter().enumerate().map(|(number, (_, covariance, _))| (number, least_eigenvalue(covariance)))
+    }
+
     /// A function of the model, with its standard error by the delta method, Var g ≈ Σ_parts ∇gᵀ P ∇g, and the degrees
     /// of freedom of that sum of independent variances, (Σ v_i)²/Σ(v_i²/ν_i).
     ///
@@ -184,6 +190,18 @@ impl ModelUncertainty {
             })
         })
     }
+}
+
+/// Of the correlations of a covariance; a number that is exact has none.
+fn least_eigenvalue(covariance: &Mat<f64>) -> f64 {
+    let scale: Vec<f64> = (0..covariance.nrows()).map(|i| covariance[(i, i)].sqrt()).collect();
+    let correlation = Mat::from_fn(scale.len(), scale.len(), |i, j| match (i == j, scale[i] > 0.0 && scale[j] > 0.0) {
+        (true, _) => 1.0,
+        (false, true) => 0.5 * (covariance[(i, j)] + covariance[(j, i)]) / scale[i] / scale[j],
+        (false, false) => 0.0,
+    });
+    let values = symmetric_eigenvalues(correlation.as_ref()).unwrap_or(vec![f64::NEG_INFINITY]);
+    values.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// √(ν/χ²_ν), by which normal draws become those of Student's t; 1 where ν is no finite number above zero.

@@ -109,13 +109,92 @@ fn regress_other_kinds_later_versions_and_contradictions_are_refused() {
     let contradiction = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": 2500.0").to_string();
     assert!(contradiction.contains("2437.7") && contradiction.contains("2500"), "{contradiction}");
     let impossible = error("\"stiffness_nm_per_rad\": 2437.7", "\"stiffness_nm_per_rad\": -1.0").to_string();
-    assert!(impossible.contains("`model.mechanics.stiffness_nm_per_rad` is -1, and must be above 0;"), "{impossible}");
+    assert!(
+        impossible.contains("`model.mechanics.stiffness_nm_per_rad` is -1, and a bench has 0.01 to 1e10 Nm/rad;"),
+        "{impossible}"
+    );
     let gate = error("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": -0.001").to_string();
-    assert!(gate.contains("`model.encoder_gate_s` is -0.001, and must be 0 or above;"), "{gate}");
+    assert!(gate.contains("`model.encoder_gate_s` is -0.001, and a bench has 0 to 1 s;"), "{gate}");
     let twice = text.replace("      \"damping\"\n", "      \"stiffness\"\n");
     assert!(BenchModelDocument::from_json(&twice).unwrap_err().to_string().contains("stiffness twice"), "{twice}");
     let strange = BenchModelDocument::from_json(&text.replacen("36.0", "-36.0", 1)).unwrap_err().to_string();
     assert!(strange.contains("`uncertainty[0].covariance[0]` has a negative variance"), "{strange}");
+}
+
+/// What a computer cannot compute with, and no bench has: by field, with the value and what is possible.
+#[test]
+fn regress_sizes_that_no_bench_has_are_refused() {
+    let text = document(36.0, 40.0).to_json().unwrap();
+    let read = |text: &str| BenchModelDocument::from_json(text);
+    let changed = |pairs: &[(&str, &str)]| {
+        let changed = pairs.iter().fold(text.clone(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        read(&changed).unwrap_err().to_string()
+    };
+    let row = |entries: [f64; 2]| format!("[\n          {:?},\n          {:?}\n        ]", entries[0], entries[1]);
+    let (first, second) = (row([36.0, 0.6]), row([0.6, 0.25]));
+    for (pairs, expected) in [
+        (
+            &[("\"dyno_inertia_kg_m2\": 0.6", "\"dyno_inertia_kg_m2\": 1e-300")][..],
+            "`model.mechanics.dyno_inertia_kg_m2` is 1e-300, and a bench has 1e-6 to 1000000 kg m²;",
+        ),
+        (
+            &[("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": 1e9")],
+            "`model.encoder_gate_s` is 1e9, and a bench has 0 to 1 s;",
+        ),
+        (
+            &[("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": 0.9")],
+            "`model.encoder_gate_s` is 0.9 s, and lasts at most 250 samples",
+        ),
+        (
+            &[("\"sample_time_s\": 0.001", "\"sample_time_s\": 1e-12")],
+            "`model.speed_controller.sample_time_s` is 1e-12, and a bench has 1e-6 to 1 s;",
+        ),
+        (&[("36.0", "1e308")], "a standard error of 1e154 for stiffness"),
+        (&[("\"strokes\": 4", "\"strokes\": 0")], "`bench.strokes` is 0, and an engine has 2 or 4;"),
+        (
+            &[("80.0,\n      260.0", "260.0,\n      80.0")],
+            "the low end of `validity.dyno_speed_rad_s` is above its high end;",
+        ),
+        (&[("2400.25,\n        2450.5", "2450.5,\n        2400.25")], "`parameters` has stiffness with a negative"),
+        (
+            &[(first.as_str(), "[36.0, 3.1]"), (second.as_str(), "[3.1, 0.25]")],
+            "`uncertainty[0].covariance` is not symmetric, or too large",
+        ),
+    ] {
+        let message = changed(pairs);
+        assert!(message.contains(expected), "{message}\nnot: {expected}");
+        assert!(message.contains("let `dynoid study bench.toml` write"), "{message}");
+    }
+    let begin = text.find("\"parameters\": [").unwrap() + "\"parameters\": [".len();
+    let end = text.find("\n  ],\n  \"model\"").unwrap();
+    let none = read(&format!("{}{}", &text[..begin], &text[end..])).unwrap_err().to_string();
+    assert!(none.contains("`parameters` has inertia of the dynamometer 0 times, and each once;"), "{none}");
+}
+
+/// Correlations of −0.9 between each two of three numbers: of two a covariance can have them, of three it cannot.
+#[test]
+fn regress_correlations_that_contradict_each_other_are_refused() {
+    let of = |correlation: f64| {
+        let variances = [36.0_f64, 0.25, 1e-6];
+        let entry = |i: usize, j: usize| (variances[i] * variances[j]).sqrt() * if i == j { 1.0 } else { correlation };
+        let part = PartCovariance {
+            parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping, ModelParameter::DynoInertia],
+            covariance: (0..3).map(|i| (0..3).map(|j| entry(i, j)).collect()).collect(),
+            degrees_of_freedom: 40.0,
+        };
+        let assembled = AssembledModel { model: bench_a(), uncertainty: ModelUncertainty::new(&[part]).unwrap() };
+        let whole = document(1.0, 3.0);
+        BenchModelDocument::from_json(
+            &BenchModelDocument::new(assembled, whole.bench, whole.provenance).to_json().unwrap(),
+        )
+    };
+    assert!(of(-0.49).is_ok() && of(1.0).is_ok());
+    let message = of(-0.9).unwrap_err().to_string();
+    assert!(message.contains("`uncertainty[0].covariance` is no covariance"), "{message}");
+    assert!(message.contains("-0.8") && message.contains("let `dynoid study bench.toml` write"), "{message}");
 }
 
 /// Each fault by line, field as the file has it, and what is wrong; no words of the reader of JSON, and no names of Rust.

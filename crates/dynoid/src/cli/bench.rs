@@ -11,6 +11,7 @@ use super::number;
 Examples:
   dynoid init recordings/
   dynoid init monday/*.mf4 tuesday/*.mf4 --out cell4.toml
+  dynoid init wednesday/ --out cell4.toml --update
 
 Check the proposal: a channel with the wrong role gives a wrong model. Then fill in what recordings cannot show: the number of cylinders and both inertias.")]
 pub(crate) struct InitArguments {
@@ -23,6 +24,9 @@ pub(crate) struct InitArguments {
     /// Replace a bench file that is already there
     #[arg(long)]
     pub(crate) force: bool,
+    /// Add to a bench file that is already there what it lacks: channels, recordings, places for labels. Values, comments and order stay
+    #[arg(long, conflicts_with = "force")]
+    pub(crate) update: bool,
     /// Print the proposal as JSON
     #[arg(long)]
     pub(crate) json: bool,

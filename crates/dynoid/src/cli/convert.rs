@@ -31,9 +31,6 @@ pub(crate) struct ConvertArguments {
     /// The file to write, or with --to the folder; created if it does not exist
     #[arg(long, short, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
-    /// Replace files that are there, whoever wrote them
-    #[arg(long)]
-    pub(crate) overwrite: bool,
     /// Only channels of these names; `*` stands for any characters, `?` for one. Each must be in at least one recording
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) channels: Vec<String>,

@@ -24,9 +24,6 @@ pub(crate) struct EngineArguments {
     /// Write the reconstructed engine torque and its standard deviation as a recording, its format by the ending; needs one recording
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Replace files that are there, whoever wrote them
-    #[arg(long)]
-    pub(crate) overwrite: bool,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
 }

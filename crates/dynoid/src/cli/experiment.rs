@@ -100,7 +100,8 @@ Examples:
   dynoid experiment design bench.toml --optimal PI,FF --form binary
 
 Files written:
-  NAME_SPEED.csv and .mf4   the demands: speeds every 1 ms, all others every 10 ms
+  NAME_SPEED.csv and .mf4   the demands: speeds every 1 ms, all others every 10 ms, in text
+                            held every 1 ms
   NAME_SPEED.html           figures of demands, their spectrum, and the prediction
   NAME_SPEED_predicted.mf4  predicted speeds and torques
 
@@ -248,7 +249,4 @@ pub(crate) struct SimulateArguments {
     /// Write the true signals, without sensors, to a recording of their own
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
-    /// Replace files that are there, whoever wrote them
-    #[arg(long)]
-    pub(crate) overwrite: bool,
 }

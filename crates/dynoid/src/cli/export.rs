@@ -36,7 +36,7 @@ Models of other names fit into one folder. A file of an earlier export is replac
 says so. Without --overwrite it does not replace a file of another program, an FMU of another
 version of FMI, or a source in C that differs.")]
 pub(crate) struct ExportArguments {
-    /// A bench model (model.json of a study), a model file of `dynoid fit`, or an FMU made of one
+    /// A bench model (model.json or study.json of a study), a model file of `dynoid fit`, or an FMU made of one
     #[arg(value_name = "MODEL")]
     pub(crate) model: PathBuf,
     /// What to export to
@@ -48,9 +48,6 @@ pub(crate) struct ExportArguments {
     /// With --to ssv: also write this many benches drawn from the covariance
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub(crate) draws: u32,
-    /// Replace files that are there, whoever wrote them
-    #[arg(long)]
-    pub(crate) overwrite: bool,
     /// Print the names of the files as JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -8,6 +8,7 @@ pub(crate) mod diff;
 pub(crate) mod engine;
 pub(crate) mod experiment;
 pub(crate) mod export;
+mod files;
 pub(crate) mod friction;
 mod given;
 pub(crate) mod identify;
@@ -26,6 +27,8 @@ use std::ffi::OsString;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 pub(crate) use given::GivenRecordings;
+
+use crate::this_run;
 
 /// Turn recordings of a dynamometer test bench into a validated simulation model
 #[derive(Debug, Parser)]
@@ -46,7 +49,10 @@ impl Cli {
             .clone()
             .try_get_matches_from(arguments)
             .unwrap_or_else(|error| suggest::improved(error, &command).exit());
-        Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+        let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+        let (words, inputs) = files::given(&command, &matches);
+        this_run::begin(words, cli.global.overwrite, &inputs);
+        cli
     }
 }
 
@@ -73,6 +79,9 @@ pub(crate) struct Global {
     /// Show every line of a result on a terminal, not the first 40
     #[arg(long, global = true, help_heading = "Global options")]
     pub(crate) all: bool,
+    /// Replace files that are there, whoever wrote them; never a file that the command reads
+    #[arg(long, global = true, help_heading = "Global options")]
+    pub(crate) overwrite: bool,
     /// Use colour; `auto`: on a terminal, unless NO_COLOR is set
     #[arg(
         long,

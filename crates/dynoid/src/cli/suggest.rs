@@ -6,7 +6,9 @@ use clap::Command;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
 /// Other words for a command, and its name here.
-const OTHER_WORDS: [(&str, &str); 11] = [
+const OTHER_WORDS: [(&str, &str); 13] = [
+    ("experiment run", "experiment simulate"),
+    ("experiment record", "experiment simulate"),
     ("run", "study"),
     ("report", "study"),
     ("look", "lines"),
@@ -20,15 +22,47 @@ const OTHER_WORDS: [(&str, &str); 11] = [
     ("identify", "fit"),
 ];
 
+/// Programs and formats, and the target of an export for them.
+const OTHER_TARGETS: [(&str, &str); 10] = [
+    (
+        "simulink",
+        "for Simulink give --to fmu2 or --to fmu3, an FMU for its block `FMU`, or --to mat for state-space systems",
+    ),
+    ("matlab", "for MATLAB give --to mat"),
+    ("octave", "for Octave give --to mat"),
+    ("fmu", "give --to fmu3, or --to fmu2 for programs that take FMI 2.0 only"),
+    ("fmi", "give --to fmu3, or --to fmu2 for programs that take FMI 2.0 only"),
+    ("dymola", "for Dymola give --to modelica, or --to fmu2"),
+    ("openmodelica", "for OpenModelica give --to modelica"),
+    ("amesim", "for Amesim give --to fmu2"),
+    ("ssp", "for SSP give --to ssv"),
+    ("json", "give --to linear, which writes model files"),
+];
+
 /// The error with the commands that may have been meant.
 pub(super) fn improved(mut error: Error, program: &Command) -> Error {
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     match error.kind() {
         ErrorKind::InvalidSubcommand => {
             let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return error };
-            let meant = meant(word, program);
+            let before =
+                arguments.iter().position(|one| *one == word.as_str()).and_then(|at| arguments.get(at.checked_sub(1)?));
+            let group = before.map(|group| group.to_string_lossy().into_owned()).unwrap_or_default();
+            let meant = meant(&group, word, program);
             if !meant.is_empty() {
                 error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(meant));
+            }
+        }
+        ErrorKind::InvalidValue => {
+            let text = |kind| match error.get(kind) {
+                Some(ContextValue::String(text)) => text.to_lowercase(),
+                _ => String::new(),
+            };
+            let (option, value) = (text(ContextKind::InvalidArg), text(ContextKind::InvalidValue));
+            let target = OTHER_TARGETS.iter().find(|(other, _)| option == "--to <target>" && *other == value);
+            if let Some((_, tip)) = target {
+                error.remove(ContextKind::SuggestedValue);
+                error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![(*tip).into()]));
             }
         }
         ErrorKind::UnknownArgument => {
@@ -49,9 +83,13 @@ pub(super) fn improved(mut error: Error, program: &Command) -> Error {
     error
 }
 
-/// Commands of this name in any group, those that another word is used for, and those of similar spelling.
-fn meant(word: &str, program: &Command) -> Vec<String> {
+/// Commands that another word of this group is used for, those of this name in any group, and those that another word is used for.
+fn meant(group: &str, word: &str, program: &Command) -> Vec<String> {
     let word = word.to_lowercase();
+    let other = |word: &str| OTHER_WORDS.iter().find(|(other, _)| *other == word).map(|(_, name)| (*name).to_owned());
+    if let Some(name) = other(&format!("{group} {word}")) {
+        return vec![name];
+    }
     let mut names = Vec::new();
     for command in program.get_subcommands() {
         names.push(command.get_name().to_owned());
@@ -62,26 +100,28 @@ fn meant(word: &str, program: &Command) -> Vec<String> {
     if !same.is_empty() {
         return same;
     }
-    if let Some((_, name)) = OTHER_WORDS.iter().find(|(other, _)| *other == word) {
-        return vec![(*name).to_owned()];
-    }
-    Vec::new()
+    other(&word).into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
 
-    use super::{OTHER_WORDS, meant};
+    use clap::ValueEnum;
+
+    use super::{OTHER_TARGETS, OTHER_WORDS, meant};
     use crate::cli::Cli;
+    use crate::cli::export::ExportTarget;
 
     #[test]
     fn exact_commands_inside_groups_are_found() {
         let program = Cli::command();
-        assert_eq!(meant("bode", &program), ["model bode"]);
-        assert_eq!(meant("simulate", &program), ["experiment simulate", "model simulate"]);
-        assert_eq!(meant("look", &program), ["lines"]);
-        assert!(meant("bodee", &program).is_empty());
+        assert_eq!(meant("", "bode", &program), ["model bode"]);
+        assert_eq!(meant("", "simulate", &program), ["experiment simulate", "model simulate"]);
+        assert_eq!(meant("", "look", &program), ["lines"]);
+        assert_eq!(meant("", "run", &program), ["study"]);
+        assert_eq!(meant("experiment", "run", &program), ["experiment simulate"]);
+        assert!(meant("", "bodee", &program).is_empty());
     }
 
     #[test]
@@ -90,6 +130,16 @@ mod tests {
         for (word, name) in OTHER_WORDS {
             let is_there = name.split(' ').try_fold(&program, |command, name| command.find_subcommand(name)).is_some();
             assert!(is_there && program.find_subcommand(word).is_none(), "{word}");
+        }
+    }
+
+    #[test]
+    fn exact_tips_name_targets_that_are_there() {
+        for (word, tip) in OTHER_TARGETS {
+            assert!(ExportTarget::from_str(word, true).is_err(), "{word} is a target");
+            let targets = tip.split("--to ").skip(1).map(|rest| rest.split([' ', ',']).next().unwrap_or_default());
+            assert!(targets.clone().count() > 0, "{tip}");
+            targets.for_each(|target| assert!(ExportTarget::from_str(target, false).is_ok(), "{target}"));
         }
     }
 }

@@ -3,38 +3,18 @@
 use std::path::Path;
 
 use bench_model::document::{BenchModelDocument, format_of, from_json};
-use ident::DocumentHeader;
 use serde::Deserialize;
 
 use crate::error::CliError;
 use crate::input::{read_bytes, read_text};
+pub(in crate::commands) use crate::mark::Kind;
 
 /// The bench model beside a study.
 pub(in crate::commands) const MODEL: &str = "model.json";
 const WANTED: &str = "a model.json as `dynoid study` writes, or an FMU of dynoid";
 
-/// What a text is, by its `format`; also where it cannot be read to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::commands) enum Kind {
-    Bench,
-    Linear,
-    Study,
-    Other,
-}
-
-impl Kind {
-    pub(in crate::commands) fn of(text: &str) -> Self {
-        match format_of(text) {
-            Some(format) if BenchModelDocument::is_format(&format) => Kind::Bench,
-            Some(format) if report::is_study(&format) => Kind::Study,
-            Some(format) if DocumentHeader::is_format(&format) => Kind::Linear,
-            _ => Kind::Other,
-        }
-    }
-}
-
-/// The bench model in a file.
-pub(super) fn read(path: &Path) -> Result<BenchModelDocument, CliError> {
+/// The bench model in a file, or beside a study.
+pub(in crate::commands) fn read(path: &Path) -> Result<BenchModelDocument, CliError> {
     let text = text(path, WANTED)?;
     if Kind::of(&text) != Kind::Study {
         return of_text(path, &text);

@@ -14,7 +14,7 @@ use crate::terminal::Terminal;
 /// `dynoid diff`
 pub(crate) fn run(arguments: &DiffArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let DiffArguments { first, second, result } = arguments;
-    check_plot(result, &[std::slice::from_ref(first), std::slice::from_ref(second)])?;
+    check_plot(result)?;
     let old = read(first)?;
     let is_bench_file = paths::ending(second).is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let new = if is_bench_file { model_of(second, terminal)? } else { read(second)? };

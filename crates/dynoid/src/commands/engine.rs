@@ -16,7 +16,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    rebuilt::check(arguments.out.as_deref(), arguments.overwrite, &arguments.given)?;
+    rebuilt::check(arguments.out.as_deref())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     progress.say("estimating the shaft");

@@ -51,7 +51,7 @@ pub(super) fn each(
         true => input::listed(&given.bench, &bench.recordings.files)?,
         false => input::named(&given.recordings)?,
     };
-    check_plot(result, &[std::slice::from_ref(&given.bench), &given.recordings])?;
+    check_plot(result)?;
     let progress = terminal.progress(files.len() as u64);
     let (mut refused, mut doubts) = (Vec::new(), Vec::new());
     for file in &files {

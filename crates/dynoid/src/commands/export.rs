@@ -13,11 +13,12 @@ use super::identify::model_file::{self, AnyModelFile as Source};
 use crate::cli::export::{ExportArguments, ExportTarget};
 use crate::commands::study::REPORT;
 use crate::error::{CliError, Outcome};
-use crate::formats::check_replaceable;
-use crate::output::{OutputFolder, replace_file};
+use crate::mark::Mark;
+use crate::output::{OutputFolder, check_replaceable, replace_file};
 use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
+use crate::this_run;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -176,13 +177,8 @@ impl Place {
         }
         for file in files {
             let path = self.folder.join(&file.name);
-            let is_read = matches!((path.canonicalize(), arguments.model.canonicalize()), (Ok(a), Ok(b)) if a == b);
-            if is_read {
-                let what = format!("{}: this file is read; give the result another name with --out", path.display());
-                return Err(CliError::Usage { what });
-            }
-            check_replaceable(&path, arguments.overwrite)?;
-            if !arguments.overwrite {
+            check_replaceable(&path, Mark::of_content(&file.content).as_ref())?;
+            if !this_run::overwrites() {
                 self.check_version(file, arguments.to)?;
             }
         }

@@ -1,6 +1,7 @@
 //! `dynoid init`: from recordings to a proposed bench file.
 
 use std::collections::BTreeSet;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use recording::{Recording, Selection};
@@ -10,46 +11,63 @@ use rig::channels::{Choice, Guess, guess_roles};
 use rig::{BenchFile, ExperimentLabel, Role};
 use serde::Serialize;
 
+use super::update;
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile};
-use crate::output;
+use crate::mark::Mark;
+use crate::output::{self, check_replaceable};
 use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
+use crate::this_run;
 
 pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = &arguments.out;
     if out.is_dir() {
         return Err(CliError::InTheWay { path: out.clone(), what: "a folder" });
     }
-    if out.exists() && !paths::is_stream(out) && !arguments.force {
-        return Err(CliError::BenchFileExists { path: out.clone() });
-    }
-    let files = input::named(&arguments.recordings)?;
-    let recordings = decode_all(&files, terminal)?;
+    check_place(out, arguments.force || arguments.update)?;
+    let named = input::named(&arguments.recordings)?;
+    let recordings = decode_all(&named, terminal)?;
     let pairs: Vec<(&str, &Recording)> = recordings.iter().map(|(file, r)| (file.name.as_str(), r)).collect();
     let guess = guess_roles(&pairs);
     let folder = paths::folder_of(out);
     let unlabelled = unlabelled(&recordings, &folder);
-    let draft = Draft {
-        name: &bench_name(&files),
-        guess: &guess,
-        files: &patterns(&arguments.recordings, &folder)?,
-        unlabelled: &unlabelled,
+    let files = patterns(&arguments.recordings, &folder)?;
+    let names: Vec<String> = files.iter().map(|(pattern, _)| pattern.clone()).collect();
+    let draft = Draft { name: &bench_name(&named), guess: &guess, files: &names, unlabelled: &unlabelled };
+    let proposed = BenchFile::to_commented_toml(&draft);
+    let text = match arguments.update && out.is_file() {
+        true => {
+            let text = std::fs::read_to_string(out).map_err(|source| CliError::read(out, source))?;
+            update::updated((out.as_path(), text.as_str()), &proposed, &files)?
+        }
+        false => proposed,
     };
-    let text = BenchFile::to_commented_toml(&draft);
-    match arguments.force {
-        true => output::replace_file(out, text.as_bytes())?,
-        false => output::create_file(out, text.as_bytes())?,
-    }
+    output::replace_with(out, Some(&Mark::BenchFile), |file| {
+        file.write_all(text.as_bytes()).map_err(|source| CliError::write(out, source))
+    })?;
     let gaps = gaps_in(&text);
     if arguments.json {
         terminal.json(&proposal(&guess, out, &gaps, &unlabelled))?;
     } else if !terminal.is_quiet() {
         terminal.page(&report::proposal::page(&guess, &shown(out), &gaps));
     }
-    Ok(if recordings.len() < files.len() { Outcome::SomeUnreadable } else { Outcome::Done })
+    Ok(if recordings.len() < named.len() { Outcome::SomeUnreadable } else { Outcome::Done })
+}
+
+/// Refuses a file that is there: a bench file without --force, and anything else.
+fn check_place(out: &Path, force: bool) -> Result<(), CliError> {
+    if !out.is_file() {
+        return Ok(());
+    }
+    match Mark::of_file(out) {
+        Some(Mark::BenchFile) if force => Ok(()),
+        Some(Mark::BenchFile) => Err(CliError::BenchFileExists { path: out.to_owned() }),
+        _ if this_run::overwrites() => check_replaceable(out, None),
+        _ => Err(CliError::NotABenchFile { path: out.to_owned() }),
+    }
 }
 
 /// Every recording that can be decoded; of the others a warning says why not.
@@ -86,26 +104,28 @@ fn bench_name(files: &[InputFile]) -> String {
     let folder =
         files.first().and_then(|file| file.path.canonicalize().ok()).and_then(|path| path.parent().map(Path::to_owned));
     let named = folder.iter().flat_map(|folder| folder.ancestors()).find_map(|folder| {
-        let name = folder.file_name()?.to_string_lossy().into_owned();
+        let name = folder.file_name()?.to_string_lossy().replace(char::is_control, "");
         let says_nothing = ["recordings", "measurements", "data"].contains(&name.to_lowercase().as_str());
         (!says_nothing).then_some(name)
     });
     named.unwrap_or_else(|| "My bench".to_owned())
 }
 
-/// What to list in the bench file: for a folder a pattern of each kind of recording in it, a file by its name.
-fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<String>, CliError> {
+/// What to list in the bench file, with the recordings that it stands for: for a folder a pattern of each kind of recording in it, a
+/// file by its name.
+fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<(String, Vec<PathBuf>)>, CliError> {
     let mut patterns = Vec::new();
     for argument in arguments {
         let path = paths::with_slashes(&paths::relative_to(argument, folder));
         if !argument.is_dir() {
-            patterns.push(path);
+            patterns.push((path, vec![argument.clone()]));
             continue;
         }
         let files = input::recordings_in(argument)?;
         let endings: BTreeSet<&str> = files.iter().filter_map(|file| paths::ending(file)).collect();
         let prefix = if path.is_empty() { String::new() } else { format!("{}/", glob::Pattern::escape(&path)) };
-        patterns.extend(endings.iter().map(|ending| format!("{prefix}*.{ending}")));
+        let of = |ending: &&str| files.iter().filter(|file| paths::ending(file) == Some(*ending)).cloned().collect();
+        patterns.extend(endings.iter().map(|ending| (format!("{prefix}*.{ending}"), of(ending))));
     }
     Ok(patterns)
 }

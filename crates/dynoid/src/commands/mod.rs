@@ -22,3 +22,4 @@ pub(crate) mod shell;
 pub(crate) mod study;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
+mod update;

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use recording::{Channel, Format, Raster, Recording};
 
-use super::result::check_targets;
-use crate::cli::GivenRecordings;
 use crate::error::CliError;
-use crate::formats::{FileFormat, check_replaceable};
+use crate::formats::FileFormat;
+use crate::mark::Mark;
+use crate::output::check_file;
 use crate::terminal::Terminal;
 
 /// A torque with what belongs to it: name, comment and samples of each, in Nm.
@@ -19,11 +19,10 @@ pub(super) struct Rebuilt<'a> {
 }
 
 /// Whether a torque can be written there, before any work: by its ending, and that nothing that is read is lost.
-pub(super) fn check(out: Option<&Path>, overwrite: bool, given: &GivenRecordings) -> Result<(), CliError> {
+pub(super) fn check(out: Option<&Path>) -> Result<(), CliError> {
     let Some(out) = out else { return Ok(()) };
     FileFormat::of_output(out)?;
-    check_targets(&[&Some(out.to_owned())], &[std::slice::from_ref(&given.bench), &given.recordings])?;
-    check_replaceable(out, overwrite)
+    check_file(out, &Mark::of_run())
 }
 
 /// The one recording whose torque, `what`, is written.

@@ -8,12 +8,11 @@ use serde::Serialize;
 use crate::cli::identify::ResultArguments;
 use crate::date;
 use crate::error::CliError;
+use crate::mark::{self, Mark};
 use crate::output::{check_file, replace_file};
 use crate::paths;
 use crate::terminal::Terminal;
-
-/// What made a page: its name and version.
-pub(super) const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
+use crate::this_run;
 
 /// Writes the page where a plot is asked for, and prints the JSON or else the page.
 pub(super) fn show<J: Serialize>(
@@ -70,23 +69,11 @@ pub(super) fn warn_without_glyph(file: &str, page: &Page, terminal: &mut Termina
     Ok(())
 }
 
-/// Checks before any work that results can be written to these places, and refuses to write over a file that is read.
-pub(super) fn check_targets(targets: &[&Option<PathBuf>], read: &[&[PathBuf]]) -> Result<(), CliError> {
-    let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    for target in targets.iter().filter_map(|target| target.as_ref()) {
-        if read.iter().flat_map(|list| list.iter()).any(|file| same(file, target)) {
-            let what = format!("{}: this file is read; give the result another name", target.display());
-            return Err(CliError::Usage { what });
-        }
-        check_file(target)?;
-    }
-    Ok(())
-}
-
 /// Checks before any work that a plot is of a kind that can be drawn, and that it can be written.
-pub(super) fn check_plot(arguments: &ResultArguments, read: &[&[PathBuf]]) -> Result<(), CliError> {
-    check_targets(&[&arguments.plot], read)?;
-    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))
+pub(super) fn check_plot(arguments: &ResultArguments) -> Result<(), CliError> {
+    let Some(path) = &arguments.plot else { return Ok(()) };
+    check_file(path, &Mark::of_run())?;
+    kind(path).map(|_| ())
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -110,15 +97,20 @@ fn kind(path: &Path) -> Result<Kind, CliError> {
 /// A page, or the figures of one, as a file's ending asks for.
 fn draw(path: &Path, page: &Page) -> Result<Vec<u8>, CliError> {
     match kind(path)? {
-        Kind::Page => Ok(page::html(page, PROGRAM).into_bytes()),
+        Kind::Page => Ok(html(page).into_bytes()),
         Kind::Pdf => pdf(page, PdfOptions::default()),
-        Kind::Svg => Ok(page::svg(page.figures()).into_bytes()),
-        Kind::Png => page::png(page.figures()).map_err(CliError::internal),
+        Kind::Svg => Ok(mark::in_svg(&page::svg(page.figures())).into_bytes()),
+        Kind::Png => page::png(page.figures()).map(|png| mark::in_png(&png)).map_err(CliError::internal),
     }
+}
+
+/// A page for a browser.
+pub(super) fn html(page: &Page) -> String {
+    page::html(page, &this_run::generator())
 }
 
 /// A page on paper, made today by this program.
 pub(super) fn pdf(page: &Page, options: PdfOptions) -> Result<Vec<u8>, CliError> {
-    let options = PdfOptions { generator: PROGRAM.to_owned(), created: Day::parse(&date::today()), ..options };
+    let options = PdfOptions { generator: this_run::generator(), created: Day::parse(&date::today()), ..options };
     page::pdf(page, &options).map_err(CliError::internal)
 }

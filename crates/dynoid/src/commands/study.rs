@@ -18,10 +18,12 @@ use crate::date;
 use crate::error::{CliError, Outcome};
 use crate::formats;
 use crate::input;
-use crate::output::OutputFolder;
+use crate::mark::Mark;
+use crate::output::{OutputFolder, check_replaceable};
 use crate::paths;
 use crate::summary::{self, Earlier, Written};
 use crate::terminal::{Progress, Terminal};
+use crate::this_run;
 
 pub(crate) const REPORT: &str = "report.html";
 /// The report with all analyses, which a study without them leaves alone.
@@ -101,7 +103,8 @@ pub(crate) fn study(
 ) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
     let folder = OutputFolder::check(out)?;
-    let earlier = earlier_model(&out.join(MODEL), terminal)?;
+    check_results(out, wanted)?;
+    let earlier = earlier_model(&out.join(MODEL), terminal);
     let logo = logo(bench, &file)?;
     let analyses = if wanted.extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
     let progress = terminal.progress(PARTS + REPLAYS + analyses);
@@ -118,7 +121,7 @@ pub(crate) fn study(
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
     let beside = pages.files(&file.report, wanted)?;
-    let html = page::html(&pages.report, super::result::PROGRAM);
+    let html = super::result::html(&pages.report);
     let mut files: Vec<(&str, &[u8])> = beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
     files.extend([(DATA, json.as_bytes()), (REPORT, html.as_bytes())]);
     files.extend(series.as_deref().map(|series| (SERIES, series)));
@@ -165,20 +168,30 @@ fn origin(bench_file: &str) -> Origin {
     Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) }
 }
 
-/// The bench model that an earlier study wrote here. A file that is no bench model is not replaced.
-fn earlier_model(path: &Path, terminal: &mut Terminal) -> Result<Option<BenchModelDocument>, CliError> {
-    if !path.is_file() {
-        return Ok(None);
-    }
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    if Kind::of(&text) != Kind::Bench {
-        return Err(CliError::NotABenchModel { path: path.to_owned() });
-    }
+/// Refuses, before any work, a folder where a result would replace a file that is none.
+fn check_results(out: &Path, wanted: Wanted) -> Result<(), CliError> {
+    let full = wanted.extent == Extent::Full;
+    let pages = [
+        (REPORT, true),
+        (SERIES, true),
+        (FULL_REPORT, full),
+        (REPORT_PDF, wanted.pdf.is_some()),
+        (FULL_REPORT_PDF, full && wanted.pdf.is_some()),
+        (SUMMARY_PDF, wanted.summary.is_some()),
+    ];
+    let pages = pages.into_iter().filter(|(_, is_written)| *is_written).map(|(name, _)| (name, Mark::of_run()));
+    let documents = [(DATA, Mark::Document(Kind::Study)), (MODEL, Mark::Document(Kind::Bench))];
+    pages.chain(documents).try_for_each(|(name, mark)| check_replaceable(&out.join(name), Some(&mark)))
+}
+
+/// The bench model that an earlier study wrote here.
+fn earlier_model(path: &Path, terminal: &mut Terminal) -> Option<BenchModelDocument> {
+    let text = std::fs::read_to_string(path).ok().filter(|text| Kind::of(text) == Kind::Bench)?;
     let read = BenchModelDocument::from_json(&text);
     if let Err(fault) = &read {
         terminal.note(&format!("{}: {fault}; this study is not compared with it", path.display()));
     }
-    Ok(read.ok())
+    read.ok()
 }
 
 /// The recordings that a bench file lists, read and prepared: two steps each. As many are decoded at a time as are prepared at once.
@@ -246,7 +259,7 @@ impl Pages {
         };
         let mut all = Vec::new();
         if let Some(full) = &self.full {
-            all.push((FULL_REPORT, page::html(full, super::result::PROGRAM).into_bytes()));
+            all.push((FULL_REPORT, super::result::html(full).into_bytes()));
         }
         if let Some(paper) = wanted.pdf {
             all.push((REPORT_PDF, pdf(&self.report, paper, false)?));
@@ -279,6 +292,7 @@ fn logo(bench: &Path, file: &BenchFile) -> Result<Option<Logo>, CliError> {
     if !path.is_file() {
         return Err(failed("there is no such file; correct the path".to_owned()));
     }
+    this_run::reads(&path);
     let mut bytes = Vec::new();
     // What is longer is refused, however long it is.
     let most = Logo::MOST_BYTES as u64 + 1;
@@ -291,7 +305,8 @@ fn logo(bench: &Path, file: &BenchFile) -> Result<Option<Logo>, CliError> {
 /// A bench file and its text.
 pub(crate) fn read_bench(bench: &Path) -> Result<(BenchFile, String), CliError> {
     let text = bench_text(bench)?;
-    let file = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    let file: BenchFile = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    this_run::is_on(bench, &file.recordings.files);
     Ok((file, text))
 }
 

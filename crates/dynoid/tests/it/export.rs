@@ -216,7 +216,7 @@ fn regress_damaged_model_files_are_refused_in_the_words_of_the_user() {
     let field = "`model.mechanics.stiffness_nm_per_rad`";
     all_refuse(&with("NaN"), &[field, "`NaN`", "dynoid study"]);
     all_refuse(&with("1e400"), &[field, "too large"]);
-    all_refuse(&with("-5.0"), &[field, "is -5, and must be above 0"]);
+    all_refuse(&with("-5.0"), &[field, "is -5, and a bench has 0.01 to 1e10 Nm/rad"]);
     // A study that is no longer read, and a study without its model.
     campaign.write("x.json", b"{\"format\": \"dynoid-study\", \"format_version\": 1, \"study\": {}}");
     for command in &commands[..2] {

@@ -116,6 +116,9 @@ fn exact_a_command_that_is_not_there_leads_to_one_that_is() {
         ("studdy bench.toml", "'study'"),
         ("study run bench.toml", "dynoid study BENCH.toml"),
         ("study bench.toml --pdf letter", "--pdf=letter"),
+        ("experiment run bench.toml BS_T_NT", "'experiment simulate'"),
+        ("export model.json --to simulink", "--to fmu2"),
+        ("export model.json --to Matlab", "--to mat"),
     ] {
         let arguments: Vec<&str> = line.split(' ').collect();
         dynoid(&std::env::temp_dir(), &arguments).assert_refused(2, &["tip:", meant]);

@@ -68,3 +68,56 @@ fn nothing_readable() {
         .assert_refused(3, &["BS_T_NT.mf4", "no recording can be read (1 tried)"]);
     assert!(!campaign.path("b.toml").exists());
 }
+
+/// A bench file as a person leaves it: values, comments and order of their own.
+#[test]
+fn exact_an_update_adds_what_is_new_and_keeps_the_rest() {
+    let edited = r#"# Cell 4, after the rebuild in May
+[recordings]
+files = [
+  "recordings/BS*.mf4", # speed control
+]
+[[recordings.label]]
+file = "recordings/BS_T_NT_1200.mf4"
+label = "BS_T_NT"
+
+[bench]
+name = "Cell 4"
+strokes = 4
+cylinders = 4
+variant = "load-cell"
+dynamometer_inertia = "0.6 kg m²" # weighed
+engine_inertia = 0.28
+
+[channels]
+# the new encoder
+dyno_speed = { name = "DynoSpeed", unit = "rpm" }
+air_gap_torque = "DynoTorqueCalc"
+engine_speed = "EngineSpeed"
+
+# of the drive
+[limits]
+torque = "380 Nm"
+"#;
+    let campaign = Campaign::whole().with("second.mf4", &white_noise());
+    campaign.write("cell.toml", edited.as_bytes());
+    let update = ["init", "recordings", "--out", "cell.toml", "--update", "--quiet"];
+    let ran = campaign.run(&update);
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""));
+    let text = campaign.read("cell.toml");
+    let mut rest = text.lines();
+    for line in edited.lines().filter(|line| !line.contains("BS*.mf4")) {
+        assert!(rest.any(|other| other == line), "`{line}` is not in its place:\n{text}");
+    }
+    assert!(text.contains("\n  \"recordings/BS*.mf4\", \"recordings/*.mf4\" # speed control\n]"), "{text}");
+    let now: toml::Table = text.parse().unwrap();
+    let files: Vec<&str> = now["recordings"]["files"].as_array().unwrap().iter().filter_map(|f| f.as_str()).collect();
+    assert_eq!(files, ["recordings/BS*.mf4", "recordings/*.mf4"]);
+    assert_eq!(now["channels"]["dyno_torque_demand"].as_str(), Some("DynoTorqueDemand"));
+    assert_eq!(now["channels"]["dyno_speed"]["name"].as_str(), Some("DynoSpeed"));
+    assert_eq!(now["recordings"]["label"].as_array().map(Vec::len), Some(2), "{text}");
+    assert_eq!(campaign.run(&update).code, Some(0));
+    assert_eq!(campaign.read("cell.toml"), text, "nothing is added twice");
+    let both = [&update[..], &["--force"]].concat();
+    campaign.run(&both).assert_refused(2, &["--force"]);
+}

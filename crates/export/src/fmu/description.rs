@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::numbers::BenchNumbers;
 use super::resource;
 use super::variables::{self, FmiUnit, Kind, Role, Variable};
+use crate::xml::escaped;
 
 /// One revolution a minute in rad/s, the other way round.
 const RPM_PER_RAD_S: f64 = 30.0 / std::f64::consts::PI;
@@ -133,12 +134,6 @@ pub(super) const LOG: &str = "  <LogCategories>\n    \
 /// `name="value"` for XML, with a space before it.
 pub(super) fn attribute(name: &str, value: &str) -> String {
     format!(" {name}=\"{}\"", escaped(value))
-}
-
-/// Text for XML and HTML; characters that XML cannot have are left out.
-pub(super) fn escaped(text: &str) -> String {
-    let plain: String = text.chars().filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')).collect();
-    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Attributes of a variable that both versions have.

@@ -1,8 +1,9 @@
 //! The page of documentation in an FMU.
 
 use super::csv;
-use super::description::{Description, escaped};
+use super::description::Description;
 use super::variables::{Kind, Role, Variable};
+use crate::xml::escaped;
 
 /// `documentation/index.html`.
 pub(super) fn page(description: &Description<'_>) -> String {

@@ -8,7 +8,7 @@ use bench_model::simulate::{LoopMode, linear_form};
 
 use crate::continuous::{self, Continuous};
 use crate::error::MOST_STATES;
-use crate::names::Names;
+use crate::names::{Names, one_line};
 use crate::numbers::{self, Number, Unit, written_by};
 use crate::{ExportError, ExportedFile};
 use level5::{Value, file};
@@ -133,9 +133,4 @@ fn discrete(document: &BenchModelDocument, mode: LoopMode, tick_s: f64) -> Resul
         ("OutputName", Value::texts(outputs.iter().map(|(name, _)| name))),
         ("OutputUnit", Value::texts(outputs.iter().map(|(_, unit)| unit.plain()))),
     ]))
-}
-
-/// A text for a comment.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

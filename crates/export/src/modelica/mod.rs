@@ -7,6 +7,8 @@ mod units;
 pub use bench::bench;
 pub use linear::linear;
 
+use crate::names::one_line;
+
 /// A number that Modelica reads back bit for bit.
 fn number(value: f64) -> String {
     format!("{value:?}")
@@ -14,8 +16,7 @@ fn number(value: f64) -> String {
 
 /// A text inside a string of Modelica.
 fn text(text: &str) -> String {
-    let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    plain.replace('\\', "\\\\").replace('"', "\\\"")
+    one_line(text).replace('\\', "\\\\").replace('"', "\\\"")
 }
 
 /// A text inside HTML inside a string of Modelica.

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use bench_model::document::{BenchModelDocument, Range};
 
 use crate::ExportedFile;
-use crate::names::Names;
+use crate::names::{Names, one_line};
 use crate::numbers::{self, written_by};
 use crate::start::{start_nm, start_rad_s};
 pub use linear::linear;
@@ -26,7 +26,7 @@ pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
         None if model.torque_control.is_some() => format!("torque_demand=np.full(2000, {})", number(torque)),
         None => format!("air_gap_torque=np.full(2000, {})", number(torque)),
     };
-    let title = format!("{} {}", one_line(&document.bench.name), written_by(document));
+    let title = format!("{} {}", sentence(&document.bench.name), written_by(document));
     let text = MODULE
         .replace("@TITLE@", &format!("Bench model {title}"))
         .replace("@MODULE@", &names.file)
@@ -88,7 +88,6 @@ fn range(range: Option<Range>) -> String {
 }
 
 /// A text for a comment, or for a string between three quotes.
-fn one_line(text: &str) -> String {
-    let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    format!("“{}”.", plain.replace(['\\', '"'], "'"))
+fn sentence(text: &str) -> String {
+    format!("“{}”.", one_line(text).replace(['\\', '"'], "'"))
 }

@@ -26,6 +26,23 @@ fn exact_parameters_have_their_values_and_units() {
     assert_ne!(files[2].content, files[3].content);
 }
 
+/// No parser of XML takes a control character, and no compiler of Python a NUL.
+#[test]
+fn regress_control_characters_of_a_name_are_in_no_file() {
+    let mut named = document();
+    named.bench.name = "a\u{1b}b\0c\u{fffe}".to_owned();
+    let names = Names::of(&named.bench.name);
+    let mut files = ssv::bench(&named, &names, 0).unwrap();
+    files.push(export::python::bench(&named, &names));
+    files.push(export::modelica::bench(&named, &names));
+    files.extend(export::matlab::bench(&named, &names).unwrap().into_iter().filter(|file| file.name.ends_with(".m")));
+    for file in files {
+        let text = String::from_utf8(file.content).unwrap();
+        let is_bad = |c: char| (c.is_control() && c != '\n') || c == '\u{fffe}';
+        assert!(!text.contains(is_bad), "{}: {text}", file.name);
+    }
+}
+
 /// Recordings that have ω_d* two samples later than the controller has it: a FMU refuses a negative delay.
 #[test]
 fn regress_a_set_has_the_delays_of_the_fmu() {

@@ -18,7 +18,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use super::key;
 use crate::mat::start_text;
 use crate::source::unwritable;
-use crate::{Channel, Recording, RecordingError};
+use crate::{Channel, PROGRAM, Recording, RecordingError};
 
 /// Numbers in a batch, which is a row group of Parquet, that its writer keeps in memory once more.
 const BATCH: usize = 1 << 20;
@@ -27,7 +27,8 @@ const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.
 const TIME: &str = "time";
 
-/// Writes a recording as Parquet, compressed with Zstandard: one table, as data frames are kept.
+/// Writes a recording as Parquet, compressed with Zstandard: one table, as data frames are kept. The file names the
+/// `program` that made it.
 ///
 /// The column `time` holds the time stamps of all rasters, s, merged in their order; each channel is a column of
 /// doubles, null in the rows of other rasters' stamps (a missing sample is NaN, not null). Columns are named like their
@@ -46,14 +47,15 @@ const TIME: &str = "time";
 /// ```
 /// let recording = recording::decode("run.csv", b"time [s],n [rpm]\n0,1200\n1,1210\n", &recording::Selection::All)?;
 /// let mut bytes = Vec::new();
-/// recording::write_parquet(&recording, &mut bytes)?;
+/// recording::write_parquet(&recording, "the program", &mut bytes)?;
 /// let read = recording::decode("run.parquet", &bytes, &recording::Selection::All)?;
 /// assert_eq!((read.channels, read.rasters), (recording.channels, recording.rasters));
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
-pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
+pub fn write_parquet(recording: &Recording, program: &str, out: impl Write + Send) -> Result<(), RecordingError> {
     let batches = Batches::new(recording)?;
     let mut properties = WriterProperties::builder()
+        .set_created_by(program.to_owned())
         .set_compression(Compression::ZSTD(Default::default()))
         .set_dictionary_page_size_limit(DIFFERENT)
         .build();
@@ -87,7 +89,7 @@ pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<()
 /// As [`write_parquet`].
 pub fn encode_parquet(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let mut bytes = Vec::new();
-    write_parquet(recording, &mut bytes).map(|()| bytes)
+    write_parquet(recording, PROGRAM, &mut bytes).map(|()| bytes)
 }
 
 /// Writes a recording as a file of Arrow (Feather version 2), with the table of [`write_parquet`].

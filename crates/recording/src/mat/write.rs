@@ -9,7 +9,7 @@ use super::listed::{NAME, start_text};
 use super::scope::MAX_CHANNELS;
 use super::value::MAX_TEXT;
 use crate::source::unwritable;
-use crate::{Recording, RecordingError};
+use crate::{PROGRAM, Recording, RecordingError};
 
 /// Below this, compression does not pay.
 const SMALL: usize = 1 << 10;
@@ -73,12 +73,12 @@ const KEYWORDS: [&str; 20] = [
 /// assert_eq!((read.channels, read.rasters), (recording.channels, recording.rasters));
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
-pub fn write_mat5(recording: &Recording, mut out: impl Write + Seek) -> Result<(), RecordingError> {
+pub fn write_mat5(recording: &Recording, program: &str, mut out: impl Write + Seek) -> Result<(), RecordingError> {
     check(recording)?;
     let mut names = Names { used: HashSet::from([NAME.to_owned()]), numbers: HashMap::new() };
     let clocks: Vec<String> = recording.rasters.iter().map(|_| names.variable("time")).collect();
     let variables: Vec<String> = recording.channels.iter().map(|c| names.variable(&c.name)).collect();
-    out.write_all(&header()).map_err(|error| unwritable(&error))?;
+    out.write_all(&header(program)).map_err(|error| unwritable(&error))?;
     put(&mut out, NAME, &info(recording, &clocks, &variables)?, &[])?;
     for (name, raster) in clocks.iter().zip(&recording.rasters) {
         put(&mut out, name, &vector(name, raster.time_s.len())?, &raster.time_s)?;
@@ -96,7 +96,7 @@ pub fn write_mat5(recording: &Recording, mut out: impl Write + Seek) -> Result<(
 /// As [`write_mat5`].
 pub fn encode_mat5(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let mut out = Cursor::new(Vec::new());
-    write_mat5(recording, &mut out).map(|()| out.into_inner())
+    write_mat5(recording, PROGRAM, &mut out).map(|()| out.into_inner())
 }
 
 fn check(recording: &Recording) -> Result<(), RecordingError> {
@@ -138,9 +138,8 @@ impl Names {
 }
 
 /// Text, level and byte order.
-fn header() -> Vec<u8> {
-    let text = concat!("MATLAB 5.0 MAT-file, Platform: any, Created by: dynoid ", env!("CARGO_PKG_VERSION"));
-    let mut out = text.as_bytes().to_vec();
+fn header(program: &str) -> Vec<u8> {
+    let mut out = format!("MATLAB 5.0 MAT-file, Platform: any, Created by: {program}").into_bytes();
     out.resize(116, b' ');
     out.extend_from_slice(&[0; 8]);
     out.extend_from_slice(&[0, 1, b'I', b'M']);

@@ -6,7 +6,7 @@ use std::ops::Range;
 use libdeflater::{CompressionLvl, Compressor};
 
 use crate::source::unwritable;
-use crate::{Channel, Raster, Recording, RecordingError, StartTime};
+use crate::{Channel, PROGRAM, Raster, Recording, RecordingError, StartTime};
 
 /// Samples are stored as f64.
 const SAMPLE: usize = 8;
@@ -22,10 +22,10 @@ const SMALL: usize = 1 << 10;
 /// As [`write_mdf4`].
 pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let mut out = Cursor::new(Vec::new());
-    write_mdf4(recording, &mut out).map(|()| out.into_inner())
+    write_mdf4(recording, PROGRAM, &mut out).map(|()| out.into_inner())
 }
 
-/// Writes a recording as MDF 4.10 to `out`, which is empty.
+/// Writes a recording as MDF 4.10 to `out`, which is empty. The change history names the `program` that made it.
 ///
 /// Each raster becomes a channel group with its time stamps as master channel `time` in seconds; samples are stored as
 /// f64, so that what is read back equals what was written bit for bit. Of the findings nothing is written, and NaN is
@@ -36,9 +36,9 @@ pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
 /// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
 /// [`RecordingError::CannotExpress`] for a raster of more channels than a record can hold, and for text with a NUL,
 /// [`RecordingError::Unwritable`] where `out` fails.
-pub fn write_mdf4(recording: &Recording, out: impl Write + Seek) -> Result<(), RecordingError> {
+pub fn write_mdf4(recording: &Recording, program: &str, out: impl Write + Seek) -> Result<(), RecordingError> {
     let mut out = Out::begin(out).map_err(|e| unwritable(&e))?;
-    let history = out.history().map_err(|e| unwritable(&e))?;
+    let history = out.history(program).map_err(|e| unwritable(&e))?;
     let comment = match &recording.comment {
         Some(comment) => out.text("the file", comment)?,
         None => 0,
@@ -104,12 +104,12 @@ impl<W: Write + Seek> Out<W> {
     }
 
     /// The change history, which the format requires.
-    fn history(&mut self) -> Io<u64> {
-        let xml = concat!(
-            "<FHcomment xmlns='http://www.asam.net/mdf/v4'><TX>written</TX><tool_id>dynoid</tool_id>",
-            "<tool_vendor>dynoid</tool_vendor><tool_version>",
+    fn history(&mut self, program: &str) -> Io<u64> {
+        let program = program.replace('&', "&amp;").replace('<', "&lt;");
+        let xml = format!(
+            "<FHcomment xmlns='http://www.asam.net/mdf/v4'><TX>written by {program}</TX><tool_id>dynoid</tool_id>\
+             <tool_vendor>dynoid</tool_vendor><tool_version>{}</tool_version></FHcomment>\0",
             env!("CARGO_PKG_VERSION"),
-            "</tool_version></FHcomment>\0"
         );
         let comment = self.block(b"##MD", &[], &padded(xml.as_bytes()))?;
         self.block(b"##FH", &[0, comment], &[0; 16])

@@ -134,12 +134,12 @@ fn exact_files_are_written_in_pieces() {
     type Write = fn(&Recording, &mut Most) -> Result<(), RecordingError>;
     let mut writers: Vec<(&str, Write)> = vec![
         ("a.csv", |recording, out| recording::write_csv(recording, out)),
-        ("a.mf4", |recording, out| recording::write_mdf4(recording, out)),
-        ("a.mat", |recording, out| recording::write_mat5(recording, out)),
+        ("a.mf4", |recording, out| recording::write_mdf4(recording, recording::PROGRAM, out)),
+        ("a.mat", |recording, out| recording::write_mat5(recording, recording::PROGRAM, out)),
     ];
     #[cfg(feature = "parquet")]
     writers.extend([
-        ("a.parquet", (|recording, out| recording::write_parquet(recording, out)) as Write),
+        ("a.parquet", (|recording, out| recording::write_parquet(recording, recording::PROGRAM, out)) as Write),
         ("a.arrow", |recording, out| recording::write_arrow(recording, out)),
     ]);
     let whole = encoded(&recording);

@@ -112,6 +112,11 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
+        Finding::Bursts { sample_time_s, mean_s } => format!(
+            "Its time stamps come in bursts: {} apart, and one in {} on average.",
+            duration(*sample_time_s),
+            duration(*mean_s)
+        ),
         Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
         Finding::ClockOffset { against, offset_s } => {
             let order = if *offset_s > 0.0 { "after" } else { "before" };
@@ -267,6 +272,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Check unit and channel in the bench file; a ratio of 9.55 or 0.105 means rpm taken for rad/s or the reverse."
         }
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
+        Finding::Bursts { .. } => {
+            "Export it with the time at which each sample was taken, not with the time at which the logger wrote it."
+        }
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
         Finding::ClockOffset { .. } => {
             "Check that all devices start on one trigger; only the time that both share is used, with its own time stamps."

@@ -33,6 +33,7 @@ fn findings() -> Vec<Finding> {
         Finding::ShortGaps { count: 7, longest_s: 0.012, share: 0.0004 },
         Finding::Cut { kept_s: (4.0, 31.5), lost_s: 12.25 },
         Finding::TimeNotIncreasing,
+        Finding::Bursts { sample_time_s: 1e-6, mean_s: 0.001 },
         Finding::SamplesRaised { every: 2, interpolated: false },
         Finding::SamplesRaised { every: 4, interpolated: true },
         Finding::SamplesRepeated { share: 0.3, longest_s: 0.004 },

@@ -82,6 +82,12 @@ pub enum FaultKind {
         /// The possible ones.
         possible: Vec<String>,
     },
+    /// A text with characters that no person sees, and that other programs take for the end of it.
+    #[error("the text has the control character {code}; write it without")]
+    ControlCharacter {
+        /// The character's code, as Unicode writes it.
+        code: String,
+    },
     /// A number outside what is possible.
     #[error("{value} is outside {low} … {high}; {remedy}")]
     OutOfRange {

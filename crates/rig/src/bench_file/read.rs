@@ -128,7 +128,7 @@ fn read_report(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ReportIden
         .only(&["title", "test_id", "customer", "engine", "author", "approved_by", "confidentiality", "logo"], faults);
     let mut text = |key: &str, example: &str| {
         let place = section.get(key)?;
-        section.text(key, place, example, faults).filter(|text| !text.trim().is_empty())
+        section.line(key, place, example, faults).filter(|text| !text.trim().is_empty())
     };
     ReportIdentity {
         title: text("title", "\"Bench model of cell 4\""),
@@ -144,7 +144,7 @@ fn read_report(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ReportIden
 
 fn read_name(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<String> {
     let place = bench.require("name", "\"Cell 4\"", faults)?;
-    bench.text("name", place, "\"Cell 4\"", faults)
+    bench.line("name", place, "\"Cell 4\"", faults)
 }
 
 fn read_variant(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchVariant> {

@@ -159,6 +159,21 @@ impl<'v, 'i> Section<'v, 'i> {
         text
     }
 
+    /// A text in one line of characters that people can read.
+    pub(super) fn line(
+        &self,
+        key: &str,
+        place: Place<'v, 'i>,
+        example: &str,
+        faults: &mut Faults<'_>,
+    ) -> Option<String> {
+        let text = self.text(key, place, example, faults)?;
+        let Some(found) = text.chars().find(|c| c.is_control()) else { return Some(text) };
+        let code = format!("U+{:04X}", u32::from(found));
+        faults.add(place.offset, self.path_of(key), FaultKind::ControlCharacter { code });
+        None
+    }
+
     /// A number between two others, if the key is there.
     pub(super) fn number_between(
         &self,

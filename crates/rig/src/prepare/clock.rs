@@ -16,6 +16,9 @@ const SHORT_GAP_S: f64 = 0.02;
 const SHORT_GAP_SAMPLES: usize = 5;
 /// Above this share of samples that are not numbers a channel is refused.
 const MOST_NOT_A_NUMBER: f64 = 0.1;
+/// A uniform clock with more samples than this many times those that were recorded is none: stamps come in bursts, as of a logger that
+/// writes in batches. What is interpolated would be nearly all, and more than a memory holds.
+const MOST_TICKS: f64 = 10.0;
 /// Time stamps further from a uniform clock than this share of the sample time are interpolated onto one.
 const JITTER_SHARE: f64 = 0.1;
 /// Time stamps closer to a uniform clock than this share of the sample time are rounded, not jittering.
@@ -36,6 +39,12 @@ pub(super) fn uniform_stretches(source: &Source<'_>, left_out: &[bool], log: &mu
     let mut stretches = Vec::new();
     let mut first = 0;
     for end in long.map(|gap| gap.between.end).chain([time_s.len()]) {
+        if is_in_bursts(&time_s[first..end], check.sample_time_s) {
+            let mean_s = (time_s[end - 1] - time_s[first]) / (end - first) as f64;
+            let finding = Finding::Bursts { sample_time_s: check.sample_time_s, mean_s };
+            log.channel(Severity::Error, source.channel, Some(time_s[first]), finding);
+            return None;
+        }
         let own = stretch(&time_s[first..end], &values[first..end], check.sample_time_s);
         stretches.extend(if is_angle { own.and_then(|angle| rate(&angle)) } else { own });
         first = end;
@@ -43,6 +52,12 @@ pub(super) fn uniform_stretches(source: &Source<'_>, left_out: &[bool], log: &mu
     report_gaps(source, &time_s, &check, &is_short, log);
     report_jitter(source, &stretches, &time_s, check.sample_time_s, log);
     (!stretches.is_empty()).then_some(stretches)
+}
+
+/// Whether a clock of this sample time would have far more samples than there are stamps.
+fn is_in_bursts(time_s: &[f64], sample_time_s: f64) -> bool {
+    let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return false };
+    (last - first) / sample_time_s > MOST_TICKS * time_s.len() as f64
 }
 
 /// Takes the jumps out of an angle that starts anew with every turn, rad.

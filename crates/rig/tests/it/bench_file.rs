@@ -244,6 +244,16 @@ fn regress_wrong_types_and_units() {
 }
 
 #[test]
+fn regress_control_characters_and_a_decimal_comma_are_named() {
+    let text = GOOD.replacen("name = \"", "name = \"a\\u001bb", 1);
+    let error = text.parse::<BenchFile>().unwrap_err().to_string();
+    assert!(error.contains("bench.name") && error.contains("U+001B"), "{error}");
+    let text = format!("{GOOD}\n[report]\ntitle = \"a\\nb\"\n");
+    let error = text.parse::<BenchFile>().unwrap_err().to_string();
+    assert!(error.contains("report.title") && error.contains("U+000A"), "{error}");
+}
+
+#[test]
 fn regress_one_channel_for_two_roles() {
     let (line, key, kind, _) = fault("\"EngineSpeed\"", "\"DynoSpeed\"");
     assert_eq!((line, key.as_str()), (15, "channels.engine_speed"));

@@ -99,6 +99,17 @@ fn exact_values_with_units() {
 }
 
 #[test]
+fn regress_a_decimal_comma_is_named() {
+    for (text, instead) in [("0,851 kgm2", "0.851 kgm2"), ("-1,5 kg m²", "-1.5 kg m²")] {
+        let error = parse_value(text, Quantity::Inertia).unwrap_err();
+        assert_eq!(error, UnitError::DecimalComma { text: text.to_owned(), instead: instead.to_owned() });
+        assert!(error.to_string().contains("decimal comma"), "{error}");
+    }
+    assert!(matches!(units::parse_frequency_hz("18,5 Hz"), Err(UnitError::DecimalComma { .. })));
+    assert!(matches!(parse_value("18, Hz", Quantity::Torque), Err(UnitError::Unknown { .. })));
+}
+
+#[test]
 fn regress_unit_of_another_quantity_names_both() {
     let error = parse_unit_of("Nm", Quantity::AngularSpeed).unwrap_err().to_string();
     assert!(error.contains("torque") && error.contains("speed"), "{error}");

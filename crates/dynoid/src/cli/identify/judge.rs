@@ -130,9 +130,6 @@ pub(crate) struct RunArguments {
     /// Write the outputs to a recording; its ending gives the format: .mf4, .csv, .tsv, .mat, .parquet or .arrow
     #[arg(long, short, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Replace files that are there, whoever wrote them
-    #[arg(long)]
-    pub(crate) overwrite: bool,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
 }

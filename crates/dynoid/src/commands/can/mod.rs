@@ -20,12 +20,7 @@ use wanted::Wanted;
 const MAP: &str = "map";
 
 pub(crate) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let read: Vec<_> = [Some(&arguments.on.bench), arguments.recorded.as_ref(), arguments.engine_map.as_ref()]
-        .into_iter()
-        .flatten()
-        .cloned()
-        .collect();
-    check_plot(&arguments.on.result, &[&read])?;
+    check_plot(&arguments.on.result)?;
     if arguments.test.eq_ignore_ascii_case(MAP) {
         return map::run(arguments, terminal);
     }

@@ -56,7 +56,7 @@ struct ChannelFacts {
 pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
     let targets = plan(input::named(&arguments.files)?, arguments)?;
-    check_plot(&arguments.result, &[&arguments.files])?;
+    check_plot(&arguments.result)?;
     let chosen = choices(&targets, &arguments.channels)?;
     let (mut rows, mut drawn, mut unreadable) = (Vec::new(), Vec::new(), 0);
     for (target, choice) in targets.iter().zip(chosen) {

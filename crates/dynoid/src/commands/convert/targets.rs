@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::convert::ConvertArguments;
 use crate::error::CliError;
-use crate::formats::{FileFormat, check_replaceable};
+use crate::formats::FileFormat;
 use crate::input::InputFile;
+use crate::mark::Mark;
 use crate::output::{OutputFolder, check_file};
 use crate::paths::ending;
 
@@ -28,11 +29,8 @@ pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Resul
         None => vec![alone(files, out)?],
     };
     check_apart(&targets)?;
-    for target in &targets {
-        check_replaceable(&target.out, arguments.overwrite)?;
-    }
     for target in targets.iter().filter(|target| arguments.to.is_none() || target.out.exists()) {
-        check_file(&target.out)?;
+        check_file(&target.out, &Mark::of_run())?;
     }
     Ok(targets)
 }
@@ -60,13 +58,15 @@ fn in_folder(files: Vec<InputFile>, out: &Path, format: FileFormat) -> Result<Ve
     }
     OutputFolder::check(out)?;
     let target = |input: InputFile| {
-        let stem = input.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Target { out: out.join(format!("{stem}.{}", format.ending())), input, format }
+        // A name that is not UTF-8 stays as it is.
+        let mut name = input.path.file_stem().unwrap_or_default().to_owned();
+        name.push(format!(".{}", format.ending()));
+        Target { out: out.join(name), input, format }
     };
     Ok(files.into_iter().map(target).collect())
 }
 
-/// Refuses two recordings of one target, and a target that is read.
+/// Refuses two recordings of one target.
 fn check_apart(targets: &[Target]) -> Result<(), CliError> {
     let mut by_target: HashMap<&Path, &str> = HashMap::new();
     for target in targets {
@@ -77,13 +77,6 @@ fn check_apart(targets: &[Target]) -> Result<(), CliError> {
                 target.input.name,
                 target.out.display()
             );
-            return Err(CliError::Usage { what });
-        }
-    }
-    for target in targets {
-        let Ok(out) = target.out.canonicalize() else { continue };
-        if targets.iter().any(|t| t.input.path.canonicalize().is_ok_and(|input| input == out)) {
-            let what = format!("{}: this file is read; give the result another name", target.out.display());
             return Err(CliError::Usage { what });
         }
     }

@@ -1,7 +1,6 @@
 //! The demo's experiments and their simulation.
 
 use numerics::parallel;
-use recording::encode_mdf4;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ReportIdentity, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
@@ -10,6 +9,7 @@ use rig::{BenchFile, Role};
 use virtual_bench::{CHANNELS, simulate};
 
 use crate::error::CliError;
+use crate::formats::encode_mdf4;
 use crate::terminal::Progress;
 
 /// An experiment and the file its recording goes to.
@@ -55,8 +55,7 @@ pub(super) fn simulate_all(
 }
 
 fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {
-    let recording = simulate(parameters, plan, seed).map_err(CliError::internal)?;
-    encode_mdf4(&recording).map_err(CliError::internal)
+    encode_mdf4(&simulate(parameters, plan, seed).map_err(CliError::internal)?)
 }
 
 /// What the user of a real bench would state about it.

@@ -11,9 +11,11 @@ use rig::bench_parameters::BenchParameters;
 
 use crate::cli::bench::DemoArguments;
 use crate::commands::bench_model::MODEL;
+use crate::commands::result::html;
 use crate::commands::study::{self, Wanted};
 use crate::error::{CliError, Outcome};
-use crate::output::{self, OutputFolder};
+use crate::mark::Mark;
+use crate::output::{self, OutputFolder, check_replaceable};
 use crate::summary::{self, Written, shown};
 use crate::terminal::Terminal;
 use numerics::parallel;
@@ -22,8 +24,9 @@ use page::{Block, Page, Prose};
 const RECORDINGS: &str = "recordings";
 const BENCH_FILE: &str = "bench.toml";
 const EFFECTS: &str = "effects.html";
-/// The first line of the bench file the demo writes, by which it knows its own folder.
-const FIRST_LINE: &str = "# The bench file of the dynoid demo: a simulated bench.";
+/// The first line of the bench file that the demo writes, with its mark.
+const FIRST_LINE: &str =
+    concat!("# Written by dynoid demo ", env!("CARGO_PKG_VERSION"), ": the bench file of a simulated bench.");
 
 pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = &arguments.out;
@@ -39,7 +42,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
     OutputFolder::check(&folder)?.write(&files)?;
-    let effects = page::html(&effects(&parameters, arguments.seed)?, crate::commands::result::PROGRAM);
+    let effects = html(&effects(&parameters, arguments.seed)?);
     output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
@@ -74,16 +77,15 @@ fn bench_file(parameters: &BenchParameters) -> String {
 fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
     OutputFolder::check(out)?;
     let refuse = |found: PathBuf| CliError::NotADemoFolder { path: out.to_owned(), found: shown(&found) };
-    if let Ok(text) = std::fs::read_to_string(out.join(BENCH_FILE))
-        && !text.starts_with(FIRST_LINE)
-    {
-        return Err(refuse(out.join(BENCH_FILE)));
-    }
+    check_replaceable(&out.join(BENCH_FILE), Some(&Mark::of_run()))?;
     let own = |name: &str| {
         let of_study = [study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"];
         let on_paper = [study::REPORT_PDF, study::FULL_REPORT_PDF, study::SUMMARY_PDF];
         [RECORDINGS, BENCH_FILE, EFFECTS].iter().chain(&of_study).chain(&on_paper).any(|own| *own == name)
     };
+    for file in recordings.iter().map(|name| out.join(RECORDINGS).join(name)).chain([out.join(EFFECTS)]) {
+        check_replaceable(&file, Some(&Mark::of_run()))?;
+    }
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));
     foreign.map_or(Ok(()), |found| Err(refuse(found)))

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
+use dataset::on_one_clock;
+use ident::Intersample;
 use recording::{Channel, Format, Raster, Recording};
 use report::design::{Designed, reached};
 use report::wording;
@@ -19,7 +21,8 @@ use crate::cli::experiment::DesignArguments;
 use crate::commands::result::{check_plot, write_page};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
-use crate::output::OutputFolder;
+use crate::mark::Mark;
+use crate::output::{OutputFolder, check_replaceable};
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
@@ -94,16 +97,8 @@ impl Targets {
         let file = |ending: &str| folder.join(format!("{stem}{ending}"));
         let plot = arguments.on.result.plot.clone().unwrap_or_else(|| file(".html"));
         let targets = Targets { csv: file(".csv"), mf4: file(".mf4"), plot, predicted: file("_predicted.mf4") };
-        let read = arguments.experiment.as_deref().and_then(planned::file);
-        for target in [&targets.csv, &targets.mf4, &targets.predicted] {
-            if let (Some(Ok(read)), Ok(target)) = (read.as_ref().map(|file| file.canonicalize()), target.canonicalize())
-                && read == target
-            {
-                let what = format!("{}: these demands are read; choose another folder with --out", target.display());
-                return Err(CliError::Usage { what });
-            }
-        }
-        check_plot(&arguments.on.result, &[])?;
+        check_plot(&arguments.on.result)?;
+        targets.all(true).into_iter().try_for_each(|target| check_replaceable(target, Some(&Mark::of_run())))?;
         Ok(targets)
     }
 
@@ -118,8 +113,8 @@ impl Targets {
             std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
         }
         let recording = demands.recording(plan);
-        let mut text = recording.clone();
-        // Text has no place for the names of rasters; nothing of the demands is lost.
+        // Text has one time column, and no place for the names of rasters; nothing of the demands is lost.
+        let mut text = on_fastest_clock(recording.clone())?;
         FileFormat::Csv.fit(&mut text);
         FileFormat::Csv.write(&text, &self.csv)?;
         FileFormat::Mf4.write(&recording, &self.mf4)?;
@@ -132,6 +127,17 @@ impl Targets {
     fn all(&self, has_prediction: bool) -> Vec<&PathBuf> {
         let predicted = has_prediction.then_some(&self.predicted);
         [Some(&self.csv), Some(&self.mf4), Some(&self.plot), predicted].into_iter().flatten().collect()
+    }
+}
+
+/// All demands on the clock of the fastest; the slower ones are held, as they are on the bench.
+fn on_fastest_clock(demands: Recording) -> Result<Recording, CliError> {
+    let step_s = |raster: &Raster| Some(raster.time_s.get(1)? - raster.time_s.first()?);
+    match demands.rasters.iter().filter_map(step_s).reduce(f64::min) {
+        Some(step_s) if demands.rasters.len() > 1 => {
+            Ok(on_one_clock("demands", demands, step_s, Intersample::ZeroOrderHold)?.recording)
+        }
+        _ => Ok(demands),
     }
 }
 

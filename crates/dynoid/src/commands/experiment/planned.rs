@@ -1,6 +1,6 @@
 //! From the command line to a plan.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use recording::Selection;
 use rig::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
@@ -47,11 +47,6 @@ pub(super) fn settings(
     let given = given(arguments)?;
     let given: Vec<(&str, &str)> = given.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
     Settings::parse(parameters, &given).map_err(|error| usage(experiment, error))
-}
-
-/// The file of demands, where the experiment is one: it must not be written over.
-pub(in crate::commands) fn file(experiment: &str) -> Option<PathBuf> {
-    catalogue::find(experiment).is_err().then(|| PathBuf::from(experiment))
 }
 
 fn from_file(path: &Path, arguments: &PlanArguments, terminal: &mut Terminal) -> Result<ExperimentPlan, CliError> {

@@ -11,10 +11,11 @@ use virtual_bench::{Numerics, VirtualRun, rename, simulate_with_progress};
 use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
-use crate::commands::result::{check_plot, check_targets, show_with};
+use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::{FileFormat, check_replaceable};
-use crate::input;
+use crate::formats::FileFormat;
+use crate::mark::Mark;
+use crate::output::check_file;
 use crate::paths;
 use crate::terminal::Terminal;
 
@@ -22,11 +23,7 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     check(arguments)?;
     let OnBenchArguments { bench: path, plan: settings, result } = &arguments.on;
     let bench = Bench::read(path, settings.study.as_deref(), terminal)?;
-    for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
-        if input::is_among_measured(path, &bench.file.recordings.files, out) {
-            return Err(CliError::AmongRecordings { path: out.clone(), bench: path.clone() });
-        }
-    }
+    check_places(arguments)?;
     let Planned { plan, .. } = planned::plan(&arguments.experiment, settings, terminal)?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
@@ -68,14 +65,11 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
 
 /// Refuses, before any work, outputs that cannot be written.
 fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
-    let OnBenchArguments { bench, plan, result } = &arguments.on;
+    let result = &arguments.on.result;
     if arguments.out.is_none() && arguments.truth.is_none() && result.plot.is_none() {
         let what = "name a file for the recording, as in --out run.mf4; --truth and --plot write others".to_owned();
         return Err(CliError::Usage { what });
     }
-    let mut read = vec![bench.clone()];
-    read.extend(plan.study.clone());
-    read.extend(planned::file(&arguments.experiment));
     for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
         FileFormat::of_output(out)?;
     }
@@ -86,11 +80,13 @@ fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
         let what = format!("{}: recording and truth need a file each", out.display());
         return Err(CliError::Usage { what });
     }
-    check_targets(&[&arguments.out, &arguments.truth], &[&read])?;
-    for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
-        check_replaceable(out, arguments.overwrite)?;
-    }
-    check_plot(result, &[&read])
+    check_places(arguments)?;
+    check_plot(result)
+}
+
+/// Checks that the recordings can be written; among those of the bench, once its bench file is read.
+fn check_places(arguments: &SimulateArguments) -> Result<(), CliError> {
+    [&arguments.out, &arguments.truth].into_iter().flatten().try_for_each(|out| check_file(out, &Mark::of_run()))
 }
 
 fn write(recording: &mut Recording, path: &Path, terminal: &mut Terminal) -> Result<(), CliError> {

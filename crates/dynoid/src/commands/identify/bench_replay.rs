@@ -20,10 +20,10 @@ use study::experiment_of;
 use super::model_file::AnyModelFile;
 use super::recorded::check_output;
 use crate::cli::identify::{BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, RunArguments};
-use crate::commands::result::{check_plot, check_targets, show, show_with};
+use crate::commands::result::{check_plot, show, show_with};
 use crate::commands::study::read_bench;
 use crate::error::{CliError, Outcome};
-use crate::formats::{FileFormat, check_replaceable};
+use crate::formats::FileFormat;
 use crate::input;
 use crate::paths;
 use crate::terminal::Terminal;
@@ -85,15 +85,12 @@ pub(super) fn simulate(
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
     let RunArguments { meet, out, result, .. } = arguments;
-    let read = [meet.on.as_slice(), std::slice::from_ref(&model.path)];
-    check_plot(result, &read)?;
+    check_plot(result)?;
     if arguments.from_rest {
         return Err(of_linear_models("--from-rest"));
     }
     if let Some(path) = out {
         check_output(path, meet.on.len())?;
-        check_targets(&[out], &read)?;
-        check_replaceable(path, arguments.overwrite)?;
     }
     let all = replays(&[model], (meet, bench), terminal)?;
     if let Some(path) = out {

@@ -11,7 +11,7 @@ use toolbox_report::words::pair;
 
 use super::model_file;
 use crate::cli::identify::{ModelConvertArguments, Representation, Sampling};
-use crate::commands::result::{check_plot, check_targets, show_with};
+use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
@@ -97,7 +97,7 @@ fn asked(arguments: &ModelConvertArguments) -> Conversion {
 }
 
 fn check(arguments: &ModelConvertArguments) -> Result<(), CliError> {
-    check_plot(&arguments.result, &[std::slice::from_ref(&arguments.model)])?;
+    check_plot(&arguments.result)?;
     if arguments.prewarp_hz.is_some() && arguments.method != Sampling::Tustin {
         return Err(CliError::Usage { what: "--prewarp belongs to --method tustin; give both".into() });
     }
@@ -106,6 +106,5 @@ fn check(arguments: &ModelConvertArguments) -> Result<(), CliError> {
         let what = "--out writes a model file, which has no form of zeros and poles; give --to tf or --to ss".into();
         return Err(CliError::Usage { what });
     }
-    model_file::check_ending(path)?;
-    check_targets(&[&arguments.out], &[std::slice::from_ref(&arguments.model)])
+    model_file::check_output(path)
 }

@@ -18,14 +18,14 @@ use crate::cli::identify::{
     BenchArguments, CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments,
     SimulateModelArguments,
 };
-use crate::commands::result::{check_plot, check_targets, show, show_with};
+use crate::commands::result::{check_plot, show, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::{FileFormat, check_replaceable};
+use crate::formats::FileFormat;
 use crate::terminal::Terminal;
 
 /// `dynoid model compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result, &[&arguments.meet.on, &arguments.models])?;
+    check_plot(&arguments.result)?;
     if arguments.horizon == Some(0) {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
@@ -101,7 +101,7 @@ fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Te
 
 /// `dynoid model residuals`
 pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result, &[&arguments.meet.on, std::slice::from_ref(&arguments.model)])?;
+    check_plot(&arguments.result)?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
@@ -161,14 +161,9 @@ fn run(
     horizon: Option<usize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    let read = [arguments.meet.on.as_slice(), std::slice::from_ref(&arguments.model)];
-    check_plot(&arguments.result, &read)?;
+    check_plot(&arguments.result)?;
     if let Some(path) = &arguments.out {
         recorded::check_output(path, arguments.meet.on.len())?;
-    }
-    check_targets(&[&arguments.out], &read)?;
-    if let Some(path) = &arguments.out {
-        check_replaceable(path, arguments.overwrite)?;
     }
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;

@@ -40,7 +40,7 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
 
 /// The models, once it is clear that the result can be written.
 fn read(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
-    check_plot(&arguments.result, &[&arguments.models])?;
+    check_plot(&arguments.result)?;
     let mut all = Vec::new();
     for path in &arguments.models {
         let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };

@@ -15,6 +15,8 @@ use super::operating_point;
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
 use crate::commands::bench_model::{self, Kind};
 use crate::error::CliError;
+use crate::mark::Mark;
+use crate::output::check_file;
 
 const WANTED: &str = "a model file as `dynoid fit … --out model.json` writes";
 const ANY: &str = "a model file as `dynoid fit` or `dynoid study` writes, or an FMU of dynoid";
@@ -53,7 +55,7 @@ impl AnyModelFile {
         match Kind::of(&text) {
             Kind::Bench => Ok(AnyModelFile::Bench(Box::new(bench_model::of_text(path, &text)?))),
             Kind::Linear => Ok(AnyModelFile::Linear(Box::new(of_text(path, &text)?))),
-            Kind::Study => Err(CliError::IsStudy { path: path.to_owned() }),
+            Kind::Study => Ok(AnyModelFile::Bench(Box::new(bench_model::read(path)?))),
             Kind::Other => Err(bench_model::no_model(path, &text, ANY)),
         }
     }
@@ -70,12 +72,12 @@ pub(super) fn read_all(path: &Path) -> Result<Vec<(String, ModelDocument)>, CliE
     Ok(models.into_iter().map(|(mode, document)| (format!("{name} {mode}"), document)).collect())
 }
 
-/// Refuses to write a model under another ending than .json, but for what is no file.
-pub(super) fn check_ending(path: &Path) -> Result<(), CliError> {
+/// Checks that a model can be written there: under the ending .json, but for what is no file.
+pub(super) fn check_output(path: &Path) -> Result<(), CliError> {
     let is_json = crate::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
     let is_device = || std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
     if is_json || is_device() {
-        return Ok(());
+        return check_file(path, &Mark::Document(Kind::Linear));
     }
     Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
 }

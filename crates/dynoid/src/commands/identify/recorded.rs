@@ -11,6 +11,8 @@ use recording::{Channel, Format, Raster, Recording};
 use super::data::Loaded;
 use crate::error::CliError;
 use crate::formats::FileFormat;
+use crate::mark::Mark;
+use crate::output::check_file;
 
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
 pub(super) fn recording_of(
@@ -63,7 +65,7 @@ fn whole(
     Ok(Some((start_s, all)))
 }
 
-/// Checks that a file's ending says a format that has room for these recordings: text has it for one.
+/// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it for one.
 pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
     match FileFormat::of_output(path)? {
         format if format.is_text() && recordings > 1 => Err(CliError::Usage {
@@ -73,6 +75,6 @@ pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliErro
                 format.ending()
             ),
         }),
-        _ => Ok(()),
+        _ => check_file(path, &Mark::of_run()),
     }
 }

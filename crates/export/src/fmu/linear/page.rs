@@ -1,9 +1,9 @@
 //! The page of documentation of a linear model.
 
 use super::super::csv;
-use super::super::description::escaped;
 use super::super::documentation::{HEAD, STYLE};
 use super::description::{Description, Role, Variable};
+use crate::xml::escaped;
 
 /// `documentation/index.html`.
 pub(super) fn page(description: &Description<'_>) -> String {

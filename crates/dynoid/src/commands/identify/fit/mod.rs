@@ -17,7 +17,7 @@ use super::data::{Files, Gaps, Loaded, Note, check_variation, load_on, named, sa
 use super::sources::which_data;
 use super::{greybox, model_file, operating_point};
 use crate::cli::identify::{FitArguments, FitCommand, Window};
-use crate::commands::result::{check_plot, check_targets, show_with};
+use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
@@ -70,10 +70,8 @@ fn hint_of(estimated: &Estimated, unseen: &Dataset) -> Option<String> {
 
 /// Checks where results go before any work is done.
 fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
-    let read = [arguments.data.recordings.as_slice(), &arguments.validate];
-    arguments.out.as_deref().map_or(Ok(()), model_file::check_ending)?;
-    check_targets(&[&arguments.out], &read)?;
-    check_plot(&arguments.result, &read)
+    arguments.out.as_deref().map_or(Ok(()), model_file::check_output)?;
+    check_plot(&arguments.result)
 }
 
 /// Whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.

@@ -1,0 +1,205 @@
+//! A model file with any number in it: it is refused in the words of the file, or what is computed from it ends soon.
+
+use std::time::{Duration, Instant};
+
+use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance};
+use bench_model::model::{
+    AssembledModel, BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
+    PiController, TorqueControlModel,
+};
+use bench_model::prediction::PredictionInputs;
+use design::safety::{BenchSpread, SafetyInputs, check};
+use export::names::Names;
+use rig::bench_file::Limits;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use rig::facts::{BenchFacts, BenchVariant};
+use serde_json::Value;
+use toolbox_report::models::{Model, bode};
+
+/// What a computer has trouble with.
+const VALUES: [f64; 12] =
+    [0.0, -1.0, 1e308, -1e308, 1e-308, -1e-300, 1e9, 1e-12, 0.9, 1e5, 1e-5, f64::MIN_POSITIVE * f64::EPSILON];
+/// Longest time that one command may take on a file of a few numbers.
+const LONGEST: Duration = Duration::from_secs(20);
+
+fn valid() -> Value {
+    let model = BenchModel {
+        mechanics: Mechanics {
+            dyno_inertia_kg_m2: 0.61,
+            engine_inertia_kg_m2: 0.28,
+            stiffness_nm_per_rad: 2437.7,
+            damping_nm_s_per_rad: 5.8,
+        },
+        speed_controller: Some(PiController {
+            proportional_nm_s_per_rad: 8.96,
+            integral_nm_per_rad: 17.81,
+            delay_s: 1.9e-3,
+            demand_delay_s: 1.8e-3,
+            sample_time_s: 1e-3,
+        }),
+        feed_forward: Some(FeedForwardGains {
+            speed_nm_s_per_rad: 0.13,
+            acceleration_nm_s2_per_rad: 0.59,
+            delay_s: 1.1e-3,
+        }),
+        torque_control: Some(TorqueControlModel { delay_s: 0.7e-3, bandwidth_rad_s: Some(804.0) }),
+        torque_limit_nm: Some(400.0),
+        encoder_gate_s: 1.2e-3,
+    };
+    let shaft = PartCovariance {
+        parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
+        covariance: vec![vec![36.0, 0.3], vec![0.3, 0.04]],
+        degrees_of_freedom: 40.0,
+    };
+    let controller = PartCovariance {
+        parameters: vec![ModelParameter::Proportional, ModelParameter::Integral, ModelParameter::ControllerDelay],
+        covariance: vec![vec![1e-4, 2e-5, 0.0], vec![2e-5, 4e-4, 0.0], vec![0.0, 0.0, 1e-10]],
+        degrees_of_freedom: 29.0,
+    };
+    let uncertainty = ModelUncertainty::new(&[shaft, controller]).unwrap();
+    let facts = BenchFacts {
+        name: "Test cell".into(),
+        variant: BenchVariant::LoadCell,
+        cylinders: 4,
+        strokes: 4,
+        dynamometer_inertia_kg_m2: 0.6,
+        dynamometer_inertia_uncertainty_percent: Some(1.0),
+        engine_inertia_kg_m2: 0.28,
+        engine_inertia_uncertainty_percent: Some(2.0),
+        torque_limit_nm: Some(400.0),
+        shaft_torque_limit_nm: Some(600.0),
+        speed_limit_rad_s: Some(628.3),
+    };
+    let provenance = Provenance {
+        dynoid_version: "0.1.0".into(),
+        date: "2026-05-03".into(),
+        bench_file: BenchFileOrigin { name: "bench.toml".into(), sha256: "00".into() },
+        recordings: Vec::new(),
+        seed: None,
+        verdict: None,
+    };
+    let mut document = BenchModelDocument::new(AssembledModel { model, uncertainty }, facts, provenance);
+    document.validity.dyno_speed_rad_s = Some((80.0, 260.0));
+    document.validity.air_gap_torque_nm = Some((-50.0, 220.0));
+    document.validity.frequency_hz = Some((0.5, 60.0));
+    serde_json::from_str(&document.to_json().unwrap()).unwrap()
+}
+
+/// The places of all numbers, as pointers.
+fn numbers(value: &Value, at: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Number(_) => found.push(at.to_owned()),
+        Value::Array(all) => all.iter().enumerate().for_each(|(i, one)| numbers(one, &format!("{at}/{i}"), found)),
+        Value::Object(all) => all.iter().for_each(|(key, one)| numbers(one, &format!("{at}/{key}"), found)),
+        _ => {}
+    }
+}
+
+/// The file with another number at a place, and in the list for people, which has to have the same.
+fn with(file: &Value, place: &str, number: f64) -> Value {
+    let mut changed = file.clone();
+    let old = changed.pointer(place).cloned();
+    *changed.pointer_mut(place).unwrap() = number.into();
+    for listed in changed["parameters"].as_array_mut().unwrap() {
+        if place.starts_with("/model/") && Some(&listed["value"]) == old.as_ref() {
+            listed["value"] = number.into();
+        }
+    }
+    changed
+}
+
+/// Exports, responses and the check of an experiment, of what is no fault of the file.
+fn use_of(document: &BenchModelDocument) {
+    let names = Names::of(&document.bench.name);
+    let _ = export::python::bench(document, &names);
+    let _ = export::ssv::bench(document, &names, 2);
+    let _ = export::fmu::c_files(document, &names);
+    let _ = export::matlab::bench(document, &names);
+    for (name, linear) in export::toolbox_models(document).unwrap_or_default() {
+        if let Ok(models) = Model::with_noise(name, linear, false) {
+            let _ = bode(models, 0.95).map(|curves| curves.json());
+        }
+    }
+    let plan = ExperimentPlan::bs_t_nt(1200.0, 0.3);
+    let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
+    let engine = &BenchParameters::default().engine;
+    let limits = Limits { shaft_torque_nm: Some(600.0), ..Limits::default() };
+    let prediction = PredictionInputs {
+        plan: &plan,
+        demands: &demands,
+        model: &document.model,
+        engine,
+        firing_seed: Some(1),
+        limits,
+    };
+    let spread = BenchSpread::Estimated(&document.uncertainty);
+    let _ = check(&SafetyInputs { prediction, spread, slowest_engine_control: 1.0, samples: 3, seed: 1 }, &|_, _| {});
+}
+
+/// Every number at these places takes these values; returns how many files were read.
+fn walk(places: &[String], values: &[f64]) -> usize {
+    let file = valid();
+    let mut read = 0;
+    for place in places {
+        for value in values {
+            let text = with(&file, place, *value).to_string();
+            match BenchModelDocument::from_json(&text) {
+                Ok(document) => {
+                    read += 1;
+                    let since = Instant::now();
+                    use_of(&document);
+                    assert!(since.elapsed() < LONGEST, "{place} = {value:e} took {:?}", since.elapsed());
+                }
+                Err(error) => {
+                    let words = error.to_string();
+                    let remedies = ["let `dynoid study", "make the two the same"];
+                    let is_clear = words.contains('`') && remedies.iter().any(|remedy| words.contains(remedy));
+                    assert!(is_clear, "{place} = {value:e}: {words}");
+                }
+            }
+        }
+    }
+    read
+}
+
+fn places(under: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    numbers(&valid(), "", &mut all);
+    all.retain(|place| place.starts_with(under));
+    all
+}
+
+#[test]
+fn prop_a_number_of_the_model_ends_in_a_result_or_a_refusal() {
+    assert!(BenchModelDocument::from_json(&valid().to_string()).is_ok());
+    let places = places("/model/");
+    assert_eq!(places.len(), 16);
+    let read = walk(&places, &VALUES[..6]);
+    assert!(read > 0 && read < 40, "{read} of {} files were read", 6 * places.len());
+}
+
+#[test]
+#[ignore = "every number of the file with every value takes a minute"]
+fn prop_any_number_of_a_model_file_ends_in_a_result_or_a_refusal() {
+    let places = places("");
+    assert!(places.len() > 60, "{}", places.len());
+    walk(&places, &VALUES);
+}
+
+/// Two numbers of the file change places.
+#[test]
+#[ignore = "many pairs"]
+fn prop_swapped_numbers_of_a_model_file_end_in_a_result_or_a_refusal() {
+    let file = valid();
+    let places = places("/model/");
+    for (one, other) in places.iter().flat_map(|one| places.iter().map(move |other| (one, other))) {
+        let number = |place: &str| file.pointer(place).and_then(Value::as_f64).unwrap();
+        let text = with(&with(&file, one, number(other)), other, number(one)).to_string();
+        if let Ok(document) = BenchModelDocument::from_json(&text) {
+            let since = Instant::now();
+            use_of(&document);
+            assert!(since.elapsed() < LONGEST, "{one} and {other}: {:?}", since.elapsed());
+        }
+    }
+}
