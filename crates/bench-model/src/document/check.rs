@@ -1,5 +1,7 @@
 //! Whether a document describes a bench that can be.
 
+use rig::engine_pulses::EnginePulses;
+
 use super::described::DescribedParameter;
 use super::error::DocumentError;
 use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty};
@@ -14,6 +16,11 @@ pub(super) fn all(
     constants(model)?;
     described(model, listed)?;
     uncertain(model, uncertainty)
+}
+
+/// Refuses pulses that no engine can have.
+pub(super) fn pulses(pulses: Option<&EnginePulses>) -> Result<(), DocumentError> {
+    pulses.map_or(Ok(()), EnginePulses::check).map_err(|impossible| DocumentError::Pulses { impossible })
 }
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {

@@ -1,5 +1,7 @@
 //! Why a text is no bench model.
 
+use rig::engine_pulses::ImpossiblePulses;
+
 use super::json::JsonFault;
 use crate::model::ModelParameter;
 
@@ -62,6 +64,15 @@ pub enum DocumentError {
         value: f64,
         /// What it must be.
         limit: &'static str,
+    },
+    /// Pulses that no engine can have.
+    #[error(
+        "`{}` is {}, and must be {}; correct it, or let `dynoid study bench.toml` write the file again",
+        .impossible.field, .impossible.value, .impossible.limit
+    )]
+    Pulses {
+        /// Which number.
+        impossible: ImpossiblePulses,
     },
     /// The covariance holds a number that the model lacks, or holds it twice.
     #[error(
