@@ -11,6 +11,7 @@ pub mod drive_ripple;
 pub mod intake;
 pub mod model;
 pub mod prediction;
+pub mod pulse_shape;
 pub mod replay;
 pub mod simulate;
 pub mod skews;

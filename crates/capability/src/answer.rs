@@ -110,8 +110,9 @@ fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
     let draw = |i: usize| {
         let model = inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench)?;
         let speed = random.between(inputs.slowest_engine_control, 1.0);
+        let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
         let firing_seed = Some(inputs.seed.wrapping_add(i as u64));
-        Ok(Drawn { model, engine: slowed(inputs.engine, speed), engine_speed: speed, firing_seed })
+        Ok(Drawn { model, engine: slowed(&engine, speed), engine_speed: speed, firing_seed })
     };
     (0..inputs.samples).map(draw).collect()
 }
@@ -201,7 +202,8 @@ fn with_pulses<R>(driven: &Driven<'_>, bench: &Drawn, work: impl FnOnce(Option<(
     match driven.grid() {
         None => work(None),
         Some(grid) => {
-            let pulses = Pulses::of(&bench.model, &bench.engine, grid.range_rad_s());
+            let most_nm = grid.engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+            let pulses = Pulses::of(&bench.model, &bench.engine, grid.range_rad_s(), most_nm);
             work(Some((&pulses, &grid.engine_nm)))
         }
     }

@@ -48,7 +48,7 @@ pub fn gradients(
     let benches = benches(inputs)?;
     let place = |torque_nm: f64, speed_rad_s: f64| {
         let of = |mechanics: &Mechanics| gradient(mechanics, &inputs.limits, torque_nm, speed_rad_s);
-        let all: Vec<Gradient> = benches.iter().map(|bench| of(&bench.mechanics)).collect();
+        let all: Vec<Gradient> = benches.iter().map(|(model, _)| of(&model.mechanics)).collect();
         GradientPlace {
             speed_rad_s,
             torque_nm,

@@ -10,6 +10,7 @@ use design::safety::BenchSpread;
 use numerics::{order, parallel};
 use rig::bench_file::{DriveHeat, Limits};
 use rig::bench_parameters::EngineParameters;
+use rig::engine_pulses::KnownPulses;
 use rig::random::Source;
 use rig::results::Part;
 use serde::Serialize;
@@ -42,6 +43,8 @@ pub struct MapInputs<'a> {
     pub model: &'a BenchModel,
     /// Its engine.
     pub engine: &'a EngineParameters,
+    /// What is known of its firing pulses.
+    pub pulses: &'a KnownPulses,
     /// What the bench must not exceed.
     pub limits: Limits,
     /// How benches differ from it.
@@ -113,9 +116,13 @@ pub fn map(
     speed_rad_s: &[f64],
 ) -> Result<CapabilityMap, CapabilityError> {
     let benches = benches(inputs)?;
-    let amplitudes = |model: &BenchModel| one_bench(inputs, model, of, frequency_hz, speed_rad_s);
-    let all = parallel::map(&benches, amplitudes).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let nominal = amplitudes(inputs.model)?;
+    let amplitudes = |model: &BenchModel, engine: &EngineParameters| {
+        one_bench(&MapInputs { engine, ..*inputs }, model, of, frequency_hz, speed_rad_s)
+    };
+    let all = parallel::map(&benches, |(model, engine)| amplitudes(model, engine))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    let nominal = amplitudes(inputs.model, inputs.engine)?;
     let place =
         |k: usize| Place { amplitude: quantiles(all.iter().map(|bench| bench[k].0).collect()), binds: nominal[k].1 };
     let columns = frequency_hz.len();
@@ -129,11 +136,15 @@ pub fn map(
     })
 }
 
-/// The benches of a map.
-pub(crate) fn benches(inputs: &MapInputs<'_>) -> Result<Vec<BenchModel>, CapabilityError> {
+/// The benches of a map, each with its engine.
+pub(crate) fn benches(inputs: &MapInputs<'_>) -> Result<Vec<(BenchModel, EngineParameters)>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
-    let draw = |_| inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench);
-    let benches: Vec<BenchModel> = (0..inputs.samples).map(draw).collect::<Result<_, _>>()?;
+    let draw = |_| {
+        let model = inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench)?;
+        let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
+        Ok((model, engine))
+    };
+    let benches: Vec<_> = (0..inputs.samples).map(draw).collect::<Result<_, CapabilityError>>()?;
     if benches.is_empty() { Err(CapabilityError::NoSamples) } else { Ok(benches) }
 }
 
@@ -143,8 +154,12 @@ pub(crate) fn quantiles(mut values: Vec<f64>) -> [f64; 3] {
     [0.05, 0.5, 0.95].map(|share| order::quantile_of_sorted(&values, share).unwrap_or(f64::NAN))
 }
 
-fn bandwidths(inputs: &MapInputs<'_>, of: SineOf, benches: &[BenchModel]) -> Result<Bandwidths, CapabilityError> {
-    let all = parallel::map(benches, |model| bandwidths_of(inputs, model, of));
+fn bandwidths(
+    inputs: &MapInputs<'_>,
+    of: SineOf,
+    benches: &[(BenchModel, EngineParameters)],
+) -> Result<Bandwidths, CapabilityError> {
+    let all = parallel::map(benches, |(model, _)| bandwidths_of(inputs, model, of));
     let all = all.into_iter().collect::<Result<Vec<[f64; 4]>, _>>()?;
     let [ten_per_cent_hz, three_db_hz, one_ms_hz, delay_s] =
         [0, 1, 2, 3].map(|k| quantiles(all.iter().map(|one| one[k]).collect()));
@@ -180,7 +195,7 @@ pub(crate) fn one_bench(
     let gains = frequency_hz.iter().map(|f| Ok((TAU * f, gains(inputs, model, of, TAU * f)?)));
     let gains = gains.collect::<Result<Vec<_>, CapabilityError>>()?;
     let range = speed_rad_s.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(*w), high.max(*w)));
-    let pulses = Pulses::of(model, inputs.engine, range);
+    let pulses = Pulses::of(model, inputs.engine, range, inputs.torque_nm);
     let rows = speed_rad_s.iter().flat_map(|speed| {
         let (high, low, slew) = pulses.around(inputs.torque_nm, inputs.torque_nm, *speed);
         let rest = Rest { speed: *speed, torque: inputs.torque_nm.abs(), shaft: high.abs().max(low.abs()), slew };

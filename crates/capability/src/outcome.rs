@@ -5,6 +5,7 @@ use cycle::{Judged, Own, RequirementSet, Validation};
 use design::safety::{BenchSpread, reaches};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
+use rig::engine_pulses::KnownPulses;
 
 use crate::demand::Demand;
 use crate::extremes::{LimitOf, Peak};
@@ -18,6 +19,8 @@ pub struct CanInputs<'a> {
     pub model: &'a BenchModel,
     /// Its engine.
     pub engine: &'a EngineParameters,
+    /// What is known of its firing pulses.
+    pub pulses: &'a KnownPulses,
     /// What the bench must not exceed.
     pub limits: Limits,
     /// How benches differ from it.

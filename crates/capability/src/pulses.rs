@@ -6,29 +6,34 @@
 use std::f64::consts::TAU;
 
 use bench_model::model::{BenchModel, mean_over};
-use rig::bench_parameters::{EngineParameters, Harmonic};
-use rig::facts::Engine;
+use rig::bench_parameters::EngineParameters;
 use signal::Complex64;
 
 /// Speeds of the table.
 const SPEEDS: usize = 96;
+/// Mean torques of the table, from the lowest over none to the highest.
+const LEVELS: usize = 7;
 /// Points of a firing period.
 const PHASES: usize = 32;
 /// Standard deviations of a firing that count: one in 740 is stronger.
 const VARIES: f64 = 3.0;
-/// Waves below this part of the mean torque are left out.
+/// Waves below this are left out, and torques below it are none, Nm.
 const LEAST: f64 = 1e-6;
 
-/// What pulses of 1 Nm mean torque add to T_shaft, over the engine's speed.
+/// What pulses add to T_shaft, over the engine's speed and mean torque. What they add is convex over the torque, so that straight lines
+/// between the torques of the table are upper bounds.
 pub(crate) struct Pulses {
     lowest_rad_s: f64,
     step_rad_s: f64,
-    table: Vec<Extreme>,
+    /// The largest mean torque of the table, Nm.
+    highest_nm: f64,
+    /// Speed by speed, torque by torque.
+    table: Vec<[Extreme; LEVELS]>,
     /// By which part firings are stronger than the mean where they vary from cycle to cycle.
     varies: f64,
 }
 
-/// Extremes of the torque and of its slope, for 1 Nm.
+/// Extremes of the torque and of its slope.
 #[derive(Debug, Clone, Copy, Default)]
 struct Extreme {
     above_nm: f64,
@@ -37,64 +42,56 @@ struct Extreme {
 }
 
 impl Pulses {
-    /// Those of an engine on a bench, from one speed to another.
-    pub(crate) fn of(model: &BenchModel, engine: &EngineParameters, (low, high): (f64, f64)) -> Self {
+    /// Those of an engine on a bench, from one speed to another and up to a mean torque.
+    pub(crate) fn of(model: &BenchModel, engine: &EngineParameters, (low, high): (f64, f64), most_nm: f64) -> Self {
         let step_rad_s = ((high - low) / (SPEEDS - 1) as f64).max(1e-9);
         let cylinders = engine.cylinder_factors.len();
-        let per_turn = Engine { cylinders: cylinders as u32, strokes: engine.strokes }.firings_per_turn();
-        let waves = waves(engine);
-        let of_cycle = per_turn / cylinders.max(1) as f64;
-        let at = |k: usize| extreme(model, &waves, PHASES * cylinders, (low + k as f64 * step_rad_s) * of_cycle);
-        Pulses {
-            lowest_rad_s: low,
-            step_rad_s,
-            table: (0..SPEEDS).map(at).collect(),
-            varies: VARIES * engine.cycle_variation,
-        }
+        let varies = VARIES * engine.cycle_variation;
+        let highest_nm = (most_nm.abs() * (1.0 + varies)).max(LEAST);
+        let at = |k: usize| {
+            let speed = low + k as f64 * step_rad_s;
+            let cycle_rad_s = speed * TAU / engine.cycle_rad();
+            let level = |j: usize| highest_nm * (2.0 * j as f64 / (LEVELS - 1) as f64 - 1.0);
+            let waves = |j: usize| engine.waves(level(j), speed);
+            std::array::from_fn(|j| extreme(model, &waves(j), PHASES * cylinders, cycle_rad_s))
+        };
+        Pulses { lowest_rad_s: low, step_rad_s, highest_nm, table: (0..SPEEDS).map(at).collect(), varies }
     }
 
     /// Highest and lowest T_shaft, and the largest slope of the pulses, at a mean torque of shaft and engine.
     pub(crate) fn around(&self, shaft_nm: f64, engine_nm: f64, speed_rad_s: f64) -> (f64, f64, f64) {
         let place = ((speed_rad_s.abs() - self.lowest_rad_s) / self.step_rad_s).clamp(0.0, (SPEEDS - 1) as f64) + 0.5;
-        let Extreme { above_nm, below_nm, slew_nm_per_s } = self.table[place as usize];
-        let level_nm = engine_nm.abs() * (1.0 + self.varies);
+        let level_nm = engine_nm * (1.0 + self.varies);
+        let Extreme { above_nm, below_nm, slew_nm_per_s } = self.at(&self.table[place as usize], level_nm);
         // A firing that is stronger also pushes with more on the average.
         let pushed_nm = engine_nm.abs() * self.varies;
-        (
-            shaft_nm + level_nm * above_nm + pushed_nm,
-            shaft_nm - level_nm * below_nm - pushed_nm,
-            level_nm * slew_nm_per_s,
-        )
+        (shaft_nm + above_nm + pushed_nm, shaft_nm - below_nm - pushed_nm, slew_nm_per_s)
+    }
+
+    /// Straight between the torques of the table.
+    fn at(&self, table: &[Extreme; LEVELS], level_nm: f64) -> Extreme {
+        let last = (LEVELS - 1) as f64;
+        let place = (0.5 * (level_nm / self.highest_nm + 1.0)).clamp(0.0, 1.0) * last;
+        let before = (place as usize).min(LEVELS - 2);
+        let between = |of: fn(&Extreme) -> f64| {
+            let (from, to) = (of(&table[before]), of(&table[before + 1]));
+            from + (place - before as f64) * (to - from)
+        };
+        Extreme {
+            above_nm: between(|one| one.above_nm),
+            below_nm: between(|one| one.below_nm),
+            slew_nm_per_s: between(|one| one.slew_nm_per_s),
+        }
     }
 }
 
-/// The Fourier series of all firings of a cycle for 1 Nm: harmonic of the cycle, and its complex amplitude. Unequal cylinders give
-/// orders below that of the firing, which a resonance can enlarge at speeds where no firing does.
-fn waves(engine: &EngineParameters) -> Vec<(f64, Complex64)> {
-    let cylinders = engine.cylinder_factors.len();
-    let points = PHASES * cylinders;
-    let torque = |k: usize| {
-        let phase = TAU * k as f64 / PHASES as f64;
-        let pulse = |(harmonic, n): (&Harmonic, i32)| {
-            harmonic.relative_amplitude * (f64::from(n) * phase + harmonic.phase_rad).cos()
-        };
-        engine.cylinder_factors[k / PHASES] * (1.0 + engine.firing_harmonics.iter().zip(1..).map(pulse).sum::<f64>())
-    };
-    let torques: Vec<f64> = (0..points).map(torque).collect();
-    let wave = |m: usize| {
-        let part = |(k, torque): (usize, &f64)| torque * Complex64::cis(-TAU * (m * k % points) as f64 / points as f64);
-        let sum: Complex64 = torques.iter().enumerate().map(part).sum();
-        (m as f64, sum * 2.0 / points as f64)
-    };
-    let highest = cylinders * engine.firing_harmonics.len();
-    (1..=highest).map(wave).filter(|(_, amplitude)| amplitude.norm() > LEAST).collect()
-}
-
 /// Of cycles with this frequency.
-fn extreme(model: &BenchModel, waves: &[(f64, Complex64)], points: usize, cycle_rad_s: f64) -> Extreme {
-    let mut waves: Vec<(f64, Complex64, Complex64)> = waves
-        .iter()
+fn extreme(model: &BenchModel, waves: &[Complex64], points: usize, cycle_rad_s: f64) -> Extreme {
+    let mut waves: Vec<(f64, Complex64, Complex64)> = (1..)
+        .zip(waves)
+        .filter(|(_, wave)| wave.norm() > LEAST)
         .map(|(m, wave)| {
+            let m = f64::from(m);
             let omega = m * cycle_rad_s;
             (omega, wave * to_shaft(model, omega), Complex64::cis(TAU * m / points as f64))
         })

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use bench_model::model::BenchModel;
 use design::safety::Proportion;
 use numerics::parallel;
+use rig::bench_parameters::EngineParameters;
 use serde::Serialize;
 use units::{Quantity, parse_value};
 
@@ -86,8 +87,10 @@ impl WantedAnswer {
 /// # Errors
 /// As [`crate::map::map`].
 pub fn answer(inputs: &MapInputs<'_>, wanted: Wanted, speed_rad_s: &[f64]) -> Result<WantedAnswer, CapabilityError> {
-    let one = |model: &BenchModel| match wanted {
-        Wanted::Sine { of, frequency_hz, .. } => one_bench(inputs, model, of, &[frequency_hz], speed_rad_s),
+    let one = |model: &BenchModel, engine: &EngineParameters| match wanted {
+        Wanted::Sine { of, frequency_hz, .. } => {
+            one_bench(&MapInputs { engine, ..*inputs }, model, of, &[frequency_hz], speed_rad_s)
+        }
         Wanted::Gradient { .. } => {
             let least = |speed: &f64| {
                 let found = gradient(&model.mechanics, &inputs.limits, inputs.torque_nm, *speed);
@@ -99,8 +102,10 @@ pub fn answer(inputs: &MapInputs<'_>, wanted: Wanted, speed_rad_s: &[f64]) -> Re
             Ok(speed_rad_s.iter().map(least).collect())
         }
     };
-    let all = parallel::map(&benches(inputs)?, one).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let nominal = one(inputs.model)?;
+    let all = parallel::map(&benches(inputs)?, |(model, engine)| one(model, engine))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    let nominal = one(inputs.model, inputs.engine)?;
     let least = match wanted {
         Wanted::Sine { amplitude, .. } => amplitude,
         Wanted::Gradient { rad_s2 } => rad_s2,

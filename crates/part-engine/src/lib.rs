@@ -6,6 +6,7 @@
 //! bearing friction of the dynamometer at the mean speed, which nothing with the shaft on separates from it.
 
 mod cycles;
+mod pulses;
 mod rebuild;
 mod source;
 
@@ -18,6 +19,7 @@ use rig::{Experiment, ExperimentLabel};
 use serde::Serialize;
 
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
+pub use self::pulses::engine_pulses;
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 

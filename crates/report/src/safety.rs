@@ -5,6 +5,7 @@ use page::{
     Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Rounded, Style, Table, Tone, rounded,
 };
 use rig::ControlMode;
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::ExperimentPlan;
 use virtual_bench::Assumption;
 
@@ -23,6 +24,8 @@ pub struct CheckedPlan<'a> {
     pub check: &'a SafetyCheck,
     /// Whether the benches were drawn from the covariance of a study.
     pub has_study: bool,
+    /// What is known of the engine's firing pulses.
+    pub pulses: &'a KnownPulses,
     /// What the check takes for granted.
     pub assumptions: &'a [Assumption],
 }
@@ -38,6 +41,9 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
     });
     let drawn = check.unstable.of;
     all.push(Block::paragraph(format!("{drawn} benches drawn: {}.", spread_words(checked.has_study))));
+    if plan.has_shaft {
+        all.push(Block::paragraph(wording::engine_pulses(checked.pulses)));
+    }
     if plan.label.mode == ControlMode::Tn && checked.assumptions.contains(&Assumption::Engine) {
         let drawn =
             "The bandwidth of the engine's speed control is drawn between a tenth of the assumed value and that value.";

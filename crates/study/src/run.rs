@@ -1,5 +1,7 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
+use bench_model::model::AssembledModel;
+use part_engine::engine_pulses;
 use part_shaft::Parts;
 use rig::{BenchFile, Experiment};
 
@@ -79,7 +81,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model,
+        model: estimates.model.map(|model| AssembledModel { engine_pulses: engine_pulses(parts).ok(), ..model }),
         validity,
         skews: estimates.skews,
         replays: estimates.replays,

@@ -78,7 +78,7 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     (findings.progress)(Progress::Estimating { part: Part::Whole });
     let facts = findings.bench.facts();
     let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
-    let AssembledModel { model, uncertainty } = &assembled;
+    let AssembledModel { model, uncertainty, .. } = &assembled;
     let sines = findings.of_test(&Test::Sine);
     let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
     let skews = pieces.skews();

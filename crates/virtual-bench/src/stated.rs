@@ -2,6 +2,7 @@
 
 use bench_model::model::BenchModel;
 use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters, MechanicsParameters};
+use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
 use rig::role::Role;
@@ -54,8 +55,10 @@ pub enum Assumption {
     },
     /// The dual-mass flywheel of a bench with a torque flange.
     Flywheel,
-    /// Firing pulses and speed control of the engine.
+    /// Motored torque and speed control of the engine.
     Engine,
+    /// Firing pulses of the engine.
+    Pulses,
 }
 
 /// A virtual bench like a stated one.
@@ -65,6 +68,8 @@ pub struct StatedBench {
     pub parameters: BenchParameters,
     /// What had to be assumed.
     pub assumptions: Vec<Assumption>,
+    /// What is known of the engine's firing pulses.
+    pub pulses: KnownPulses,
 }
 
 impl StatedBench {
@@ -84,15 +89,33 @@ impl StatedBench {
         }
         parameters.check()?;
         let assumptions = assumptions(file, model, &parameters);
-        Ok(Self { parameters, assumptions })
+        Ok(Self { parameters, assumptions, pulses: pulses(file) })
+    }
+
+    /// The same with an engine whose pulses recordings show, unless the bench file states them. Pulses of an engine with other cylinders or
+    /// strokes are not used.
+    #[must_use]
+    pub fn with_pulses(mut self, shown: Option<&EnginePulses>) -> Self {
+        let is_of_engine =
+            |own: &EnginePulses, shown: &EnginePulses| (own.cylinders, own.strokes) == (shown.cylinders, shown.strokes);
+        if let (KnownPulses::Assumed(own), Some(shown)) = (&self.pulses, shown)
+            && is_of_engine(own, shown)
+        {
+            self.parameters.engine = shown.nominal(&self.parameters.engine);
+            self.pulses = KnownPulses::Estimated(shown.clone());
+            self.assumptions.retain(|assumption| *assumption != Assumption::Pulses);
+        }
+        self
     }
 
     /// The assumptions that an experiment rests on: without a shaft, or in torque control, not all matter.
     pub fn assumed_for(&self, plan: &ExperimentPlan) -> Vec<Assumption> {
         let matters = |assumption: &&Assumption| match assumption {
-            Assumption::Shaft { .. } | Assumption::Damping { .. } | Assumption::Flywheel | Assumption::Engine => {
-                plan.has_shaft
-            }
+            Assumption::Shaft { .. }
+            | Assumption::Damping { .. }
+            | Assumption::Flywheel
+            | Assumption::Engine
+            | Assumption::Pulses => plan.has_shaft,
             Assumption::SpeedController { .. } | Assumption::FeedForward => plan.label.mode == ControlMode::Nt,
             Assumption::TorqueControl { .. } | Assumption::TorqueLimit { .. } => true,
         };
@@ -221,10 +244,25 @@ fn assumptions(file: &BenchFile, model: Option<&BenchModel>, parameters: &BenchP
             .then_some(Assumption::TorqueLimit { torque_nm: parameters.drive.torque_limit_nm }),
         (mechanics.flywheel.is_some() && !stated(&["mechanics", "flywheel"])).then_some(Assumption::Flywheel),
         (!stated(&["engine"])).then_some(Assumption::Engine),
+        (!states_pulses(file)).then_some(Assumption::Pulses),
     ]
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// What a bench file lets know of the pulses.
+fn pulses(file: &BenchFile) -> KnownPulses {
+    match states_pulses(file) {
+        true => KnownPulses::Stated,
+        false => KnownPulses::Assumed(EnginePulses::prior(file.engine(), file.engine_inertia_kg_m2)),
+    }
+}
+
+/// Whether a bench file states the pulses of its engine, by any of the fields that make them.
+fn states_pulses(file: &BenchFile) -> bool {
+    let fields = ["firing_harmonics", "cylinder_factors", "cycle_harmonics", "slider_crank"];
+    fields.iter().any(|field| has(&file.virtual_bench, &["engine", field]))
 }
 
 /// Whether a table states something at a path.

@@ -3,6 +3,8 @@
 //! What is read may be edited by hand, or come from elsewhere. The bounds are far beyond every bench; they keep what is computed from a
 //! model within the numbers and the memory of a computer. `docs/src/bench-model-format.md` states them.
 
+use rig::engine_pulses::EnginePulses;
+
 use super::error::DocumentError;
 use super::{BenchModelDocument, DescribedParameter, Range};
 use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty, short};
@@ -40,6 +42,7 @@ pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
     resonance(model)?;
     described(model, listed)?;
     uncertain(model, uncertainty)?;
+    pulses(document.engine_pulses.as_ref())?;
     ranges(document)
 }
 
@@ -71,6 +74,11 @@ fn facts(document: &BenchModelDocument) -> Result<(), DocumentError> {
         ("skews.engine_speed_s", skews.map(|skews| skews.engine_speed_s), SKEW),
         ("skews.torque_s", skews.map(|skews| skews.torque_s), SKEW),
     ])
+}
+
+/// Refuses pulses that no engine can have.
+fn pulses(pulses: Option<&EnginePulses>) -> Result<(), DocumentError> {
+    pulses.map_or(Ok(()), EnginePulses::check).map_err(|impossible| DocumentError::Pulses { impossible })
 }
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {

@@ -1,5 +1,7 @@
 //! Why a text is no bench model.
 
+use rig::engine_pulses::ImpossiblePulses;
+
 use super::json::JsonFault;
 use crate::model::{Bound, ModelParameter, short};
 
@@ -68,6 +70,15 @@ pub enum DocumentError {
     Together {
         /// Which numbers, and what is wrong with them.
         problem: String,
+    },
+    /// Pulses that no engine can have.
+    #[error(
+        "`{}` is {}, and must be {}; correct it, or let `dynoid study bench.toml` write the file again",
+        .impossible.field, .impossible.value, .impossible.limit
+    )]
+    Pulses {
+        /// Which number.
+        impossible: ImpossiblePulses,
     },
     /// The covariance holds a number that the model lacks, or holds it twice.
     #[error(

@@ -11,6 +11,7 @@ mod json;
 mod provenance;
 mod validity;
 
+use rig::engine_pulses::EnginePulses;
 use rig::facts::BenchFacts;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +44,9 @@ pub struct BenchModelDocument {
     /// How the signals of the recordings lay in time against each other.
     #[serde(default)]
     pub skews: Option<SignalSkews>,
+    /// The engine's firing pulses with their covariance; null where no recording shows them.
+    #[serde(default)]
+    pub engine_pulses: Option<EnginePulses>,
     /// Parts that were not estimated, and why.
     #[serde(default)]
     pub not_estimated: Vec<NotEstimated>,
@@ -86,7 +90,7 @@ impl BenchModelDocument {
     /// A document of a model. Validity, skews and what was not estimated are empty.
     #[must_use]
     pub fn new(assembled: AssembledModel, bench: BenchFacts, provenance: Provenance) -> Self {
-        let AssembledModel { model, uncertainty } = assembled;
+        let AssembledModel { model, uncertainty, engine_pulses } = assembled;
         BenchModelDocument {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -94,6 +98,7 @@ impl BenchModelDocument {
             parameters: described::all(&model, &uncertainty),
             model,
             uncertainty,
+            engine_pulses,
             skews: None,
             not_estimated: Vec::new(),
             validity: Validity::default(),
@@ -147,6 +152,10 @@ impl BenchModelDocument {
     /// The model with its uncertainty.
     #[must_use]
     pub fn assembled(&self) -> AssembledModel {
-        AssembledModel { model: self.model.clone(), uncertainty: self.uncertainty.clone() }
+        AssembledModel {
+            model: self.model.clone(),
+            uncertainty: self.uncertainty.clone(),
+            engine_pulses: self.engine_pulses.clone(),
+        }
     }
 }

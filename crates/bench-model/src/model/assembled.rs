@@ -1,5 +1,6 @@
 //! A model with its uncertainty.
 
+use rig::engine_pulses::EnginePulses;
 use serde::{Deserialize, Serialize};
 
 use super::{BenchModel, ModelUncertainty};
@@ -11,4 +12,7 @@ pub struct AssembledModel {
     pub model: BenchModel,
     /// Of its parameters.
     pub uncertainty: ModelUncertainty,
+    /// The engine's firing pulses with their covariance; none where no recording shows them.
+    #[serde(default)]
+    pub engine_pulses: Option<EnginePulses>,
 }

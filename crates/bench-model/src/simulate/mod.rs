@@ -99,7 +99,7 @@ pub fn simulate_with_ripple(
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     ripple.check_length(inputs.engine_torque_nm.len())?;
-    run(model, inputs, ripple, Engine::of(inputs, None, None)?, start)
+    run(model, inputs, ripple, Engine::of(inputs, None, (None, start.engine_speed_rad_s))?, start)
 }
 
 /// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
@@ -112,7 +112,7 @@ pub fn simulate_governed(
     engine: &EngineSpeedControl<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, Ripple::NONE, Engine::of(inputs, Some(engine), None)?, start)
+    run(model, inputs, Ripple::NONE, Engine::of(inputs, Some(engine), (None, start.engine_speed_rad_s))?, start)
 }
 
 /// Simulates the bench with an engine that fires. The engine torque of `inputs`, and that of the speed control if there is one, is the
@@ -126,7 +126,7 @@ pub fn simulate_fired(
     (fires, control): (&FiringEngine<'_>, Option<&EngineSpeedControl<'_>>),
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, Ripple::NONE, Engine::of(inputs, control, Some(fires))?, start)
+    run(model, inputs, Ripple::NONE, Engine::of(inputs, control, (Some(fires), start.engine_speed_rad_s))?, start)
 }
 
 fn run(

@@ -7,7 +7,8 @@ use bench_model::model::{AssembledModel, ModelParameter, ModelUncertainty, PartC
 use bench_model::skews::SignalSkews;
 use bench_testkit::models::bench_a;
 use proptest::prelude::*;
-use rig::facts::{BenchFacts, BenchVariant};
+use rig::engine_pulses::EnginePulses;
+use rig::facts::{BenchFacts, BenchVariant, Engine};
 use rig::results::Part;
 
 fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocument {
@@ -41,7 +42,11 @@ fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocum
         seed: Some(7),
         verdict: None,
     };
-    let document = BenchModelDocument::new(AssembledModel { model: bench_a(), uncertainty }, facts, provenance);
+    let document = BenchModelDocument::new(
+        AssembledModel { model: bench_a(), uncertainty, engine_pulses: None },
+        facts,
+        provenance,
+    );
     let mut document = document.with_intervals(|one| match one.parameter {
         ModelParameter::Stiffness => Some((2400.25, 2450.5)),
         ModelParameter::Damping => Some((f64::NEG_INFINITY, f64::INFINITY)),
@@ -58,6 +63,34 @@ proptest! {
     fn prop_a_document_is_read_back_bit_for_bit(variance in 1e-9_f64..1e9, degrees in prop_oneof![Just(f64::INFINITY), 1.0_f64..1e6]) {
         let document = document(variance, degrees);
         prop_assert_eq!(BenchModelDocument::from_json(&document.to_json().unwrap()), Ok(document));
+    }
+}
+
+#[test]
+fn regress_pulses_are_read_back_bit_for_bit_and_impossible_ones_are_refused() {
+    let mut document = document(36.0, 40.0);
+    let pulses = EnginePulses::prior(Engine { cylinders: 3, strokes: 4 }, 0.3);
+    document.engine_pulses = Some(pulses.clone());
+    assert_eq!(BenchModelDocument::from_json(&document.to_json().unwrap()), Ok(document.clone()));
+    let refused = |damage: fn(&mut EnginePulses)| {
+        let mut document = document.clone();
+        let mut damaged = pulses.clone();
+        damage(&mut damaged);
+        document.engine_pulses = Some(damaged);
+        BenchModelDocument::from_json(&document.to_json().unwrap()).unwrap_err().to_string()
+    };
+    for (damage, field) in [
+        ((|p| p.strokes = 0) as fn(&mut EnginePulses), "engine_pulses.strokes"),
+        (|p| p.cylinders = 0, "engine_pulses.cylinders"),
+        (|p| p.engine_inertia_kg_m2 = -0.3, "engine_pulses.engine_inertia_kg_m2"),
+        (|p| p.cycle_variation = 2.0, "engine_pulses.cycle_variation"),
+        (|p| p.harmonics.clear(), "engine_pulses.harmonics"),
+        (|p| p.harmonics[1].order = 7.0, "engine_pulses.harmonics.order"),
+        (|p| p.harmonics[1].covariance[0][0] = -1.0, "engine_pulses.harmonics.covariance"),
+        (|p| p.harmonics[1].covariance[0][1] = 1e308, "engine_pulses.harmonics.covariance"),
+    ] {
+        let error = refused(damage);
+        assert!(error.contains(&format!("`{field}`")), "{field}: {error}");
     }
 }
 

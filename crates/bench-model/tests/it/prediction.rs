@@ -3,7 +3,7 @@
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
 use rig::bench_file::Limits;
-use rig::bench_parameters::BenchParameters;
+use rig::bench_parameters::{BenchParameters, CycleHarmonic};
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
 use units::RPM_RAD_S;
 use virtual_bench::Numerics;
@@ -93,7 +93,8 @@ fn stat_the_cylinder_at_the_start_is_any_of_them() {
     parameters.engine.firing_harmonics.clear();
     parameters.engine.cylinder_factors = vec![1.3, 1.0, 0.7, 1.0];
     parameters.engine.cycle_variation = 0.0;
-    let plan = ExperimentPlan { engine_torque_nm: Waveform::Constant { value: 60.0 }, ..ExperimentPlan::bs_t_nt(1100.0, 0.5) };
+    let plan =
+        ExperimentPlan { engine_torque_nm: Waveform::Constant { value: 60.0 }, ..ExperimentPlan::bs_t_nt(1100.0, 0.5) };
     let half_order = 0.5 * 1100.0 * RPM_RAD_S;
     let phase = |seed: u64| {
         let shaft = with_inputs(&parameters, &plan, Limits::default(), |inputs| {
@@ -112,6 +113,31 @@ fn stat_the_cylinder_at_the_start_is_any_of_them() {
     }
     // Ten are expected in each; fewer than three in any has a probability below 1 %.
     assert!(quarters.iter().all(|count| *count >= 3), "{quarters:?}");
+}
+
+/// The same engine by harmonics of the firing order and by harmonics of the working cycle.
+#[test]
+fn exact_harmonics_of_the_cycle_are_those_of_the_firing_order() {
+    let mut by_firing = clean();
+    by_firing.engine.cylinder_factors.fill(1.0);
+    let mut by_cycle = by_firing.clone();
+    by_cycle.engine.cycle_harmonics = vec![CycleHarmonic::default(); 16];
+    for (harmonic, n) in by_firing.engine.firing_harmonics.iter().zip(1..) {
+        let (sine, cosine) = harmonic.phase_rad.sin_cos();
+        by_cycle.engine.cycle_harmonics[4 * n - 1].of_torque =
+            [cosine, sine].map(|part| part * harmonic.relative_amplitude);
+    }
+    by_cycle.engine.firing_harmonics.clear();
+    by_cycle.engine.cylinder_factors = vec![1.2, 0.9, 1.0, 1.1];
+    let plan = ExperimentPlan::bs_t_nt(900.0, 2.0);
+    let predicted = |parameters: &BenchParameters| {
+        with_inputs(parameters, &plan, Limits::default(), |inputs| {
+            predict(&PredictionInputs { firing_seed: Some(7), ..*inputs }).unwrap().response.shaft_torque_nm
+        })
+    };
+    assert!(largest_difference(&predicted(&by_firing), &predicted(&by_cycle)) < 1e-6);
+    let simulated = |parameters: &BenchParameters| run(parameters, &plan, Numerics::default()).hidden.shaft_torque_nm;
+    assert!(largest_difference(&simulated(&by_firing), &simulated(&by_cycle)) < 1e-6);
 }
 
 #[test]

@@ -220,6 +220,7 @@ fn exact_a_sine_at_the_resonance_counts() {
     let of_check = SafetyInputs {
         prediction,
         spread: inputs.spread,
+        pulses: inputs.pulses,
         slowest_engine_control: inputs.slowest_engine_control,
         samples: inputs.samples,
         seed: inputs.seed,

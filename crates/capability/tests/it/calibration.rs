@@ -14,6 +14,7 @@ use numerics::parallel;
 use numerics::random::Stream;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use study::{Campaign, Prepared, Source};
@@ -94,7 +95,7 @@ fn identified(seed: u64) -> Known {
     let sources = plans.iter().zip(2 * seed + 1_000_000..).map(recorded).collect();
     let recordings = Prepared::of(&file, sources, &mut |_| {});
     let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) };
-    let AssembledModel { model, uncertainty } = study::run(campaign, &mut |_| {}).unwrap().model.unwrap();
+    let AssembledModel { model, uncertainty, .. } = study::run(campaign, &mut |_| {}).unwrap().model.unwrap();
     Known { truth, model, uncertainty }
 }
 
@@ -119,6 +120,7 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
         demand: Demand::Plan(plan, &demands),
         model: &known.model,
         engine: &known.truth.engine,
+        pulses: &KnownPulses::Stated,
         limits: Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() },
         spread: BenchSpread::Estimated(&known.uncertainty),
         slowest_engine_control: 1.0,

@@ -11,6 +11,7 @@ use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted};
 use design::safety::{BenchSpread, Prior};
 use rig::bench_file::Limits;
+use rig::engine_pulses::KnownPulses;
 use units::RPM_RAD_S;
 
 use crate::support::{Bench, bench};
@@ -22,6 +23,7 @@ fn inputs(bench: &Bench) -> MapInputs<'_> {
     MapInputs {
         model: &bench.model,
         engine: &bench.engine,
+        pulses: &KnownPulses::Stated,
         limits: bench.limits,
         spread: BenchSpread::Prior(Prior::default()),
         torque_nm: TORQUE_NM,

@@ -3,6 +3,7 @@
 use capability::{CanInputs, CycleDemand, Demand, LimitOf, can};
 use cycle::Reference;
 use design::safety::{BenchSpread, Prior};
+use rig::bench_parameters::CycleHarmonic;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform};
 use units::RPM_RAD_S;
 
@@ -22,19 +23,21 @@ fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; 2] {
 
 /// Bound and simulation of a run from one speed, rpm, straight to another.
 fn both(from: f64, to: f64) -> ([f64; 2], [f64; 2]) {
-    let bench = bench();
-    let torque = 80.0;
+    both_of(&bench(), 80.0, (from, to))
+}
+
+fn both_of(bench: &Bench, torque: f64, (from, to): (f64, f64)) -> ([f64; 2], [f64; 2]) {
     let speed = |k: f64| (from + k * (to - from)) * RPM_RAD_S;
     let seconds = (0..=DURATION_S as usize).map(|k| speed(k as f64 / DURATION_S)).collect();
     let reference = Reference::of_itself(0.0, seconds, vec![torque; DURATION_S as usize + 1]);
-    let bound = peaks(&bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }));
+    let bound = peaks(bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }));
     let each = (0..(DURATION_S * 1e3) as usize).map(|k| speed(k as f64 * 1e-3 / DURATION_S)).collect();
     let plan = ExperimentPlan {
         speed_rad_s: Waveform::Sampled { sample_time_s: 1e-3, values: each },
         engine_torque_nm: Waveform::Constant { value: torque },
         ..ExperimentPlan::levels_n_nt(from, DURATION_S)
     };
-    (bound, peaks(&bench, Demand::Plan(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S))))
+    (bound, peaks(bench, Demand::Plan(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S))))
 }
 
 #[test]
@@ -45,6 +48,22 @@ fn ref_the_bound_of_pulses_is_what_a_speed_that_is_held_gives() {
         println!("{rpm} rpm: {simulated:.1?}, bound over it {torque:.3} and {slew:.3}");
         assert!((0.98..1.1).contains(&torque), "{rpm} rpm: {bound:.1?} against {simulated:.1?}");
         assert!((0.97..1.1).contains(&slew), "{rpm} rpm: {bound:.0?} against {simulated:.0?}");
+    }
+}
+
+/// Compression without load, gas torque, and masses in one harmonic: what they add is not proportional to the torque.
+#[test]
+fn ref_the_bound_holds_where_pulses_do_not_grow_with_the_torque_alone() {
+    let mut bench = bench();
+    bench.engine.cycle_variation = 0.0;
+    bench.engine.cycle_harmonics = vec![CycleHarmonic::default(); 4];
+    bench.engine.cycle_harmonics[0].of_torque = [0.05, 0.0];
+    bench.engine.cycle_harmonics[3] =
+        CycleHarmonic { unloaded_nm: [-60.0, 40.0], of_torque: [1.2, 0.5], of_speed_nm_s2: [8e-4, 0.0] };
+    for (torque, rpm) in [(0.0, 1200.0), (50.0, 1200.0), (120.0, 2500.0)] {
+        let (bound, simulated) = both_of(&bench, torque, (rpm, rpm));
+        println!("{torque} Nm, {rpm} rpm: {simulated:.1?}, bound {bound:.1?}");
+        assert!((0.97..1.1).contains(&(bound[0] / simulated[0])), "{torque} Nm: {bound:.1?} against {simulated:.1?}");
     }
 }
 

@@ -8,6 +8,7 @@ use design::safety::BenchSpread;
 use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, UPDATE_S, Waveform};
 use units::RPM_RAD_S;
@@ -78,6 +79,7 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         demand: Demand::Plan(plan, &demands),
         model: &model,
         engine: &truth.engine,
+        pulses: &KnownPulses::Stated,
         limits: Limits::default(),
         spread: BenchSpread::Estimated(&uncertainty),
         slowest_engine_control: 1.0,

@@ -6,6 +6,7 @@ use cycle::EngineMap;
 use design::safety::{BenchSpread, Prior};
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters};
+use rig::engine_pulses::KnownPulses;
 use units::RPM_RAD_S;
 
 /// Benches drawn in a test.
@@ -35,6 +36,7 @@ impl Bench {
             demand,
             model: &self.model,
             engine: &self.engine,
+            pulses: &KnownPulses::Stated,
             limits: self.limits,
             spread: BenchSpread::Prior(Prior::default()),
             slowest_engine_control: 1.0,

@@ -15,6 +15,7 @@ mod spread;
 mod verdict;
 
 use bench_model::prediction::{PredictionError, PredictionInputs};
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::Demands;
 use rig::random::Source;
 use serde::Serialize;
@@ -41,6 +42,8 @@ pub struct SafetyInputs<'a> {
     pub prediction: PredictionInputs<'a>,
     /// How benches differ from the nominal one.
     pub spread: BenchSpread<'a>,
+    /// What is known of the engine's firing pulses.
+    pub pulses: &'a KnownPulses,
     /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the resonance: its
     /// bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see [`ASSUMED_ENGINE`].
     pub slowest_engine_control: f64,
@@ -110,8 +113,10 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
         .map(|i| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
             let speed = random.between(inputs.slowest_engine_control, 1.0);
+            let inertia = model.mechanics.engine_inertia_kg_m2;
+            let engine = inputs.pulses.draw(inputs.prediction.engine, inertia, &mut random);
             let firing_seed = inputs.seed.wrapping_add(i as u64);
-            Ok(Drawn { model, engine: spread::slowed(inputs.prediction.engine, speed), firing_seed })
+            Ok(Drawn { model, engine: spread::slowed(&engine, speed), firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
     let outcomes = outcomes(&inputs.prediction, &benches, progress)?;

@@ -5,6 +5,7 @@ use bench_model::prediction::PredictionInputs;
 use design::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
 use signal::distributions::{chi_squared_tail, normal_quantile};
 use units::RPM_RAD_S;
@@ -45,8 +46,14 @@ impl Case<'_> {
             firing_seed: None,
             limits: self.limits,
         };
-        let inputs =
-            SafetyInputs { prediction, spread: self.spread, slowest_engine_control: 1.0, samples: self.samples, seed };
+        let inputs = SafetyInputs {
+            prediction,
+            spread: self.spread,
+            pulses: &KnownPulses::Stated,
+            slowest_engine_control: 1.0,
+            samples: self.samples,
+            seed,
+        };
         check(&inputs, &|_, _| ()).unwrap()
     }
 }
@@ -186,7 +193,14 @@ fn prop_an_engine_of_slow_speed_control_damps_less() {
         PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, firing_seed: None, limits };
     let peak = |slowest_engine_control: f64| {
         let spread = BenchSpread::Prior(EXACT);
-        let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples: 20, seed: 3 };
+        let inputs = SafetyInputs {
+            prediction,
+            spread,
+            pulses: &KnownPulses::Stated,
+            slowest_engine_control,
+            samples: 20,
+            seed: 3,
+        };
         let checked = check(&inputs, &|_, _| ()).unwrap();
         let shaft = of(&checked, Quantity::ShaftTorque);
         (shaft.quantile(0.0), shaft.worst)
@@ -247,6 +261,7 @@ fn regress_control_of_the_shaft_torque_is_refused() {
     let inputs = SafetyInputs {
         prediction,
         spread: BenchSpread::Prior(Prior::default()),
+        pulses: &KnownPulses::Stated,
         slowest_engine_control: 1.0,
         samples: 3,
         seed: 1,

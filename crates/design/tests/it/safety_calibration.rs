@@ -6,6 +6,7 @@ use design::safety::{BenchSpread, Prior, Proportion, Quantity, SafetyInputs, che
 use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, MechanicsParameters};
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, UPDATE_S, Waveform};
 use signal::distributions::normal_quantile;
 use signal::excitation::Random;
@@ -73,6 +74,7 @@ fn of_prediction(plan: &ExperimentPlan) -> Vec<f64> {
     let inputs = SafetyInputs {
         prediction,
         spread: BenchSpread::Prior(Prior::default()),
+        pulses: &KnownPulses::Stated,
         slowest_engine_control: 1.0,
         samples: PREDICTED,
         seed: SEED,

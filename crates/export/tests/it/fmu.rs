@@ -26,7 +26,11 @@ fn made(document: &BenchModelDocument, version: FmiVersion) -> Vec<u8> {
 fn with_model(model: BenchModel) -> BenchModelDocument {
     let whole = document();
     let uncertainty = whole.uncertainty.clone();
-    BenchModelDocument::new(AssembledModel { model, uncertainty }, whole.bench.clone(), whole.provenance.clone())
+    BenchModelDocument::new(
+        AssembledModel { model, uncertainty, engine_pulses: None },
+        whole.bench.clone(),
+        whole.provenance.clone(),
+    )
 }
 
 /// The files of an archive, by its directory at the end.

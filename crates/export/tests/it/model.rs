@@ -25,6 +25,7 @@ pub(crate) fn document() -> BenchModelDocument {
     let assembled = AssembledModel {
         model: bench_a(),
         uncertainty: ModelUncertainty::new(&[shaft, controller]).expect("a covariance"),
+        engine_pulses: None,
     };
     let mut document = BenchModelDocument::new(assembled, facts(), provenance());
     document.validity = Validity {

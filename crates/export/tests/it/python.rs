@@ -12,7 +12,11 @@ use crate::others::{folder_with, largest, python as run};
 fn with_model(model: BenchModel) -> BenchModelDocument {
     let whole = document();
     let uncertainty = Default::default();
-    BenchModelDocument::new(AssembledModel { model, uncertainty }, whole.bench.clone(), whole.provenance.clone())
+    BenchModelDocument::new(
+        AssembledModel { model, uncertainty, engine_pulses: None },
+        whole.bench.clone(),
+        whole.provenance.clone(),
+    )
 }
 
 /// Whether Python simulates a bench as the program does; `None` without Python.

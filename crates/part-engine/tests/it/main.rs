@@ -4,3 +4,4 @@
 #![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 mod engine_torque;
+mod pulses;

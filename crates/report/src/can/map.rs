@@ -5,11 +5,12 @@ use capability::gradient::GradientPlace;
 use capability::map::{CapabilityMap, Place, SineOf};
 use capability::wanted::WantedAnswer;
 use page::{Abscissa, Align, Axis, Block, Cell, Figure, Layer, Page, Panel, Style, Table, rounded};
+use rig::engine_pulses::KnownPulses;
 use units::RPM_RAD_S;
 
 use super::wanted;
 use super::words::short;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 260;
@@ -27,11 +28,14 @@ pub struct MapPage<'a> {
     pub gradients: &'a [GradientPlace],
     /// Sines and gradients that were asked for.
     pub wanted: &'a [WantedAnswer],
+    /// What is known of the engine's firing pulses.
+    pub pulses: &'a KnownPulses,
 }
 
 /// Answers to what was asked for, maps of speed and torque, and the largest gradients.
 pub fn page(shown: &MapPage<'_>) -> Page {
     let mut all = wanted::answers(shown.wanted);
+    all.push(Block::paragraph(wording::engine_pulses(shown.pulses)));
     for map in shown.maps {
         all.push(Block::heading(name(map.of)));
         all.push(bandwidths(map));

@@ -6,6 +6,7 @@ use design::safety::Proportion;
 use page::{
     Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone, rounded,
 };
+use rig::engine_pulses::KnownPulses;
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
@@ -33,6 +34,8 @@ pub struct Asked<'a> {
     pub has_study: bool,
     /// Whether the test is a cycle.
     pub is_cycle: bool,
+    /// What is known of the engine's firing pulses.
+    pub pulses: &'a KnownPulses,
     /// What the answer takes for granted.
     pub assumptions: &'a [Assumption],
 }
@@ -172,6 +175,7 @@ fn findings(asked: &Asked<'_>) -> Blocks {
         false => prior_ranges(),
     };
     all.push(Block::paragraph(format!("{} benches drawn: {drawn}.", verdict.kept.of)));
+    all.push(Block::paragraph(wording::engine_pulses(asked.pulses)));
     if !verdict.unchecked.is_empty() {
         let name = |of: &LimitOf| format!("{} (`{}`)", words::limit_of(*of).0, of.key());
         let names: Vec<String> = verdict.unchecked.iter().map(name).collect();

@@ -32,7 +32,7 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
 
 /// What the intervals hold of the inertias.
 fn of_inertias(study: &Study) -> Option<String> {
-    let AssembledModel { model, uncertainty } = study.model.as_ref()?;
+    let AssembledModel { model, uncertainty, .. } = study.model.as_ref()?;
     let of = |which: ModelParameter| {
         let error = uncertainty.standard_error(which).map_or(0.0, |(error, _)| error);
         let (symbol, value) = (which.symbol(), model.value(which)?);

@@ -2,16 +2,18 @@
 
 use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
 use rig::ControlMode;
+use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::facts::BenchFacts;
 use rig::results::{Outcome, Parameter, Quantity};
 use study::Study;
+use units::RPM_RAD_S;
 
-use page::{Abscissa, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
+use page::{Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 
 use super::parts::{lead, not_estimated, parameter_table};
 use crate::Origin;
 use crate::bench_model::{bench_model, parameters};
-use crate::wording::{mode_short, number};
+use crate::wording::{self, mode_short, number};
 
 /// Normal quantile of the error bars.
 const QUANTILE_95: f64 = 1.96;
@@ -50,7 +52,42 @@ fn numbers(study: &Study, origin: &Origin) -> Blocks {
         Block::paragraph("These are the numbers that model.json has, and that simulations and exports use."),
         Block::Table(parameter_table(&parameters(&document))),
     ];
-    Block::Fold { summary: "The numbers of the model".into(), blocks }.into()
+    let mut all = Blocks::from(Block::Fold { summary: "The numbers of the model".into(), blocks });
+    all.push(document.engine_pulses.iter().map(pulses).collect::<Blocks>());
+    all
+}
+
+/// The firing pulses of the engine, harmonic by harmonic.
+fn pulses(pulses: &EnginePulses) -> Block {
+    let mut table = Table::new(&[
+        ("order", Align::Right),
+        ("without load", Align::Right),
+        ("part of the mean torque", Align::Right),
+        ("by masses at 2000 rpm", Align::Right),
+    ]);
+    let speed_squared = (2000.0 * RPM_RAD_S).powi(2);
+    for one in pulses.harmonics.iter().filter(|one| one.is_estimated) {
+        let with_error = |parts: [f64; 2], k: usize, times: f64, unit: &str| {
+            let (size, error) = (times * parts[0].hypot(parts[1]), times * one.covariance[k][k].max(0.0).sqrt());
+            let written = format!("{} ± {}", number::significant(size, 3), number::significant(1.96 * error, 2));
+            Cell::from(format!("{written} {unit}").trim_end().to_owned())
+        };
+        table.row([
+            Cell::from(number::significant(one.order, 3)),
+            with_error(one.value.unloaded_nm, 0, 1.0, "Nm"),
+            with_error(one.value.of_torque, 1, 1.0, ""),
+            with_error(one.value.of_speed_nm_s2, 2, speed_squared, "Nm"),
+        ]);
+    }
+    let from = format!(
+        "{} The amplitude of each order is α + β T + γ ω², with the mean torque T and the speed ω. The table shows the size of each part with its 95 % \
+         interval. Where torques or speeds of the recordings are alike, the parts are less certain than their sum.",
+        wording::engine_pulses(&KnownPulses::Estimated(pulses.clone()))
+    );
+    Block::Fold {
+        summary: "The firing pulses of the engine".into(),
+        blocks: vec![Block::paragraph(from), Block::Table(table)],
+    }
 }
 
 /// Where J_e of the model comes from.

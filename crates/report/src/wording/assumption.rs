@@ -6,6 +6,7 @@ use bench_model::model::ModelParameter;
 use bench_model::prediction::PeakOf;
 use design::excitation_design::LimitedQuantity;
 use design::safety::{Quantity, Safety};
+use rig::engine_pulses::KnownPulses;
 use rig::results::Notation;
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
@@ -40,7 +41,28 @@ pub fn assumption(assumption: &Assumption) -> String {
         Assumption::TorqueLimit { torque_nm } => format!("the torque limit: {}", number(torque_nm, "Nm")),
         Assumption::Flywheel => "the dual-mass flywheel: that of a passenger car".to_owned(),
         Assumption::Engine => {
-            "the engine: firing pulses, motored torque and speed control of a two-litre engine".to_owned()
+            "the engine: motored torque and speed control of a two-litre engine".to_owned()
+        }
+        Assumption::Pulses => {
+            "the engine's firing pulses: a two-litre engine's in the nominal run, drawn for the class of engines otherwise"
+                .to_owned()
+        }
+    }
+}
+
+/// Where the firing pulses of an answer are from.
+pub fn engine_pulses(pulses: &KnownPulses) -> String {
+    match pulses {
+        KnownPulses::Stated => "Engine pulses: stated in the bench file, and taken as exact.".to_owned(),
+        KnownPulses::Estimated(pulses) => {
+            let count = pulses.recordings.len();
+            let plural = if count == 1 { "" } else { "s" };
+            format!("Engine pulses: estimated from {count} recording{plural}, and drawn with their covariance.")
+        }
+        KnownPulses::Assumed(_) => {
+            "Engine pulses: assumed. No recording of the study shows them, so they are drawn as wide as the class of \
+                                    engines has them."
+                .to_owned()
         }
     }
 }

@@ -10,7 +10,7 @@ mod finding;
 pub mod number;
 mod reason;
 
-pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
+pub use assumption::{assumption, engine_pulses, limited, model_parameter, peak, quantity, safety};
 pub use choice::{choice, sought};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark, twice_estimated};

@@ -1,11 +1,15 @@
 //! The engine and its control.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
+use signal::Complex64;
 use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, SliderCrank, require, require_not_negative};
+
+/// Points of a firing interval from which its Fourier series is made.
+const PHASES: usize = 32;
 
 /// One harmonic of the firing order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -15,6 +19,30 @@ pub struct Harmonic {
     pub relative_amplitude: f64,
     /// Phase at the moment of firing, rad.
     pub phase_rad: f64,
+}
+
+/// A harmonic m of the working cycle: Re[(α + β L + γ ω²) e^{i m 2π θ/θ_cycle}], L the mean torque, ω the speed, θ the crank's angle.
+/// Complex numbers are real and imaginary part. Gas torque grows with the load, compression is there without it, and the torque of the
+/// reciprocating masses grows with ω².
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CycleHarmonic {
+    /// α, Nm.
+    pub unloaded_nm: [f64; 2],
+    /// β, 1.
+    pub of_torque: [f64; 2],
+    /// γ, Nm s².
+    pub of_speed_nm_s2: [f64; 2],
+}
+
+impl CycleHarmonic {
+    /// Its complex amplitude at a mean torque and a speed, Nm.
+    pub fn at(&self, torque_nm: f64, speed_rad_s: f64) -> Complex64 {
+        let part = |k: usize| {
+            self.unloaded_nm[k] + self.of_torque[k] * torque_nm + self.of_speed_nm_s2[k] * speed_rad_s * speed_rad_s
+        };
+        Complex64::new(part(0), part(1))
+    }
 }
 
 /// Engine with c cylinders and s strokes, firing at crank angles θ = sπ j/c. From firing j to the next,
@@ -34,6 +62,9 @@ pub struct EngineParameters {
     pub strokes: u32,
     /// a_n, φ_n: harmonics of the firing order, first harmonic first.
     pub firing_harmonics: Vec<Harmonic>,
+    /// Harmonics of the working cycle, the first first, in place of the cylinders' factors and the harmonics of the firing order: T_e is
+    /// then T_j with all of them, p being 1. Empty: those.
+    pub cycle_harmonics: Vec<CycleHarmonic>,
     /// Cylinders on a crankshaft in place of the harmonics; none: the harmonics.
     pub slider_crank: Option<SliderCrank>,
     /// Standard deviation of ε, 1.
@@ -90,6 +121,7 @@ impl Default for EngineParameters {
             cylinder_factors: vec![1.0, 0.93, 1.05, 0.98],
             strokes: 4,
             firing_harmonics: vec![harmonic(2.0, 0.3), harmonic(0.9, 1.1), harmonic(0.4, -0.5), harmonic(0.2, 0.2)],
+            cycle_harmonics: Vec::new(),
             slider_crank: None,
             cycle_variation: 0.02,
             motored_torque_nm: -15.8,
@@ -106,6 +138,32 @@ impl EngineParameters {
     /// Crank angle of a working cycle, rad.
     pub fn cycle_rad(&self) -> f64 {
         f64::from(self.strokes) * PI
+    }
+
+    /// The complex amplitudes of the torque at the harmonics of the working cycle, the first first, Nm, of the engine fired with a mean
+    /// torque at a speed. Unequal cylinders give harmonics below that of the firing. The cylinders on a crankshaft are no part of it.
+    pub fn waves(&self, torque_nm: f64, speed_rad_s: f64) -> Vec<Complex64> {
+        if !self.cycle_harmonics.is_empty() {
+            return self.cycle_harmonics.iter().map(|harmonic| harmonic.at(torque_nm, speed_rad_s)).collect();
+        }
+        let cylinders = self.cylinder_factors.len();
+        let points = PHASES * cylinders;
+        let torques: Vec<f64> = (0..points).map(|k| torque_nm * self.relative(k)).collect();
+        let wave = |m: usize| {
+            let part =
+                |(k, torque): (usize, &f64)| torque * Complex64::cis(-TAU * (m * k % points) as f64 / points as f64);
+            torques.iter().enumerate().map(part).sum::<Complex64>() * 2.0 / points as f64
+        };
+        (1..=cylinders * self.firing_harmonics.len()).map(wave).collect()
+    }
+
+    /// The torque over its level, `k` of [`PHASES`] parts of a firing after the first cylinder fired.
+    fn relative(&self, k: usize) -> f64 {
+        let phase = TAU * k as f64 / PHASES as f64;
+        let wave = |(harmonic, n): (&Harmonic, i32)| {
+            harmonic.relative_amplitude * (f64::from(n) * phase + harmonic.phase_rad).cos()
+        };
+        self.cylinder_factors[k / PHASES] * (1.0 + self.firing_harmonics.iter().zip(1..).map(wave).sum::<f64>())
     }
 
     /// The cylinder whose part of the cycle a crank angle lies in, counted in firing order. A start that is drawn over the whole cycle so
@@ -126,6 +184,11 @@ impl EngineParameters {
         for harmonic in &self.firing_harmonics {
             require("engine.firing_harmonics", harmonic.relative_amplitude, true, "finite")?;
             require("engine.firing_harmonics", harmonic.phase_rad, true, "finite")?;
+        }
+        for harmonic in &self.cycle_harmonics {
+            let CycleHarmonic { unloaded_nm, of_torque, of_speed_nm_s2 } = harmonic;
+            let mut parts = unloaded_nm.iter().chain(of_torque).chain(of_speed_nm_s2);
+            parts.try_for_each(|part| require("engine.cycle_harmonics", *part, true, "finite"))?;
         }
         require_not_negative("engine.cycle_variation", self.cycle_variation)?;
         require("engine.motored_torque_nm", self.motored_torque_nm, true, "finite")?;

@@ -17,7 +17,7 @@ use crate::facts::BenchVariant;
 pub use clocks::ClockParameters;
 pub use controller::ControllerParameters;
 pub use drive::{DriveParameters, MachineKnowledge};
-pub use engine::{EngineParameters, Harmonic, ThrottleMap};
+pub use engine::{CycleHarmonic, EngineParameters, Harmonic, ThrottleMap};
 pub use error::{ParameterError, require};
 pub(crate) use error::{require_not_negative, require_positive};
 pub use loss::{LossFactor, RelaxingSpring, RelaxingSprings};

@@ -49,7 +49,11 @@ fn document(model: BenchModel, recording: &str) -> BenchModelDocument {
         seed: None,
         verdict: None,
     };
-    BenchModelDocument::new(AssembledModel { model, uncertainty: uncertainty(60.0) }, facts, provenance)
+    BenchModelDocument::new(
+        AssembledModel { model, uncertainty: uncertainty(60.0), engine_pulses: None },
+        facts,
+        provenance,
+    )
 }
 
 #[test]

@@ -201,6 +201,21 @@ fn stat_the_truth_is_found() {
 }
 
 #[test]
+fn stat_the_pulses_of_the_engine_are_part_of_the_model() {
+    let pulses = whole().model.as_ref().and_then(|model| model.engine_pulses.clone()).unwrap();
+    assert!(pulses.recordings.len() > 3, "{:?}", pulses.recordings);
+    let engine = BenchParameters::default().engine;
+    let (torque_nm, speed_rad_s) = (60.0, 125.0);
+    let of_level = torque_nm * 4.0 / engine.cylinder_factors.iter().sum::<f64>();
+    let truth = engine.waves(of_level, speed_rad_s);
+    for m in [1, 4, 8] {
+        let (found, truth) = (pulses.harmonics[m - 1].value.at(torque_nm, speed_rad_s).norm(), truth[m - 1].norm());
+        let error = pulses.harmonics[m - 1].standard_error_nm(torque_nm, speed_rad_s);
+        assert!((found - truth).abs() < 3.0 * error + 0.03 * truth, "{m}: {found} ± {error} Nm, {truth}");
+    }
+}
+
+#[test]
 fn stat_numbers_are_finite_and_say_where_they_came_from() {
     let study = whole();
     assert_finite(study);

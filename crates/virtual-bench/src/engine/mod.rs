@@ -24,19 +24,25 @@ pub(super) enum Engine {
 }
 
 impl Engine {
-    /// The engine at a crank angle, running at a torque level.
+    /// The engine at a crank angle, running at a torque level and a speed.
     pub(super) fn new(
         parameters: &EngineParameters,
         combustion: Combustion,
         seed: u64,
         angle_rad: f64,
-        level_nm: f64,
+        (level_nm, speed_rad_s): (f64, f64),
     ) -> Self {
         match &parameters.slider_crank {
             Some(crank) if combustion != Combustion::Stopped => {
                 Self::SliderCrank(Box::new(CrankEngine::new(parameters, crank, combustion, seed, angle_rad, level_nm)))
             }
-            _ => Self::Pulsation(Box::new(Pulsation::new(parameters, combustion, seed, angle_rad, level_nm))),
+            _ => Self::Pulsation(Box::new(Pulsation::new(
+                parameters,
+                combustion,
+                seed,
+                angle_rad,
+                (level_nm, speed_rad_s),
+            ))),
         }
     }
 

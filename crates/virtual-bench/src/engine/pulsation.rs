@@ -1,5 +1,6 @@
-//! The engine's torque as harmonics of the firing order.
+//! The engine's torque as harmonics of the firing order or of the working cycle.
 
+use bench_model::pulse_shape::PulseShape;
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
@@ -20,6 +21,8 @@ pub(crate) struct Pulsation {
     cylinder: usize,
     firing_torque_nm: f64,
     pulse: Pulse,
+    /// In place of the pulse, where the engine has harmonics of the working cycle.
+    of_cycle: Option<PulseShape>,
 }
 
 impl Pulsation {
@@ -29,7 +32,7 @@ impl Pulsation {
         combustion: Combustion,
         seed: u64,
         angle_rad: f64,
-        level_nm: f64,
+        (level_nm, speed_rad_s): (f64, f64),
     ) -> Self {
         let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
         let size = if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation };
@@ -41,6 +44,7 @@ impl Pulsation {
             cylinder: parameters.cylinder_at(angle_rad),
             firing_torque_nm: level_nm,
             pulse: Pulse::new(&parameters.firing_harmonics, size, interval_rad),
+            of_cycle: of_cycle(parameters, combustion, (level_nm, speed_rad_s)),
             parameters: parameters.clone(),
         }
     }
@@ -52,7 +56,10 @@ impl Pulsation {
 
     /// Torque at a crank angle, Nm.
     fn torque_nm(&self, angle_rad: f64) -> f64 {
-        self.firing_torque_nm * self.pulse.at(angle_rad)
+        match &self.of_cycle {
+            Some(shape) => shape.at(angle_rad),
+            None => self.firing_torque_nm * self.pulse.at(angle_rad),
+        }
     }
 
     /// The torque over the next step, with the crank's angle predicted to second order; `level_nm` is used where a
@@ -68,24 +75,31 @@ impl Pulsation {
             let first_guess_s = (to_firing_rad / speed).clamp(0.0, step_s);
             let mean_speed = speed + 0.5 * acceleration * first_guess_s;
             let time_s = (to_firing_rad / mean_speed).clamp(0.0, step_s);
-            Jump { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm) }
+            Jump { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm, speed) }
         });
         EngineStep { start_nm, end_nm, firing }
     }
 
     /// The next cylinder takes over; returns the jump of the torque, Nm.
-    fn fire(&mut self, level_nm: f64) -> f64 {
-        let before_nm = self.firing_torque_nm;
+    fn fire(&mut self, level_nm: f64, speed_rad_s: f64) -> f64 {
+        let before_nm = self.torque_nm(self.next_firing_rad);
         self.cylinder = (self.cylinder + 1) % self.parameters.cylinder_factors.len();
         self.firing_torque_nm = match self.combustion {
             Combustion::Motored | Combustion::Stopped => level_nm,
             Combustion::Fired => {
-                let factor = self.parameters.cylinder_factors[self.cylinder];
+                let factor = self.of_cycle.as_ref().map_or(self.parameters.cylinder_factors[self.cylinder], |_| 1.0);
                 level_nm * factor * (1.0 + self.parameters.cycle_variation * self.random.normal())
             }
         };
-        let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse.at(self.next_firing_rad);
+        self.of_cycle = of_cycle(&self.parameters, self.combustion, (self.firing_torque_nm, speed_rad_s));
+        let jump_nm = self.torque_nm(self.next_firing_rad) - before_nm;
         self.next_firing_rad += self.firing_interval_rad;
         jump_nm
     }
+}
+
+/// The torque of a firing over the angle, of an engine that turns and has harmonics of the working cycle.
+fn of_cycle(parameters: &EngineParameters, combustion: Combustion, firing: (f64, f64)) -> Option<PulseShape> {
+    let is_of_cycle = combustion != Combustion::Stopped && !parameters.cycle_harmonics.is_empty();
+    is_of_cycle.then(|| PulseShape::of(parameters, 1.0, firing))
 }

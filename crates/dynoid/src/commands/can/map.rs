@@ -10,6 +10,7 @@ use units::RPM_RAD_S;
 
 use super::predicted::spread;
 use crate::cli::can::CanArguments;
+use crate::commands::experiment::check::pulses_from;
 use crate::commands::experiment::planned;
 use crate::commands::experiment::stated::Bench;
 use crate::commands::result::show;
@@ -38,6 +39,7 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     let inputs = MapInputs {
         model: &model,
         engine: &bench.stated.parameters.engine,
+        pulses: &bench.stated.pulses,
         limits,
         spread: spread(&bench),
         torque_nm,
@@ -64,9 +66,15 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         .collect::<Result<Vec<_>, _>>()
         .map_err(failed)?;
     let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
-    let shown =
-        MapPage { title: &title, maps: &maps, in_table_hz: &FREQUENCIES_HZ, gradients: &gradients, wanted: &answers };
-    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "wanted": answers, "maps": maps, "gradients": gradients});
+    let shown = MapPage {
+        title: &title,
+        maps: &maps,
+        in_table_hz: &FREQUENCIES_HZ,
+        gradients: &gradients,
+        wanted: &answers,
+        pulses: &bench.stated.pulses,
+    };
+    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "engine_pulses": pulses_from(&bench.stated.pulses), "wanted": answers, "maps": maps, "gradients": gradients});
     show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
     // A yes that leaves a limit out is none, as for a test.
     let is_complete = answers.is_empty() || unstated.is_empty() || arguments.allow_unchecked;

@@ -9,6 +9,7 @@ use virtual_bench::Assumption;
 use super::test::{Test, What};
 use super::wanted::Wanted;
 use crate::cli::can::CanArguments;
+use crate::commands::experiment::check::pulses_from;
 use crate::commands::experiment::stated::Bench;
 use crate::commands::result::show;
 use crate::error::{CliError, Outcome};
@@ -32,6 +33,7 @@ pub(super) fn run(
         demand: test.demand(),
         model: &model,
         engine: &bench.stated.parameters.engine,
+        pulses: &bench.stated.pulses,
         limits: bench.file.limits,
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
@@ -60,6 +62,7 @@ pub(super) fn run(
         sets: &wanted.sets,
         has_study: bench.assembled.is_some(),
         is_cycle: matches!(test.what, What::Cycle { .. }),
+        pulses: &bench.stated.pulses,
         assumptions: &assumptions,
     };
     show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
@@ -114,6 +117,7 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "easier": asked.easier.iter().map(change).collect::<Vec<_>>(),
         "doubts": verdict.doubts,
         "spread": if asked.has_study { "study" } else { "prior" },
+        "engine_pulses": pulses_from(asked.pulses),
         "assumptions": asked.assumptions,
     })
 }

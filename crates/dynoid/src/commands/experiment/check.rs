@@ -4,6 +4,7 @@ use bench_model::prediction::PredictionInputs;
 use design::safety::{ASSUMED_ENGINE, BenchSpread, Checked, Prior, Safety, SafetyCheck, SafetyInputs, check};
 use report::safety::CheckedPlan;
 use report::wording;
+use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use serde_json::json;
 use virtual_bench::Assumption;
@@ -26,6 +27,7 @@ pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result
         plan: &plan,
         check: &checked,
         has_study: bench.assembled.is_some(),
+        pulses: &bench.stated.pulses,
         assumptions: &bench.stated.assumed_for(&plan),
     };
     let json = || facts(&bench, &plan, &checked, &doubts);
@@ -59,9 +61,25 @@ fn checked(
     let samples = arguments.samples as usize;
     let slowest_engine_control =
         if bench.stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 };
-    let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples, seed: arguments.on.plan.seed() };
+    let inputs = SafetyInputs {
+        prediction,
+        spread,
+        pulses: &bench.stated.pulses,
+        slowest_engine_control,
+        samples,
+        seed: arguments.on.plan.seed(),
+    };
     let progress = terminal.long("running the experiment on benches");
     check(&inputs, &|done, all| progress.at(done, all)).map_err(|error| not_checkable(error.to_string()))
+}
+
+/// Where the engine's pulses are from.
+pub(in crate::commands) fn pulses_from(pulses: &KnownPulses) -> serde_json::Value {
+    match pulses {
+        KnownPulses::Stated => json!({"from": "bench file"}),
+        KnownPulses::Estimated(pulses) => json!({"from": "recordings", "recordings": pulses.recordings}),
+        KnownPulses::Assumed(_) => json!({"from": "prior"}),
+    }
 }
 
 fn facts(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, doubts: &[String]) -> serde_json::Value {
@@ -88,6 +106,7 @@ fn facts(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, doubts: &[
         "unchecked": checked.unchecked,
         "thermal": checked.thermal,
         "sines": checked.sines,
+        "engine_pulses": pulses_from(&bench.stated.pulses),
         "assumptions": bench.stated.assumed_for(plan),
         "doubts": doubts,
     })

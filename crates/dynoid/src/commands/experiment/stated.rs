@@ -39,7 +39,8 @@ impl Bench {
         let (file, _) = read_bench(path)?;
         let assembled = study.map(read_model).transpose()?;
         let stated = StatedBench::of(&file, assembled.as_ref().map(|assembled| &assembled.model))
-            .map_err(|source| CliError::VirtualBench { path: path.to_owned(), source })?;
+            .map_err(|source| CliError::VirtualBench { path: path.to_owned(), source })?
+            .with_pulses(assembled.as_ref().and_then(|assembled| assembled.engine_pulses.as_ref()));
         if let (Some(assembled), Some(study)) = (&assembled, study) {
             let model = &assembled.model.mechanics;
             // Where an inertia is uncertain, the study estimates it within that.

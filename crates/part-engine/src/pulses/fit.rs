@@ -1,0 +1,262 @@
+//! The harmonics of all recordings together: a linear regression of each on mean torque and speed, on top of what is known of the class.
+//!
+//! T_e,m = α + β T + γ ω², complex, with the class's variances as the prior of α, β and γ: what the recordings do not show stays as wide
+//! as that. The crank's angle begins anywhere in each recording. The angle δ by which a recording is turned against the others is the one
+//! of the greatest evidence, in which it stands as Σ_m Re(e^{−imδ} c_m) alone. Where another cylinder at the place of the first would be
+//! nearly as probable, only the multiples of the firing order count.
+//!
+//! # Source
+//! Gelman et al., *Bayesian Data Analysis*, 3rd ed. 2013, §14.8.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use faer::Mat;
+use numerics::linalg::Cholesky;
+use rig::bench_parameters::CycleHarmonic;
+use rig::engine_pulses::{EnginePulses, PulseHarmonic};
+use signal::Complex64;
+
+use super::windows::{Seen, encoder_error};
+use crate::source::Values;
+
+/// Windows overlap by a half. Neighbours under a Hann window have a correlation of 1/6, which makes the variance of a mean so many times
+/// larger.
+const OVERLAP: f64 = 4.0 / 3.0;
+/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, and than another cylinder in the place
+/// of the first.
+const CLEAR: (f64, f64) = (10.0, 4.6);
+/// Angles tried for each of the harmonics.
+const ANGLES_EACH: usize = 16;
+/// Halvings of the step in which the best angle is looked for.
+const HALVINGS: usize = 30;
+/// Error of all parts of a harmonic alike: what K, J_d, the gate, and friction that changes with the speed leave uncertain.
+const OF_MECHANICS: f64 = 0.01;
+/// A harmonic is estimated where recordings leave less than this part of the variance of the class, at the mean torque and speed.
+const SHOWN: f64 = 0.1;
+
+/// Sums of a regression on the three regressors, each over the standard deviation of its part in the class.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    information: [[f64; 3]; 3],
+    along: [Complex64; 3],
+    squares: f64,
+    windows: f64,
+}
+
+impl Sums {
+    fn add(&mut self, regressors: [f64; 3], (value, variance): (Complex64, f64)) {
+        for i in 0..3 {
+            for j in 0..3 {
+                self.information[i][j] += regressors[i] * regressors[j] / variance;
+            }
+            self.along[i] += value * (regressors[i] / variance);
+        }
+        self.squares += value.norm_sqr() / variance;
+        self.windows += 1.0;
+    }
+
+    /// These and others that are turned by an angle.
+    fn plus(&self, other: &Sums, turned_rad: f64) -> Sums {
+        let turn = Complex64::cis(-turned_rad);
+        Sums {
+            information: std::array::from_fn(|i| {
+                std::array::from_fn(|j| self.information[i][j] + other.information[i][j])
+            }),
+            along: std::array::from_fn(|i| self.along[i] + turn * other.along[i]),
+            squares: self.squares + other.squares,
+            windows: self.windows + other.windows,
+        }
+    }
+
+    /// With variances that are `times` as large.
+    fn weakened(&self, times: f64) -> Sums {
+        Sums {
+            information: self.information.map(|row| row.map(|one| one / times)),
+            along: self.along.map(|one| one / times),
+            squares: self.squares / times,
+            windows: self.windows,
+        }
+    }
+
+    /// The covariance of real and imaginary parts, with the class's of one.
+    fn covariance(&self) -> [[f64; 3]; 3] {
+        let own = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+        let precision = Mat::from_fn(3, 3, |i, j| self.information[i][j] + own(i, j));
+        match Cholesky::new(precision.as_ref()) {
+            Ok(factor) => {
+                let inverse = factor.inverse();
+                std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]))
+            }
+            Err(_) => std::array::from_fn(|i| std::array::from_fn(|j| own(i, j))),
+        }
+    }
+
+    fn solution(&self) -> [Complex64; 3] {
+        let covariance = self.covariance();
+        std::array::from_fn(|i| (0..3).map(|j| self.along[j] * covariance[i][j]).sum())
+    }
+
+    /// How many times larger than stated the scatter about the regression is; at least once.
+    fn scatter(&self) -> f64 {
+        let solution = self.solution();
+        let explained: f64 = (0..3).map(|i| (self.along[i].conj() * solution[i]).re).sum();
+        let freedom = 2.0 * (self.windows - 3.0);
+        if freedom > 0.0 { ((self.squares - explained) / freedom).max(1.0) } else { f64::INFINITY }
+    }
+}
+
+/// One recording: sums at each harmonic, its variances as large as its own scatter shows.
+pub(super) struct Recording {
+    pub(super) file: String,
+    sums: Vec<Sums>,
+}
+
+/// Standard deviations of α, β and γ in the class, at each harmonic.
+pub(super) fn scales(prior: &EnginePulses) -> Vec<[f64; 3]> {
+    prior.harmonics.iter().map(|harmonic| std::array::from_fn(|i| harmonic.covariance[i][i].sqrt())).collect()
+}
+
+impl Recording {
+    /// `windows` have a value for each of the first harmonics or none.
+    pub(super) fn of(file: &str, windows: &[Seen], places: &[usize], scales: &[[f64; 3]]) -> Self {
+        let mut sums = vec![Sums::default(); scales.len()];
+        for window in windows {
+            for (place, wave) in places.iter().zip(&window.waves) {
+                let Some(wave) = wave else { continue };
+                sums[*place].add(regressors(&scales[*place], window.torque_nm, window.speed_rad_s), *wave);
+            }
+        }
+        let weakened = sums.iter().map(|sums| match sums.scatter() {
+            scatter if scatter.is_finite() => sums.weakened(OVERLAP * scatter),
+            _ => Sums::default(),
+        });
+        Recording { file: file.to_owned(), sums: weakened.collect() }
+    }
+
+    /// What it tells about torques at the firing order, for the order in which recordings are joined.
+    pub(super) fn weight(&self, cylinders: usize) -> f64 {
+        self.sums.get(cylinders - 1).map_or(0.0, |sums| (0..3).map(|i| sums.information[i][i]).sum())
+    }
+}
+
+fn regressors(scales: &[f64; 3], torque_nm: f64, speed_rad_s: f64) -> [f64; 3] {
+    [scales[0], scales[1] * torque_nm, scales[2] * speed_rad_s * speed_rad_s]
+}
+
+/// All recordings joined: which of them count, and their sums.
+pub(super) struct Joined {
+    pub(super) recordings: Vec<String>,
+    sums: Vec<Sums>,
+    /// Of each recording, turned as the others are.
+    each: Vec<Vec<Sums>>,
+}
+
+impl Joined {
+    /// Of recordings, the most telling first.
+    pub(super) fn of(recordings: &[Recording], cylinders: usize) -> Self {
+        let count = recordings.first().map_or(0, |one| one.sums.len());
+        let mut joined = Joined { recordings: Vec::new(), sums: vec![Sums::default(); count], each: Vec::new() };
+        recordings.iter().for_each(|one| joined.join(one, cylinders));
+        joined
+    }
+
+    fn join(&mut self, recording: &Recording, cylinders: usize) {
+        let (turned_rad, is_cylinder_clear) = match self.recordings.is_empty() {
+            true => (0.0, true),
+            false => match self.turned(recording, cylinders) {
+                Some(found) => found,
+                None => return,
+            },
+        };
+        self.recordings.push(recording.file.clone());
+        let counts = |m: usize| is_cylinder_clear || m.is_multiple_of(cylinders);
+        let turned = |(other, m): (&Sums, usize)| match counts(m) {
+            true => Sums::default().plus(other, m as f64 * turned_rad),
+            false => Sums::default(),
+        };
+        let own: Vec<Sums> = recording.sums.iter().zip(1..).map(turned).collect();
+        self.sums.iter_mut().zip(&own).for_each(|(sums, own)| *sums = sums.plus(own, 0.0));
+        self.each.push(own);
+    }
+
+    /// By which angle of the cycle a recording is turned, and whether another cylinder in the place of the first is excluded; `None` where it
+    /// shows no pulses.
+    fn turned(&self, recording: &Recording, cylinders: usize) -> Option<(f64, bool)> {
+        let common: Vec<Complex64> = self.sums.iter().zip(&recording.sums).map(common).collect();
+        let evidence = |turned_rad: f64| {
+            let part = |(at, c): (usize, &Complex64)| (Complex64::cis(-((at + 1) as f64) * turned_rad) * c).re;
+            common.iter().enumerate().map(part).sum::<f64>()
+        };
+        let step = TAU / (ANGLES_EACH * common.len()) as f64;
+        let tried = (0..ANGLES_EACH * common.len()).map(|k| k as f64 * step);
+        let first = tried.max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
+        let best = climb(&evidence, first, step);
+        let others = (1..cylinders).map(|k| climb(&evidence, best + TAU * k as f64 / cylinders as f64, step));
+        let next = others.map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        (evidence(best) > CLEAR.0).then(|| (best, evidence(best) - next > CLEAR.1))
+    }
+
+    /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the recordings.
+    pub(super) fn pulses(&self, prior: &EnginePulses, values: &Values, at: (f64, f64)) -> Vec<PulseHarmonic> {
+        let scales = scales(prior);
+        let found = |place: usize| {
+            let (of_class, scale) = (&prior.harmonics[place], &scales[place]);
+            let (solution, covariance) = (self.sums[place].solution(), self.covariance(place));
+            let doubt = doubts(of_class.order, values);
+            let entry = |i: usize, j: usize| {
+                let of_mechanics = OF_MECHANICS * OF_MECHANICS * (solution[i] * solution[j].conj()).re;
+                scale[i] * scale[j] * (covariance[i][j] + of_mechanics) + if i == j { doubt[i].powi(2) } else { 0.0 }
+            };
+            let part = |i: usize| [scale[i] * solution[i].re, scale[i] * solution[i].im];
+            let found = PulseHarmonic {
+                order: of_class.order,
+                value: CycleHarmonic { unloaded_nm: part(0), of_torque: part(1), of_speed_nm_s2: part(2) },
+                covariance: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
+                is_estimated: false,
+            };
+            let left = found.standard_error_nm(at.0, at.1) / of_class.standard_error_nm(at.0, at.1);
+            PulseHarmonic { is_estimated: left * left < SHOWN, ..found }
+        };
+        (0..self.sums.len()).map(found).collect()
+    }
+
+    /// The covariance at a harmonic, over the class's: P of the regression, and P Σ g gᵀ P by how recordings contradict what they give together,
+    /// g being the gradient of the fit to each. Errors that a whole recording has alike do not average out over its windows.
+    fn covariance(&self, place: usize) -> [[f64; 3]; 3] {
+        let (covariance, solution) = (self.sums[place].covariance(), self.sums[place].solution());
+        let step = |own: &Vec<Sums>| -> [Complex64; 3] {
+            let sums = &own[place];
+            let gradient: [Complex64; 3] = std::array::from_fn(|i| {
+                sums.along[i] - (0..3).map(|j| solution[j] * sums.information[i][j]).sum::<Complex64>()
+            });
+            std::array::from_fn(|i| (0..3).map(|j| gradient[j] * covariance[i][j]).sum())
+        };
+        let steps: Vec<[Complex64; 3]> = self.each.iter().map(step).collect();
+        let apart = |i: usize, j: usize| 0.5 * steps.iter().map(|step| (step[i] * step[j].conj()).re).sum::<f64>();
+        std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] + apart(i, j)))
+    }
+}
+
+/// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. It makes a torque of the
+/// engine's inertia, which grows with ω², and one of the shaft's stiffness, which does not.
+fn doubts(order: f64, values: &Values) -> [f64; 3] {
+    let error = encoder_error(order) / SQRT_2;
+    [error * values.stiffness, 0.0, error * values.engine_inertia]
+}
+
+/// What of the evidence depends on the angle between two sums.
+fn common((sums, other): (&Sums, &Sums)) -> Complex64 {
+    let covariance = sums.plus(other, 0.0).covariance();
+    let entry = |i: usize, j: usize| sums.along[i].conj() * other.along[j] * covariance[i][j];
+    (0..9).map(|k| entry(k / 3, k % 3)).sum()
+}
+
+/// The highest place about a start, by steps that are halved.
+fn climb(of: &impl Fn(f64) -> f64, start: f64, step: f64) -> f64 {
+    let (mut best, mut step) = (start, step);
+    for _ in 0..HALVINGS {
+        best = [best - step, best, best + step].into_iter().max_by(|a, b| of(*a).total_cmp(&of(*b))).unwrap_or(best);
+        step *= 0.5;
+    }
+    best
+}

@@ -1,0 +1,88 @@
+//! The firing pulses that recordings show, against those of the virtual benches.
+
+use bench_testkit::benches::{bench_file, default_bench, in_parallel};
+use bench_testkit::recordings::BENCH_A;
+use part_engine::engine_pulses;
+use part_shaft::Parts;
+use rig::bench_parameters::{BenchParameters, CycleHarmonic};
+use rig::engine_pulses::EnginePulses;
+use rig::experiment::ExperimentPlan;
+use rig::{BenchFile, Experiment, prepare};
+use virtual_bench::{Numerics, simulate_hidden};
+
+fn recorded(parameters: &BenchParameters, plans: &[ExperimentPlan], bench: &BenchFile) -> Vec<Experiment> {
+    let one = |i: usize| {
+        let run = simulate_hidden(parameters, &plans[i], 3 + i as u64, Numerics::default()).unwrap();
+        let file = format!("{}_{i}.mf4", plans[i].label);
+        prepare(&file, &run.recording, bench, plans[i].label.clone()).unwrap().0
+    };
+    in_parallel(plans.len(), one)
+}
+
+fn estimated(experiments: &[Experiment], bench: &BenchFile) -> EnginePulses {
+    engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench)).unwrap()
+}
+
+/// Amplitude at a harmonic of the cycle, estimated with its standard error and true, Nm.
+fn compared(found: &EnginePulses, truth: &BenchParameters, m: usize, at: (f64, f64)) -> [f64; 3] {
+    let harmonic = &found.harmonics[m - 1];
+    // What the recordings show is the mean torque; that of the cylinders is the level times their mean.
+    let factors = &truth.engine.cylinder_factors;
+    let level = match truth.engine.cycle_harmonics.is_empty() {
+        true => at.0 * factors.len() as f64 / factors.iter().sum::<f64>(),
+        false => at.0,
+    };
+    [
+        harmonic.value.at(at.0, at.1).norm(),
+        harmonic.standard_error_nm(at.0, at.1),
+        truth.engine.waves(level, at.1)[m - 1].norm(),
+    ]
+}
+
+#[test]
+fn stat_pulses_of_unequal_cylinders_are_found_with_their_uncertainty() {
+    let mut bench = BenchParameters::default();
+    bench.engine.cylinder_factors = vec![1.08, 0.93, 1.03, 0.96];
+    let plans = [ExperimentPlan::bs_t_nt(1300.0, 20.0), ExperimentPlan::ramp_n_nt(1300.0, 20.0)];
+    let file = default_bench();
+    let found = estimated(&recorded(&bench, &plans, &file), &file);
+    assert_eq!(found.recordings.len(), 2);
+    println!("variation {}", found.cycle_variation);
+    for m in [1, 2, 3, 4, 5, 6, 7, 8, 12] {
+        let [amplitude, error, truth] = compared(&found, &bench, m, (60.0, 136.0));
+        println!("{m}: {amplitude:.3} ± {error:.3} Nm, true {truth:.3}");
+        // J_e is known to 2 %, and what the mean torque has of friction is part of it.
+        assert!((amplitude - truth).abs() < 3.0 * error + 0.03 * truth, "{m}: {amplitude} ± {error}, {truth}");
+    }
+    assert!(found.harmonics[3].is_estimated && found.harmonics[3].standard_error_nm(60.0, 136.0) < 5.0);
+}
+
+/// Compression without load, gas torque with it, and reciprocating masses, by the torques and speeds of the recordings.
+#[test]
+fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
+    let mut bench = BenchParameters::default();
+    bench.engine.cycle_variation = 0.0;
+    bench.engine.cycle_harmonics = vec![CycleHarmonic::default(); 8];
+    bench.engine.cycle_harmonics[3] =
+        CycleHarmonic { unloaded_nm: [-30.0, 20.0], of_torque: [0.8, 0.6], of_speed_nm_s2: [1.5e-3, 0.0] };
+    let plans = [
+        ExperimentPlan::bs_t_nt(1300.0, 15.0),
+        ExperimentPlan::ramp_n_nt(2000.0, 15.0),
+        ExperimentPlan::levels_n_nt(3000.0, 15.0),
+    ];
+    let file = default_bench();
+    let found = estimated(&recorded(&bench, &plans, &file), &file);
+    println!("{:?}\n{:?}", found.recordings, found.harmonics[3]);
+    for at in [(40.0, 130.0), (80.0, 130.0), (60.0, 200.0), (60.0, 310.0)] {
+        let [amplitude, error, truth] = compared(&found, &bench, 4, at);
+        println!("{at:?}: {amplitude:.2} ± {error:.2} Nm, true {truth:.2}");
+        assert!((amplitude - truth).abs() < 3.0 * error + 0.03 * truth, "{at:?}: {amplitude} ± {error}, {truth}");
+    }
+}
+
+#[test]
+fn regress_without_a_shaft_nothing_is_shown() {
+    let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
+    let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::no_shaft_n_nt(1200.0, 4.0)], &bench);
+    assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench)).is_err());
+}
