@@ -23,6 +23,7 @@ impl<'a> Findings<'a> {
         diagnostics: Vec<Diagnostic>,
         progress: &'a mut dyn FnMut(Progress),
     ) -> Self {
+        let diagnostics = diagnostics.into_iter().map(raised).collect();
         Findings { bench, experiments, diagnostics, progress, uses: Vec::new() }
     }
 
@@ -89,5 +90,16 @@ impl<'a> Findings<'a> {
         let mut found: Vec<&Experiment> = self.experiments.iter().filter(|e| e.is_test(test)).collect();
         found.sort_by(|a, b| b.duration_s().total_cmp(&a.duration_s()));
         found
+    }
+}
+
+/// Two ends of a shaft that do not turn alike are an error of the whole recording: nothing shows which of them is wrong.
+fn raised(found: Diagnostic) -> Diagnostic {
+    match found.finding {
+        Finding::SpeedsDisagree { role: Role::EngineSpeed, .. } => {
+            let place = Place { channel: None, ..found.place };
+            Diagnostic { severity: Severity::Error, place, ..found }
+        }
+        _ => found,
     }
 }

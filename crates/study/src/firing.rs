@@ -141,6 +141,18 @@ impl Seen {
         Seen { samples, angle: angle(speed), mean }
     }
 
+    /// Over the angle that another speed turns: pulses of its own would give it multiples of theirs.
+    pub(super) fn over_angle_of(speed: &Signal, other: &Signal, mean: f64) -> Self {
+        let turned = angle(other);
+        let last = turned.len().saturating_sub(1) as f64;
+        let at = |k: usize| {
+            let position = ((speed.time_s(k) - other.start_s) / other.sample_time_s).clamp(0.0, last);
+            let (before, after) = (turned[position.floor() as usize], turned[position.ceil() as usize]);
+            before + position.fract() * (after - before)
+        };
+        Seen { angle: (0..speed.len()).map(at).collect(), ..Seen::of(speed, mean) }
+    }
+
     /// The angle that it turns, rad.
     pub(super) fn turned(&self) -> f64 {
         self.angle.last().copied().unwrap_or_default()

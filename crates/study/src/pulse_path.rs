@@ -53,13 +53,13 @@ fn passed(experiment: &Experiment, shaft: &Shaft, findings: &Findings<'_>, order
     let j = findings.bench.dynamometer_inertia_kg_m2;
     let s = Complex64::new(0.0, order * mean);
     let expected = ((k + b * s) / (j * s * s + b * s + k)).norm();
-    let found = (strength(&dyno, order)? / strength(&engine, order)?).sqrt();
+    let of = |speed: &Signal| strength(&Seen::over_angle_of(speed, &dyno, mean), order);
+    let found = (of(&dyno)? / of(&engine)?).sqrt();
     Some((order * mean / TAU, found / expected))
 }
 
 /// The power of an order in a speed, where it is clear.
-fn strength(speed: &Signal, order: f64) -> Option<f64> {
-    let seen = Seen::of(speed, speed.mean()?.abs());
+fn strength(seen: &Seen, order: f64) -> Option<f64> {
     let step = TAU / seen.turned();
     let power = seen.power(order);
     let mut beside: Vec<f64> = BESIDE.iter().map(|places| seen.power(order + places * step)).collect();
