@@ -51,7 +51,7 @@ fn parts(comparison: &ModelComparison) -> Table {
     for part in &comparison.parts {
         let verdict = match part.has_changed() {
             true => Cell::toned("changed", Tone::Bad),
-            false => Cell::toned("the same", Tone::Good),
+            false => Cell::toned("no change found", Tone::Good),
         };
         table.row([words(part.part).into(), verdict, chance(part.test.map(|test| test.adjusted_p_value)).into()]);
     }
@@ -63,6 +63,7 @@ fn chance(p_value: Option<f64>) -> String {
     match p_value {
         None => "–".to_owned(),
         Some(p) if p < 1e-4 => "below 0.01 %".to_owned(),
+        Some(p) if p > 0.99 => "above 99 %".to_owned(),
         Some(p) => format!("{} %", number::significant(100.0 * p, 2)),
     }
 }

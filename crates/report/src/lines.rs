@@ -52,6 +52,7 @@ pub fn cause(cause: &Cause) -> String {
         Cause::Mains { multiple, mains_hz } => format!("{multiple} × {mains_hz} Hz: mains, ripple of the drive"),
         Cause::StructuralResonance => "resonance of the shaft (broad)".to_owned(),
         Cause::SensorResonance => "resonance of the sensor (broad)".to_owned(),
+        Cause::BroadHump => "broad hump, cause unknown".to_owned(),
         Cause::Undecided { between, repeat_at_rpm } => {
             let all: Vec<String> = between.iter().map(self::cause).collect();
             let remedy = match repeat_at_rpm {
@@ -64,6 +65,18 @@ pub fn cause(cause: &Cause) -> String {
     }
 }
 
+/// A cause without the numbers that differ from recording to recording.
+pub fn kind_of_cause(cause: &Cause) -> String {
+    match cause {
+        Cause::FoldedOrder { order, .. } => format!("order {order}, alias"),
+        Cause::HoldImage { .. } => "images of a demand that is held".to_owned(),
+        Cause::RippleSideband { .. } => "ripple of the drive in proportion to a torque".to_owned(),
+        Cause::OrderSideband { order, .. } => format!("order {order}, swinging with a demanded sine"),
+        Cause::Undecided { .. } => "undecided between several causes".to_owned(),
+        other => self::cause(other),
+    }
+}
+
 /// What is drawn with one colour.
 fn kind(cause: &Cause) -> (&'static str, Style) {
     match cause {
@@ -73,6 +86,7 @@ fn kind(cause: &Cause) -> (&'static str, Style) {
         Cause::HoldImage { .. } => ("images of the hold", Style::Fourth),
         Cause::RippleSideband { .. } | Cause::Mains { .. } => ("mains and ripple", Style::Fifth),
         Cause::StructuralResonance | Cause::SensorResonance => ("resonances", Style::Other),
+        Cause::BroadHump => ("no known cause", Style::Eighth),
         Cause::Undecided { .. } => ("undecided", Style::Seventh),
         Cause::Unknown => ("no known cause", Style::Eighth),
     }
@@ -99,6 +113,7 @@ fn short_name(cause: &Cause) -> String {
         Cause::Mains { multiple, mains_hz } => format!("{multiple} × {mains_hz} Hz"),
         Cause::StructuralResonance => "resonance".to_owned(),
         Cause::SensorResonance => "sensor".to_owned(),
+        Cause::BroadHump => "hump".to_owned(),
         Cause::Undecided { .. } => "?".to_owned(),
         Cause::Unknown => "no cause".to_owned(),
     }

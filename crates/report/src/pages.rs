@@ -60,7 +60,10 @@ pub fn next(found: &NextExperiments) -> Page {
     titled("What to record next", analyses::next_experiment(found))
 }
 
-/// Every line of every recording, `most` a signal; zero shows all.
-pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], most: usize) -> Page {
-    titled("Lines of the recordings", analyses::every_line(looks, signals, most))
+/// The lines of recordings, `most` a signal; zero counts all. The lines of several recordings are summed up in one table; `each`
+/// shows those of each recording.
+pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], (most, each): (usize, bool)) -> Page {
+    let is_one = looks.iter().map(|look| look.parts.len()).sum::<usize>() <= 1;
+    let tables = if each || is_one { analyses::every_line(looks, most) } else { analyses::summed_up(looks, most) };
+    titled("Lines of the recordings", analyses::with_figures(tables, looks, signals))
 }

@@ -130,6 +130,9 @@ pub fn lateness(delays: &[SignalDelay]) -> Option<String> {
     ))
 }
 
+/// Routes that differ by more than this part of the standard deviation are worth a word.
+const ROUTES_APART: f64 = 0.3;
+
 /// How the shaft torque was rebuilt, and how certain it is.
 pub fn rebuilt(shaft: &RebuiltShaft) -> String {
     let mut deviations = shaft.standard_deviation_nm.clone();
@@ -150,7 +153,14 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
             format!("the encoder's once-a-turn error is unknown: each 0.01 % of it adds {} at order 1", worth(nm))
         }
     };
-    format!("{certain}; {once}{}", doubt(&shaft.noise))
+    let apart = match shaft.routes_apart_nm > ROUTES_APART * median {
+        true => format!(
+            "; the smoother and the filter without phase shift differ by {} (root mean square), which the interval holds",
+            worth(shaft.routes_apart_nm)
+        ),
+        false => String::new(),
+    };
+    format!("{certain}; {once}{apart}{}", doubt(&shaft.noise))
 }
 
 /// Why a rebuilt torque is less certain than it could be; nothing where its smoother's model explains the speeds.

@@ -201,7 +201,8 @@ fn residuals(study: &Study) -> Rule {
         [] => "no such part was found".to_owned(),
         _ => format!("in doubt: {}", wording::join(&doubted, "and")),
     };
-    let asks = "No part has residuals correlated with its input, failed to converge, or disagrees with a second route.";
+    let asks = "No part failed to converge, disagrees with a second route, or has residuals correlated with its input. Counted are \
+                lags outside the 99 % region: more than 5 % of them, with a correlation above 0.1.";
     Rule { asks, found, level }
 }
 

@@ -67,8 +67,7 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, progress: 
     let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
-    let engine = bench.engine();
-    let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, engine)));
+    let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, bench)));
     analysing("torque signals");
     let torque_signals = torque_signals((controllers, torque_controls), bench, &|_| ());
     analysing("speed control");

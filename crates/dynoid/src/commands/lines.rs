@@ -17,12 +17,12 @@ pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result
     let mut looks = Vec::new();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
-            looks.push(find_lines(&experiment, bench.engine()));
+            looks.push(find_lines(&experiment, bench));
         })?;
     let looks = on_one_mains(looks);
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);
-    let page = || report::pages::lines(&looks, &signals, arguments.lines);
+    let page = || report::pages::lines(&looks, &signals, (arguments.lines, arguments.each));
     let json = || {
         json!({
             "recordings": looks.iter().map(short).collect::<Vec<_>>(),

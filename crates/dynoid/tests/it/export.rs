@@ -52,6 +52,19 @@ fn exact_linear_commands_take_a_bench_model() {
     assert!(resonance["quantities"][0]["band"].is_array(), "bands from the covariance");
     let gain = resonance["summary"].as_array().unwrap().iter().find(|fact| fact["name"] == "gain at rest").unwrap();
     assert!((gain["value"].as_f64().unwrap() - 0.28 / 0.88).abs() < 0.01, "{gain}");
+    // What T_e leaves of N_d in speed control is zero, and the margins are those of the report: of the open speed loop.
+    let facts = |channel: &str| curves.iter().find(|c| c["channel"] == channel).unwrap()["summary"].clone();
+    let named = |facts: &serde_json::Value, name: &str| {
+        facts.as_array().unwrap().iter().find(|fact| fact["name"] == name).map(|fact| fact["value"].as_f64().unwrap())
+    };
+    assert_eq!(named(&facts("T_e → N_d"), "gain margin"), None);
+    assert_eq!(named(&facts("T_d* → T_d"), "gain margin"), None);
+    let of_study = campaign.read("study/study.json");
+    let of_study: serde_json::Value = serde_json::from_str(&of_study).unwrap();
+    let reported = of_study["study"]["whole"]["speed_loop_margins"]["gain_margin_db"].as_f64().unwrap();
+    assert!((named(&facts("N_d* → N_d"), "gain margin").unwrap() - reported).abs() < 1e-9);
+    let nt = curves.iter().find(|c| c["model"] == "model NT" && c["channel"] == "T_e → N_d").unwrap();
+    assert_eq!(named(&nt["summary"], "gain at rest"), Some(0.0));
     let poles = campaign.run(&["model", "poles", "study/model.json"]);
     done(&poles);
     done(&campaign.run(&["export", "study/model.json", "--to", "linear", "--out", "linear"]));

@@ -5,6 +5,7 @@ use rig::results::{DemandLags, Stretch};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spline::UniformSpline;
+use signal::updates::{Stale, Staleness, find_stale};
 
 use super::inverse::{self, InverseController};
 
@@ -38,7 +39,7 @@ impl Data {
     /// The longest stretch below the torque limit; of a long one the minutes in which N_d* moves most, or T_d* where N_d* is
     /// constant.
     pub(super) fn of(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Self, EstimateError> {
-        let demand = need(experiment, Role::DynoTorqueDemand)?;
+        let demand = &at_updates(need(experiment, Role::DynoTorqueDemand)?);
         let reference = need(experiment, Role::DynoSpeedDemand)?;
         let speed = need(experiment, Role::DynoSpeed)?;
         let unsaturated = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
@@ -86,8 +87,9 @@ impl Data {
     /// holds between the filtered signals; what is gone is the noise that rounding puts onto T_d*, which would otherwise
     /// make smoother interpolation, a longer gate, look better.
     pub(super) fn smoothed(&self) -> Result<Self, EstimateError> {
+        // One low-pass for all: of signals that went through different ones the model would not hold.
+        let cutoff = CUTOFF_PART / self.demand.sample_time_s.max(self.speed.sample_time_s);
         let smooth = |signal: &Signal| -> Result<Signal, EstimateError> {
-            let cutoff = CUTOFF_PART / signal.sample_time_s;
             let filter = signal::Sos::butterworth_lowpass(CUTOFF_ORDER, cutoff, signal.sample_time_s)
                 .map_err(|e| signal_error(&self.stretch.file, e))?;
             Ok(signal.with_samples(filter.filtfilt(&signal.samples).map_err(|e| signal_error(&self.stretch.file, e))?))
@@ -139,8 +141,21 @@ fn resolution(values: &[f64]) -> f64 {
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
+/// T_d* at the instants at which the controller computes it: a raster that is faster than the controller holds each value.
+pub(super) fn at_updates(demand: &Signal) -> Signal {
+    let Some(Stale { how: Staleness::Held { every }, samples }) = find_stale(&demand.samples) else {
+        return demand.clone();
+    };
+    let first = samples.iter().take(every).position(|is_stale| !is_stale).unwrap_or(0);
+    Signal {
+        start_s: demand.time_s(first),
+        sample_time_s: demand.sample_time_s * every as f64,
+        samples: demand.samples.iter().skip(first).step_by(every).copied().collect(),
+    }
+}
+
 /// A demand at the samples of another, each held until its next: both may be recorded on rasters of their own.
-fn held_on_the_clock_of(other: &Signal, demand: &Signal) -> Signal {
+pub(super) fn held_on_the_clock_of(other: &Signal, demand: &Signal) -> Signal {
     let last = demand.len().saturating_sub(1);
     let value = |k: usize| {
         let place = (other.time_s(k) - demand.start_s) / demand.sample_time_s;

@@ -5,7 +5,7 @@ use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use rig::align::split_window;
-use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use rig::estimation::{EstimateError, ReadOut, noise_floor, timing_floor_s, transformed};
 use rig::results::{DemandLags, Estimate, Parameter, Quantity, ResidualTest, SpeedController, Trace, Validation};
 use rig::{Experiment, Role};
 use signal::Signal;
@@ -23,9 +23,12 @@ pub(super) const BATCHES: usize = 30;
 /// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
 /// found is then noise, and its root would bias the delay.
 const SHORTEST_GATE: f64 = 0.5;
-/// Where rounding hides the gate, a lead so near to a whole number of samples is that of a controller that reads what is logged:
+/// Where the gate is not shown, a lead so near to a whole number of samples is that of a controller that reads what is logged:
 /// with a gate, and a delay of whole samples, it would be half a sample off. By chance it comes out so once in five.
 const WHOLE_LEAD: f64 = 0.1;
+/// A controller that reads the samples that are logged shares their noise: what is left of a fit is then rounding, less than this
+/// part of the noise. Where more is left, a gate that is not found is not known to be absent.
+const SHARED: f64 = 0.6;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
 /// Lags of the residual tests.
@@ -65,7 +68,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let found = found_in(&known)?;
     let (estimate, encoder) = described(&known, &found)?;
     let covariance = found.covariance(&known)?;
-    let Found { fit, lags, smooth, start, coarse, .. } = found;
+    let Found { fit, lags, smooth, start, open_gate, .. } = found;
     let without = fit_without_delay(&smooth, start, lags)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
@@ -84,7 +87,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         theta: fit.parameters,
         covariance,
         lags,
-        coarse_demand_nm: coarse.map(|coarse| coarse.step_nm),
+        coarse_demand_nm: open_gate.and_then(|open| open.coarse_demand_nm),
     })
 }
 
@@ -114,13 +117,13 @@ struct Found {
     /// The data it was found in, and where the search began.
     smooth: Data,
     start: Vec<f64>,
-    coarse: Option<CoarseDemand>,
+    open_gate: Option<OpenGate>,
 }
 
-/// T_d* whose rounding hides the encoder's gate.
-struct CoarseDemand {
-    /// Nm.
-    step_nm: f64,
+/// A gate of the encoder that the recording does not show.
+struct OpenGate {
+    /// Step of T_d*, Nm, where its rounding hides the gate.
+    coarse_demand_nm: Option<f64>,
     /// The fit with the other gate: none, or one sample.
     other: Minimum,
 }
@@ -129,8 +132,8 @@ impl Found {
     /// Covariance of the internal parameters.
     fn covariance(&self, data: &Data) -> Result<Mat<f64>, EstimateError> {
         let (mut covariance, _) = at_least_white(&self.fit, BATCHES).map_err(|e| ident_error(data, e))?;
-        let Some(coarse) = &self.coarse else { return Ok(covariance) };
-        let moves = gate_moves(&self.fit.parameters, &coarse.other.parameters);
+        let Some(open) = &self.open_gate else { return Ok(covariance) };
+        let moves = gate_moves(&self.fit.parameters, &open.other.parameters);
         for j in 0..covariance.ncols() {
             (0..covariance.nrows()).for_each(|i| covariance[(i, j)] += moves[i] * moves[j]);
         }
@@ -146,10 +149,13 @@ fn gate_moves(values: &[f64], others: &[f64]) -> Vec<f64> {
 fn found_in(data: &Data) -> Result<Found, EstimateError> {
     let smooth = data.smoothed()?;
     let start = starting_point(&smooth)?;
-    let Some(step_nm) = data.coarse_demand_nm()? else {
+    let coarse_demand_nm = data.coarse_demand_nm()?;
+    if coarse_demand_nm.is_none() {
         let (fit, lags) = fit_with_lag(&smooth, start.clone(), |j| j < inverse::K)?;
-        return Ok(Found { fit, lags, smooth, start, coarse: None });
-    };
+        if fit.parameters[inverse::GATE_SQUARED] > 0.0 || shares_noise(data, &fit, lags)? {
+            return Ok(Found { fit, lags, smooth, start, open_gate: None });
+        }
+    }
     let with_gate = |gate: f64| {
         let mut start = start.clone();
         start[inverse::GATE_SQUARED] = gate * gate;
@@ -159,14 +165,20 @@ fn found_in(data: &Data) -> Result<Found, EstimateError> {
     let lead = gateless.0.parameters[inverse::LEAD];
     let reads_what_is_logged = (lead - lead.round()).abs() < WHOLE_LEAD;
     let ((fit, lags), (other, _)) = if reads_what_is_logged { (gateless, gated) } else { (gated, gateless) };
-    Ok(Found { fit, lags, smooth, start, coarse: Some(CoarseDemand { step_nm, other }) })
+    Ok(Found { fit, lags, smooth, start, open_gate: Some(OpenGate { coarse_demand_nm, other }) })
+}
+
+/// Whether the controller reads the very samples that are logged.
+fn shares_noise(data: &Data, fit: &Minimum, lags: DemandLags) -> Result<bool, EstimateError> {
+    let left_rad_s = refit_stretch(data, &fit.parameters, lags)?.noise_variance().sqrt();
+    Ok(left_rad_s < SHARED * noise_floor(&data.speed))
 }
 
 fn described(data: &Data, found: &Found) -> Result<(Estimate, Encoder), EstimateError> {
     let noise = refit_stretch(data, &found.fit.parameters, found.lags)?.noise_variance().sqrt();
     let (mut estimate, mut encoder) = describe(data, &found.fit, noise)?;
-    if let Some(coarse) = &found.coarse {
-        let (other, _) = describe(data, &coarse.other, noise)?;
+    if let Some(open) = &found.open_gate {
+        let (other, _) = describe(data, &open.other, noise)?;
         let values = |estimate: &Estimate| estimate.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
         estimate.add_moves(&gate_moves(&values(&estimate), &values(&other)));
         encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();

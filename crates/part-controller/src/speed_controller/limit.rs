@@ -18,7 +18,7 @@ use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::spline::UniformSpline;
 
-use super::data::signal_error;
+use super::data::{at_updates, held_on_the_clock_of, signal_error};
 use super::fit::SpeedControllerFit;
 use super::inverse;
 use super::lag::{lagged, shifted};
@@ -259,8 +259,8 @@ impl ControllerSignals {
         feed_forward: Option<&FeedForward>,
         limit_nm: f64,
     ) -> Result<Self, EstimateError> {
-        let demand = need(experiment, Role::DynoTorqueDemand)?;
-        let reference = need(experiment, Role::DynoSpeedDemand)?;
+        let demand = &at_updates(need(experiment, Role::DynoTorqueDemand)?);
+        let reference = &held_on_the_clock_of(demand, need(experiment, Role::DynoSpeedDemand)?);
         let speed = need(experiment, Role::DynoSpeed)?;
         let file = experiment.file.as_str();
         let spline = UniformSpline::new(speed.samples.clone()).map_err(|e| signal_error(file, e))?;

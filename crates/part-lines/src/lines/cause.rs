@@ -50,8 +50,10 @@ pub enum Cause {
         /// The mains, Hz.
         mains_hz: f64,
     },
-    /// The resonance of the masses on the shaft.
+    /// The resonance of the masses on the shaft: N_d and N_e swing against each other there as their inertias demand.
     StructuralResonance,
+    /// A broad peak of what the masses move, whose cause the signals do not show.
+    BroadHump,
     /// The resonance of a sensor.
     SensorResonance,
     /// One of several, or more of them at once.

@@ -4,7 +4,8 @@
 //! the speed moves, and found where they fold to above half a channel's sample rate; and fixed frequencies, of the demand, of
 //! the images that a held demand has, of the mains, and of sidebands of a ripple. Causes whose phases are too alike to
 //! be separated in a recording stay undecided, with a speed at which they lie apart. What stands out of the rest is a
-//! line without a cause, or broad: a resonance, of the masses if several signals show it, of a sensor if it alone does.
+//! line without a cause, or broad: a resonance of the masses if several signals show it and N_d and N_e swing as two masses on a
+//! shaft do, one of a sensor if it alone shows it.
 //!
 //! A line that stays undecided is rightly named where its cause is among those that it is undecided between.
 //!
@@ -21,6 +22,7 @@ mod demand;
 mod found;
 mod mains;
 mod naming;
+mod opposition;
 mod over_speed;
 mod reference;
 mod resonance;
@@ -33,7 +35,7 @@ use std::f64::consts::TAU;
 
 use numerics::parallel;
 use rig::facts::Engine;
-use rig::{ControlMode, Experiment, Role};
+use rig::{BenchFile, ControlMode, Experiment, Role};
 use signal::Signal;
 
 pub use amplitudes::amplitudes;
@@ -69,7 +71,6 @@ pub const FEWEST_SAMPLES: usize = 256;
 /// # Example
 /// ```
 /// use part_lines::lines::{Cause, find_lines};
-/// use rig::facts::Engine;
 /// use rig::bench_parameters::BenchParameters;
 /// use rig::experiment::ExperimentPlan;
 /// use virtual_bench::simulate;
@@ -79,20 +80,21 @@ pub const FEWEST_SAMPLES: usize = 256;
 /// # let file: BenchFile = text.parse()?;
 /// let recording = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1230.0, 10.0), 1)?;
 /// let (experiment, _) = rig::prepare("BS_T_NT_1230.mf4", &recording, &file, "BS_T_NT".parse()?)?;
-/// let found = find_lines(&experiment, Engine { cylinders: 4, strokes: 4 });
+/// let found = find_lines(&experiment, &file);
 /// let speed = found.parts[0].signals.iter().find(|s| s.role == Role::EngineSpeed).ok_or("not recorded")?;
 /// assert!((speed.lines[0].frequency_hz - 41.0).abs() < 0.1);
 /// assert_eq!(speed.lines[0].cause, Cause::Order { order: 2.0, is_firing: true });
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn find_lines(experiment: &Experiment, engine: Engine) -> RecordingLines {
+pub fn find_lines(experiment: &Experiment, bench: &BenchFile) -> RecordingLines {
     // Without the shaft nothing of the engine is in what the dynamometer shows.
-    let engine = (!experiment.label.is_without_shaft()).then_some(engine);
+    let engine = (!experiment.label.is_without_shaft()).then(|| bench.engine());
+    let inertias_kg_m2 = [bench.dynamometer_inertia_kg_m2, bench.engine_inertia_kg_m2];
     let turning = if engine.is_some() { Role::EngineSpeed } else { Role::DynoSpeed };
     let speed = experiment.signal(turning).or_else(|| experiment.signal(Role::DynoSpeed));
     let angle = speed.filter(|speed| !speed.is_empty()).map(Angle::of);
-    let looker = angle.as_ref().map(|angle| Looker { experiment, engine, angle });
+    let looker = angle.as_ref().map(|angle| Looker { experiment, engine, inertias_kg_m2, angle });
     let parts = looker
         .iter()
         .flat_map(|looker| demand::stretches(experiment).iter().map(|s| looker.part(s)).collect::<Vec<_>>());
@@ -109,6 +111,8 @@ struct Looker<'a> {
     experiment: &'a Experiment,
     /// None without the shaft.
     engine: Option<Engine>,
+    /// Of the dynamometer and of the engine.
+    inertias_kg_m2: [f64; 2],
     angle: &'a Angle<'a>,
 }
 
@@ -125,7 +129,8 @@ impl Looker<'_> {
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
         let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
         let is_of_firing = |hz: f64| self.is_of_firing(hz, stretch);
-        let naming = Naming::new(&shown, demand::demand_role(self.experiment), turns_hz, is_of_firing);
+        let naming =
+            Naming::new(&shown, demand::demand_role(self.experiment), turns_hz, (self.inertias_kg_m2, is_of_firing));
         let signals = parallel::map(&shown, |one| SignalLines {
             lines: self.named(one, &naming, stretch),
             short: campbell::short_spectra(&one.signal, self.angle),

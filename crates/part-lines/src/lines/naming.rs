@@ -4,6 +4,7 @@ use rig::Role;
 
 use super::advice;
 use super::cause::Cause;
+use super::opposition::is_of_two_masses;
 use super::reference::{MAINS_HZ, RIPPLE, Reference, folded_hz};
 use super::resonance::{BroadPeak, is_one};
 use super::search::Found;
@@ -36,16 +37,21 @@ pub(super) struct Naming<'a> {
     turns_hz: f64,
     /// The mains that the bench hangs on, Hz; none where that does not show.
     mains_hz: Option<f64>,
-    /// Where the masses resonate, Hz.
-    resonance_hz: Option<f64>,
+    /// The broad peak that the masses show most, Hz, and whether it has the mode of two masses on a shaft.
+    hump: Option<(f64, bool)>,
     /// The bandwidth of the torque control, Hz.
     bandwidth_hz: Option<f64>,
 }
 
 impl<'a> Naming<'a> {
-    pub(super) fn new(all: &'a [Shown], demand: Role, turns_hz: f64, is_of_firing: impl Fn(f64) -> bool) -> Self {
-        let (mains_hz, resonance_hz) = (mains_hz(all), structural_hz(all, is_of_firing));
-        let mut naming = Naming { all, demand, turns_hz, mains_hz, resonance_hz, bandwidth_hz: None };
+    pub(super) fn new(
+        all: &'a [Shown],
+        demand: Role,
+        turns_hz: f64,
+        (inertias_kg_m2, is_of_firing): ([f64; 2], impl Fn(f64) -> bool),
+    ) -> Self {
+        let (mains_hz, hump) = (mains_hz(all), hump(all, inertias_kg_m2, is_of_firing));
+        let mut naming = Naming { all, demand, turns_hz, mains_hz, hump, bandwidth_hz: None };
         naming.bandwidth_hz = naming.bandwidth_hz();
         naming
     }
@@ -208,7 +214,10 @@ impl<'a> Naming<'a> {
     pub(super) fn of_peak(&self, peak: &BroadPeak, one: &Shown) -> Option<Cause> {
         if OF_THE_MASSES.contains(&one.role) {
             let is_it = |hz: f64| is_one(peak, &BroadPeak { frequency_hz: hz, ..*peak });
-            return self.resonance_hz.filter(|hz| is_it(*hz)).map(|_| Cause::StructuralResonance);
+            return self.hump.filter(|(hz, _)| is_it(*hz)).map(|(_, is_of_the_shaft)| match is_of_the_shaft {
+                true => Cause::StructuralResonance,
+                false => Cause::BroadHump,
+            });
         }
         let is_strongest = one.broad.iter().all(|other| other.excess <= peak.excess);
         let is_sensor = |(sensor, other): &&(Role, Role)| {
@@ -256,9 +265,10 @@ fn mains_hz(all: &[Shown]) -> Option<f64> {
     MAINS_HZ.into_iter().filter(|hz| shown(*hz) > 0.0).max_by(|a, b| shown(*a).total_cmp(&shown(*b)))
 }
 
-/// Where the masses resonate, Hz: of the peaks that several of the signals show which they move, the one that stands out most
-/// in all of them together. Two masses on a shaft have one resonance; of the two of a dual-mass flywheel this is the stronger.
-fn structural_hz(all: &[Shown], is_of_firing: impl Fn(f64) -> bool) -> Option<f64> {
+/// Of the peaks that several of the signals show which the masses move, the one that stands out most in all of them together, and
+/// whether N_d and N_e have the mode of two masses there; one that has it comes before those that do not. Two masses on a shaft
+/// have one resonance; of the two of a dual-mass flywheel this is the stronger.
+fn hump(all: &[Shown], inertias_kg_m2: [f64; 2], is_of_firing: impl Fn(f64) -> bool) -> Option<(f64, bool)> {
     let of_masses = || all.iter().filter(|shown| OF_THE_MASSES.contains(&shown.role));
     let excess = |peak: &BroadPeak| {
         let in_one = |shown: &Shown| {
@@ -269,8 +279,15 @@ fn structural_hz(all: &[Shown], is_of_firing: impl Fn(f64) -> bool) -> Option<f6
     };
     let is_possible = |peak: &&BroadPeak| peak.frequency_hz < HIGHEST_STRUCTURAL_HZ && !is_of_firing(peak.frequency_hz);
     let ranked = of_masses().flat_map(|shown| &shown.broad).filter(is_possible);
-    let ranked = ranked.filter_map(|peak| Some((peak.frequency_hz, excess(peak)?)));
-    ranked.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(hz, _)| hz)
+    let mut ranked: Vec<(f64, f64)> = ranked.filter_map(|peak| Some((peak.frequency_hz, excess(peak)?))).collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let left = |role: Role| all.iter().find(|shown| shown.role == role).map(|shown| &shown.lines.left);
+    let is_of_the_shaft = |hz: f64| {
+        let speeds = left(Role::DynoSpeed).zip(left(Role::EngineSpeed));
+        speeds.is_some_and(|(dynamometer, engine)| is_of_two_masses(dynamometer, engine, inertias_kg_m2, hz))
+    };
+    let resonance = ranked.iter().find(|(hz, _)| is_of_the_shaft(*hz)).map(|(hz, _)| (*hz, true));
+    resonance.or_else(|| ranked.first().map(|(hz, _)| (*hz, false)))
 }
 
 /// Whether a signal shows a broad peak.

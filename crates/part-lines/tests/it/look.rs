@@ -9,7 +9,6 @@ use std::f64::consts::TAU;
 use part_lines::lines::{Cause, OverSpeed, RecordingLines, TURNS, find_lines, over_speed};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, Waveform};
-use rig::facts::Engine;
 use rig::{Role, prepare};
 use units::RPM_RAD_S;
 use virtual_bench::{HiddenTruth, Numerics, simulate, simulate_hidden};
@@ -153,7 +152,7 @@ fn exact_what_a_demanded_sine_leaves_is_named() {
     let seen = |parameters: &BenchParameters| {
         let recording = simulate(parameters, &plan, 1).unwrap();
         let (experiment, _) = prepare("run.mf4", &recording, &default_bench(), plan.label.clone()).unwrap();
-        find_lines(&experiment, Engine { cylinders: 4, strokes: 4 })
+        find_lines(&experiment, &default_bench())
     };
     let at = |look: &RecordingLines, role: Role, hz: f64| {
         let signal = look.parts[0].signals.iter().find(|s| s.role == role).unwrap();
@@ -188,7 +187,7 @@ fn exact_what_folds_onto_the_ripple_is_undecided_and_parted_at_another_speed() {
         plan.engine_torque_nm = Waveform::Constant { value: 45.0 };
         let recording = simulate(&BenchParameters::default(), &plan, 1).unwrap();
         let (experiment, _) = prepare("run.mf4", &recording, &default_bench(), plan.label.clone()).unwrap();
-        let look = find_lines(&experiment, Engine { cylinders: 4, strokes: 4 });
+        let look = find_lines(&experiment, &default_bench());
         let signal = look.parts[0].signals.iter().find(|s| s.role == Role::AirGapTorque).unwrap().clone();
         signal.lines.into_iter().filter(|l| (l.frequency_hz - 100.0).abs() < 0.2).map(|l| l.cause).collect::<Vec<_>>()
     };

@@ -1,6 +1,7 @@
 //! The torque signals of a bench: how late each is, what filter is in the system's own shaft torque, what the shaft torque
 //! really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
 
+mod routes;
 mod shaft;
 mod trust;
 

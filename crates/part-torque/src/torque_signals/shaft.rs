@@ -12,6 +12,7 @@ use serde::Serialize;
 use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 
+use super::routes;
 use crate::torque_control::TorqueControlFit;
 use crate::torque_smoother::{
     Clock, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
@@ -25,6 +26,8 @@ const HIGHEST_LINE: f64 = 0.5;
 const FOR_LEVELS_S: f64 = 8.0;
 /// Standard deviation of ω_d at the start, rad/s.
 const START_RAD_S: f64 = 1.0;
+/// The filter answers an impulse for less than this before and after it, s.
+const IMPULSE_S: f64 = 0.2;
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
 
@@ -37,8 +40,10 @@ pub struct RebuiltShaft {
     pub sample_time_s: f64,
     /// By the smoother, Nm.
     pub smoothed_nm: Vec<f64>,
-    /// Its standard deviation, Nm.
+    /// Its standard deviation, Nm. Where the two routes differ by more than their noise, it holds the difference.
     pub standard_deviation_nm: Vec<f64>,
+    /// By how much the two routes differ beyond their noise, root mean square, Nm.
+    pub routes_apart_nm: f64,
     /// By the filter without phase shift, Nm.
     pub zero_phase_nm: Vec<f64>,
     /// The system's own T_d,shaft,calc as it was recorded, where it was.
@@ -96,13 +101,25 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     };
     let slope = filtered(&speed, Wanted::Derivative, encoder.gate_s, 0.5 * encoder.gate_s);
     let torque = filtered(&torque, Wanted::Value, 0.0, 0.0);
+    let zero_phase_nm: Vec<f64> = slope.iter().zip(&torque).map(|(a, t)| known.inertia_kg_m2 * a + t).collect();
+    let smoothed = Signal { start_s: clock.start_s, sample_time_s: speed.sample_time_s, samples: smoothed_nm };
+    let in_band = filtered(&smoothed, Wanted::Value, 0.0, 0.0);
+    let apart: Vec<f64> = zero_phase_nm.iter().zip(&in_band).map(|(filter, smoother)| filter - smoother).collect();
+    let noise_nm = known.inertia_kg_m2 * observed.noise_rad_s[0] * slope_noise(&speed, encoder.gate_s);
+    let band_hz = BAND_HZ.min(speed.nyquist_hz());
+    let apart = routes::beyond_noise(&apart, noise_nm * noise_nm, (speed.sample_time_s, band_hz));
     let mean = speed.mean().unwrap_or(0.0);
     Ok(RebuiltShaft {
         start_s: clock.start_s,
         sample_time_s: speed.sample_time_s,
-        zero_phase_nm: slope.iter().zip(&torque).map(|(a, t)| known.inertia_kg_m2 * a + t).collect(),
-        smoothed_nm,
-        standard_deviation_nm: of_noise_nm.iter().map(|one| widening * one).collect(),
+        zero_phase_nm,
+        smoothed_nm: smoothed.samples,
+        standard_deviation_nm: of_noise_nm
+            .iter()
+            .zip(&apart)
+            .map(|(one, apart)| (widening * one).hypot(*apart))
+            .collect(),
+        routes_apart_nm: (apart.iter().map(|x| x * x).sum::<f64>() / apart.len().max(1) as f64).sqrt(),
         system: experiment.signal(Role::SystemShaftTorque).map(|recorded| Trace {
             start_s: recorded.start_s,
             sample_time_s: recorded.sample_time_s,
@@ -115,6 +132,18 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
             error => OnceATurn::TakenOut(error * known.inertia_kg_m2 * mean * mean),
         },
     })
+}
+
+/// The standard deviation that the filter's derivative makes of white noise of one, in 1/s: the root of the sum of the squares of
+/// its answer to an impulse.
+fn slope_noise(speed: &Signal, gate_s: f64) -> f64 {
+    let half = (IMPULSE_S / speed.sample_time_s).ceil() as usize;
+    let mut samples = vec![0.0; 2 * half + 1];
+    samples[half] = 1.0;
+    let impulse = Signal { start_s: 0.0, sample_time_s: speed.sample_time_s, samples };
+    let filter = ZeroPhase { band_hz: BAND_HZ, gate_s, wanted: Wanted::Derivative };
+    let answer = filter.at(&impulse, 0.5 * gate_s, speed.sample_time_s, 2 * half + 1);
+    answer.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// J_d dω_d/dt = T_shaft − T_d.

@@ -87,6 +87,18 @@ fn stat_the_smoother_is_nearer_to_the_shaft_torque_than_the_filter_and_knows_how
     }
 }
 
+/// In a ramp no order has one frequency, so the smoother has no oscillation for it. What it leaves out, the filter shows.
+#[test]
+fn stat_where_the_speed_changes_the_band_of_the_smoother_still_holds_the_shaft_torque() {
+    let (experiment, truth) =
+        recorded(&centred(BenchParameters::default()), &ExperimentPlan::ramp_n_nt(1200.0, 20.0), 5);
+    let signals = of(&experiment);
+    let shaft = rebuilt(&signals);
+    let (smoothed, _, inside) = against_truth(shaft, &truth);
+    println!("off by {smoothed:.3} Nm, inside {inside:.3}, routes {:.3} Nm apart", shaft.routes_apart_nm);
+    assert!(inside > 0.9, "{inside}: off by {smoothed}, routes {} apart", shaft.routes_apart_nm);
+}
+
 /// The virtual bench's controller reads the speed that is recorded, so nothing tells the encoder's error from a motion.
 #[test]
 fn stat_an_unknown_once_a_turn_error_is_said_and_stands_at_order_1() {

@@ -80,6 +80,11 @@ fn replay(replay: &Replay) -> Blocks {
     .into()
 }
 
+/// The lowest fit of a replay's signals, %.
+pub(crate) fn lowest_fit(replay: &Replay) -> f64 {
+    replay.signals.iter().map(|signal| signal.fit_percent).fold(f64::INFINITY, f64::min)
+}
+
 /// Of a replay, the signal with the lowest fit and what is left of it, where it errs most: small enough for a first page, and
 /// short enough that measured and modelled are seen apart.
 pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
@@ -87,7 +92,8 @@ pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
     let shown = where_it_errs_most(worst);
     let mut panels = vec![signal(&shown), left_over(&shown)];
     panels.iter_mut().zip([110, 50]).for_each(|(panel, height)| panel.height = height);
-    let title = format!("Replay of {}: {}, the signal with the lowest fit", replay.label, worst.quantity);
+    let what = if replay.seen_in_estimation { "Replay" } else { "Worst replay of an unseen recording" };
+    let title = format!("{what}, {}: {}, the signal with the lowest fit", replay.label, worst.quantity);
     let (part, whole) = (shown.measured.values.len(), worst.measured.values.len());
     let duration = |samples: usize| number::duration(samples as f64 * worst.measured.sample_time_s);
     let part = match part < whole {

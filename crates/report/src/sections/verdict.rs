@@ -31,27 +31,43 @@ pub(crate) fn answer(study: &Study) -> Blocks {
     let mut all = Blocks::from(Block::Callout {
         tone: tone(verdict.level),
         kicker: "Verdict".to_owned(),
-        title: verdict.level.headline().to_owned(),
+        title: title(&verdict),
         blocks: judged(study, &verdict),
     });
-    all.push(key_numbers(study));
+    // Numbers of a model that is not to be used are not printed large.
+    if verdict.level != Level::Insufficient {
+        all.push(key_numbers(study));
+    }
     all.push(replay(study));
     all
+}
+
+/// The headline; of a model that is not to be used, its cause comes first.
+fn title(verdict: &Verdict) -> String {
+    let headline = verdict.level.headline();
+    match verdict.rules.iter().find(|rule| rule.level == Level::Insufficient) {
+        Some(rule) => format!("{}. {headline}", wording::capitalised(&rule.found)),
+        None => headline.to_owned(),
+    }
 }
 
 /// Why, for what the model is valid, and what to do.
 fn judged(study: &Study, verdict: &Verdict) -> Vec<Block> {
     let mut blocks = because(&verdict.rules);
-    let range = summary::range(&study.validity).filter(|_| study.whole.estimated().is_some());
+    let is_usable = study.whole.estimated().is_some() && verdict.level != Level::Insufficient;
+    let range = summary::range(&study.validity).filter(|_| is_usable);
     blocks.extend(range.map(|range| Block::paragraph(Prose::strong("Valid for ").then(range).then("."))));
     blocks.push(Block::paragraph(Prose::strong("Next: ").then(summary::next_step(study, verdict))));
     blocks
 }
 
-/// The replay that says most: of a recording that no part was estimated from, if there is one.
+/// The worst replay of a recording that no part was estimated from; where there is none, the worst of all.
 fn replay(study: &Study) -> Blocks {
-    let unseen = study.replays.iter().find(|replay| !replay.seen_in_estimation);
-    unseen.or(study.replays.first()).and_then(replays::headline).map(Blocks::from).unwrap_or_default()
+    let worst = |is_seen: bool| {
+        let replays = study.replays.iter().filter(|replay| replay.seen_in_estimation == is_seen);
+        replays.min_by(|a, b| replays::lowest_fit(a).total_cmp(&replays::lowest_fit(b)))
+    };
+    worst(false).or_else(|| worst(true)).and_then(replays::headline).map(Blocks::from).unwrap_or_default()
 }
 
 /// What the colour of a level says.

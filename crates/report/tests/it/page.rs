@@ -205,7 +205,13 @@ fn the_first_section_has_the_verdict_its_range_six_numbers_a_replay_and_what_to_
     let page = fixture::html(&fixture::complete());
     let first = page.split("<section id=\"known\">").next().unwrap_or_default();
     assert_eq!(first.matches("class=\"card").count() - first.matches("class=\"cards\"").count(), 6);
-    for words in ["Valid for", "993.1 to 2005 rpm", "Next:", "Replay of", "How the verdict was reached</summary>"] {
+    for words in [
+        "Valid for",
+        "993.1 to 2005 rpm",
+        "Next:",
+        "Worst replay of an unseen recording",
+        "How the verdict was reached</summary>",
+    ] {
         assert!(first.contains(words), "{words}: {first}");
     }
     assert_eq!(first.matches("<figure class=\"plot\"").count(), 1);
@@ -227,7 +233,7 @@ fn exact_the_summary_of_any_study_is_one_page_of_paper() {
         }
     }
     let text = page::markdown(&report::summary_page(&fixture::complete(), &fixture::origin()));
-    for words in ["Valid for", "993.1 to 2005 rpm", "Next:", "stiffness", "Replay of"] {
+    for words in ["Valid for", "993.1 to 2005 rpm", "Next:", "stiffness", "Worst replay of an unseen recording"] {
         assert!(text.contains(words), "{words}: {text}");
     }
 }

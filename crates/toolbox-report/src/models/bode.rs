@@ -2,18 +2,21 @@
 
 use std::f64::consts::{PI, TAU};
 
-use ident::uncertainty::{Dynamics, Feature, Features};
-use ident::{AnyModel, IdentError};
+use ident::IdentError;
+use ident::uncertainty::{Dynamics, Feature};
 use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
 use page::Axis;
 use page::decimal::{digits, with_range};
+use signal::Complex64;
 
 use super::curves::{Curve, Curves, Fact, Quantity, unstable};
-use super::model::{Model, channel_name, channels};
+use super::model::{LoopMargins, Model, channel_name, channels};
 use crate::words::ratio_unit;
 
 /// Frequencies of a Bode plot.
 const FREQUENCIES: usize = 400;
+/// A gain at rest this small beside the largest gain is rounding of zero; one this near to one is one.
+const ROUNDING: f64 = 1e-9;
 
 /// Frequency responses, models of one channel in one figure.
 ///
@@ -54,7 +57,7 @@ fn curve(
             Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
             Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
         ],
-        summary: summary(model, (output, input), omega, level)?,
+        summary: summary(model, (output, input), (omega, &response.response), level)?,
     })
 }
 
@@ -62,15 +65,22 @@ fn decibel(gain: f64) -> f64 {
     20.0 * gain.log10()
 }
 
-fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level: f64) -> Result<Vec<Fact>, IdentError> {
+fn summary(
+    model: &Model,
+    (output, input): (usize, usize),
+    (omega, response): (&[f64], &[Complex64]),
+    level: f64,
+) -> Result<Vec<Fact>, IdentError> {
     let features = model.features(output, input);
     let in_hertz = |name: &str, f: &Feature| {
         Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
     };
     let growing = model.growing_mode()?;
+    let largest = response.iter().map(|gain| gain.norm()).fold(0.0, f64::max);
+    let at_rest = features.dc_gain()?.map(|gain| (cleaned(gain.value, largest), gain.interval(level)));
     let mut facts = match &growing {
         Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
-        None => vec![gain_at_rest(model, &features, (output, input), level)?],
+        None => vec![gain_at_rest(model, at_rest, (output, input))],
     };
     for resonance in features.resonances(omega)? {
         let gain = &resonance.gain;
@@ -84,24 +94,45 @@ fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level:
     if let Some(bandwidth) = features.bandwidth_rad_s(omega)? {
         facts.push(in_hertz("bandwidth (−3 dB)", &bandwidth));
     }
-    if !model.is_noise && model.document.outputs[output].unit == model.document.inputs[input].unit {
-        facts.extend(margins(&features.margins(omega)?));
+    match model.margins {
+        LoopMargins::OfModel => {
+            // What reaches its input exactly at rest is a closed loop: closing it once more means nothing.
+            let is_closed = at_rest.is_some_and(|(gain, _)| gain == 1.0);
+            let is_of_one_kind = model.document.outputs[output].unit == model.document.inputs[input].unit;
+            if !model.is_noise && is_of_one_kind && !is_closed {
+                facts.extend(margins(&features.margins(omega)?));
+            }
+        }
+        LoopMargins::Within { gain_db, phase_deg, crossover_hz } if (output, input) == (0, 0) => {
+            let opened = "of the speed loop, opened at the controller";
+            facts.push(Fact::number("gain margin", gain_db, "dB", None).noted(opened.to_owned()));
+            let at = format!("at {} Hz, {opened}", digits(crossover_hz, 4));
+            facts.push(Fact::number("phase margin", phase_deg, "°", None).noted(at));
+        }
+        LoopMargins::Within { .. } | LoopMargins::None => {}
     }
     Ok(facts)
 }
 
-fn gain_at_rest(
-    model: &Model,
-    features: &Features<'_, AnyModel>,
-    (output, input): (usize, usize),
-    level: f64,
-) -> Result<Fact, IdentError> {
+/// A gain at rest without the rounding of zero and of one.
+fn cleaned(gain: f64, largest: f64) -> f64 {
+    match gain {
+        _ if gain.abs() < ROUNDING * largest => 0.0,
+        _ if (gain - 1.0).abs() < ROUNDING => 1.0,
+        _ => gain,
+    }
+}
+
+/// The gain at rest with its interval; none where the model integrates.
+fn gain_at_rest(model: &Model, gain: Option<(f64, Option<(f64, f64)>)>, (output, input): (usize, usize)) -> Fact {
     let unit = ratio_unit(&model.document.outputs[output].unit, &model.document.inputs[input].unit);
-    Ok(match features.dc_gain()? {
-        Some(gain) => Fact::number("gain at rest", gain.value, &unit, gain.interval(level))
-            .noted(format!("{} dB", digits(decibel(gain.value.abs()), 4))),
+    match gain {
+        Some((0.0, _)) => Fact::number("gain at rest", 0.0, &unit, None),
+        Some((gain, interval)) => {
+            Fact::number("gain at rest", gain, &unit, interval).noted(format!("{} dB", digits(decibel(gain.abs()), 4)))
+        }
         None => Fact::remark("gain at rest", "infinite: the model integrates"),
-    })
+    }
 }
 
 /// How far the loop that the model alone would close is from its stability limit: where output and input are of one kind,

@@ -10,6 +10,6 @@ mod step;
 
 pub use bode::bode;
 pub use curves::{Curves, Detail};
-pub use model::Model;
+pub use model::{LoopMargins, Model};
 pub use poles::{Poles, poles};
 pub use step::step;

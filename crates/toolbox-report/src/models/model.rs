@@ -11,6 +11,26 @@ pub struct Model {
     pub(super) fit: Option<Fit<AnyModel>>,
     /// Whether its inputs are its own noise.
     pub(super) is_noise: bool,
+    /// Which loop its stability margins are of.
+    pub(super) margins: LoopMargins,
+}
+
+/// Which loop the stability margins of a model are of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoopMargins {
+    /// The one that the model itself closes with a unit feedback.
+    OfModel,
+    /// One within the model, which is closed in it.
+    Within {
+        /// By how much the gain of the opened loop may grow, dB.
+        gain_db: f64,
+        /// Phase margin of the opened loop, degrees.
+        phase_deg: f64,
+        /// Where the gain of the opened loop is one, Hz.
+        crossover_hz: f64,
+    },
+    /// There is no loop whose margins mean anything.
+    None,
 }
 
 /// Every way from an input to an output of a model.
@@ -30,7 +50,7 @@ impl Model {
     /// Where the document holds an estimate that does not belong to its model.
     pub fn new(name: String, document: ModelDocument) -> Result<Self, IdentError> {
         let fit = document.estimate.as_ref().map(|_| document.fit()).transpose()?;
-        Ok(Model { name, document, fit, is_noise: false })
+        Ok(Model { name, document, fit, is_noise: false, margins: LoopMargins::OfModel })
     }
 
     /// A model as its inputs see it, and with `noise` as its noise does too; of a time series that is all there is.
@@ -43,6 +63,12 @@ impl Model {
         let of_noise = of_noise.map(|document| Model::new(name.to_owned(), document)).transpose()?;
         let of_noise = of_noise.map(|model| Model { is_noise: true, ..model });
         Ok(whole.into_iter().chain(of_noise).collect())
+    }
+
+    /// The same model, with margins of this loop.
+    #[must_use]
+    pub fn with_margins(self, margins: LoopMargins) -> Self {
+        Model { margins, ..self }
     }
 
     /// What it is called beside others.

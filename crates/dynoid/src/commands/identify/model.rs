@@ -3,7 +3,7 @@
 use ident::IdentError;
 use toolbox_report::models::{self, Curves, Detail, Model};
 
-use super::model_file;
+use super::model_file::{self, NamedModel};
 use crate::cli::identify::{CurveArguments, ModelArguments};
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
@@ -44,8 +44,9 @@ fn read(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
     let mut all = Vec::new();
     for path in &arguments.models {
         let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
-        for (name, document) in model_file::read_all(path)? {
-            all.extend(Model::with_noise(&name, document, arguments.noise).map_err(wrong)?);
+        for NamedModel { name, document, margins } in model_file::read_all(path)? {
+            let models = Model::with_noise(&name, document, arguments.noise).map_err(wrong)?;
+            all.extend(models.into_iter().map(|model| model.with_margins(margins)));
         }
     }
     Ok(all)

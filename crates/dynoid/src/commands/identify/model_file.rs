@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use ::bench_model::analysis;
 use ::bench_model::document::{BenchModelDocument, from_json};
 use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{DocumentHeader, Experiment, Intersample, ModelDocument};
 use toolbox_report::data::Purpose;
+use toolbox_report::models::LoopMargins;
 use units::may_be_same;
 
 use super::data::{Files, Gaps, Loaded, take_about};
@@ -61,15 +63,35 @@ impl AnyModelFile {
     }
 }
 
-/// Reads a model file, or a bench model as linear models: each with its name.
-pub(super) fn read_all(path: &Path) -> Result<Vec<(String, ModelDocument)>, CliError> {
+/// A linear model with its name.
+pub(super) struct NamedModel {
+    pub(super) name: String,
+    pub(super) document: ModelDocument,
+    /// Which loop its margins are of.
+    pub(super) margins: LoopMargins,
+}
+
+/// Reads a model file, or a bench model as linear models. A bench model has the margins of its speed loop, which is closed in it.
+pub(super) fn read_all(path: &Path) -> Result<Vec<NamedModel>, CliError> {
     let name = name(path);
     let bench = match AnyModelFile::read(path)? {
-        AnyModelFile::Linear(document) => return Ok(vec![(name, *document)]),
+        AnyModelFile::Linear(document) => {
+            return Ok(vec![NamedModel { name, document: *document, margins: LoopMargins::OfModel }]);
+        }
         AnyModelFile::Bench(bench) => bench,
     };
+    let speed_loop = analysis::margins(&bench.model).map_or(LoopMargins::None, |found| LoopMargins::Within {
+        gain_db: found.gain_margin_db,
+        phase_deg: found.phase_margin_deg,
+        crossover_hz: found.crossover_hz,
+    });
     let models = export::toolbox_models(&bench).map_err(|source| CliError::Export { path: path.to_owned(), source })?;
-    Ok(models.into_iter().map(|(mode, document)| (format!("{name} {mode}"), document)).collect())
+    let named = |(mode, document): (&str, ModelDocument)| NamedModel {
+        name: format!("{name} {mode}"),
+        margins: if document.inputs.iter().any(|input| input.name == "N_d*") { speed_loop } else { LoopMargins::None },
+        document,
+    };
+    Ok(models.into_iter().map(named).collect())
 }
 
 /// Checks that a model can be written there: under the ending .json, but for what is no file.

@@ -103,7 +103,7 @@ fn kind(cause: &Cause) -> &'static str {
         Cause::StructuralResonance => "structural",
         Cause::SensorResonance => "sensor",
         Cause::Undecided { .. } => "undecided",
-        Cause::Unknown => "none",
+        Cause::BroadHump | Cause::Unknown => "none",
     }
 }
 
@@ -239,7 +239,8 @@ impl Drawn {
         };
         let mut text = format!(
             "[bench]\nname = \"x\"\nvariant = \"{variant}\"\ncylinders = {cylinders}\nstrokes = {strokes}\n\
-             dynamometer_inertia = 0.6\nengine_inertia = 0.28\n[channels]\n"
+             dynamometer_inertia = {}\nengine_inertia = {}\n[channels]\n",
+            self.parameters.mechanics.dyno_inertia_kg_m2, self.parameters.mechanics.engine_inertia_kg_m2
         );
         let of_any =
             [Role::DynoSpeed, Role::EngineSpeed, Role::DynoSpeedDemand, Role::DynoTorqueDemand, Role::AirGapTorque];
@@ -257,7 +258,7 @@ impl Drawn {
     }
 
     pub(crate) fn look(&self) -> RecordingLines {
-        find_lines(&self.recorded(), self.engine())
+        find_lines(&self.recorded(), &self.bench_file())
     }
 
     fn without(&self, source: usize) -> Option<Experiment> {
@@ -366,7 +367,7 @@ impl Labelled {
     pub(crate) fn new(drawn: Drawn) -> Self {
         let whole = drawn.recorded();
         Labelled {
-            look: find_lines(&whole, drawn.engine()),
+            look: find_lines(&whole, &drawn.bench_file()),
             unfolded: drawn.unfolded(),
             without: std::array::from_fn(|source| drawn.without(source)),
             angle: drawn.angle(),

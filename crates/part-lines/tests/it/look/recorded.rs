@@ -3,7 +3,6 @@
 //! ripple at 100 Hz, part of it in proportion to its torque; torque demands are held for 10 ms.
 
 use part_lines::lines::{Cause, Line, RecordingLines, find_lines};
-use rig::facts::Engine;
 use rig::{BenchFile, Role, prepare};
 
 use bench_testkit::benches::bench_file;
@@ -37,7 +36,7 @@ fn looked(bench: &str, file: &BenchFile, is_meant: impl Fn(&str) -> bool) -> Vec
     let meant = recordings(bench).into_iter().filter(|(name, _)| is_meant(name));
     let looks = meant.map(|(name, recording)| {
         let (experiment, _) = prepare(&name, &recording, file, file.label_of(&name).unwrap()).unwrap();
-        find_lines(&experiment, Engine { cylinders: 4, strokes: 4 })
+        find_lines(&experiment, file)
     });
     looks.collect()
 }

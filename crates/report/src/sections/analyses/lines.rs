@@ -1,10 +1,14 @@
 //! Lines of the spectra.
 
+use std::cmp::Ordering;
+
 use page::{Align, Block, Blocks, Prose, Table};
 use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 
+use rig::Role;
+
 use super::{figures, heading, no_result, plain_table, sentence};
-use crate::lines::{cause, figure, over_speed_figures, unit};
+use crate::lines::{cause, figure, kind_of_cause, over_speed_figures, unit};
 use crate::wording::number;
 
 /// Lines of a signal that are looked at for those to mind, the strongest first.
@@ -86,14 +90,88 @@ fn row(look: &RecordingLines, first: &Line, of: &[(&SignalLines, &Line)]) -> Vec
     ]
 }
 
-/// Every line of every recording, `most` a signal (zero shows all), then the orders over the speed, then the figures.
-pub(crate) fn every_line(looks: &[RecordingLines], signals: &[OverSpeed], most: usize) -> Blocks {
+/// Every line of every recording, `most` a signal; zero shows all.
+pub(crate) fn every_line(looks: &[RecordingLines], most: usize) -> Blocks {
+    looks.iter().flat_map(|look| look.parts.iter().map(move |part| lines_of(look, part, most))).collect()
+}
+
+/// The lines of all recordings by their causes, of the `most` strongest of each signal; zero counts all.
+pub(crate) fn summed_up(looks: &[RecordingLines], most: usize) -> Blocks {
+    let mut kinds: Vec<Kind<'_>> = Vec::new();
+    for (place, look) in looks.iter().enumerate() {
+        for signal in look.parts.iter().flat_map(|part| &part.signals) {
+            let counted = if most == 0 { signal.lines.len() } else { most };
+            for line in signal.lines.iter().take(counted) {
+                let name = kind_of_cause(&line.cause);
+                match kinds.iter_mut().find(|kind| kind.name == name) {
+                    Some(kind) => kind.seen.push((place, signal.role, line)),
+                    None => kinds.push(Kind { name, seen: vec![(place, signal.role, line)] }),
+                }
+            }
+        }
+    }
+    kinds.sort_by(|a, b| a.rank().partial_cmp(&b.rank()).unwrap_or(Ordering::Equal));
+    let mut all = heading("The lines of all recordings, by their causes");
+    let heads = ["What it is", "Hz", "Recordings", "Largest"];
+    all.push(plain_table(&heads, kinds.iter().map(|kind| kind.row(looks.len()))));
+    all.push(sentence("With `--each`, the lines of each signal of each recording are shown"));
+    all
+}
+
+/// Lines of one cause, each with the place of its recording and its signal.
+struct Kind<'a> {
+    name: String,
+    seen: Vec<(usize, Role, &'a Line)>,
+}
+
+impl Kind<'_> {
+    /// Orders first, by their number; then what has another cause; then what has none.
+    fn rank(&self) -> (u8, f64) {
+        match self.seen.first().map(|(_, _, line)| &line.cause) {
+            Some(Cause::Order { order, .. }) => (0, *order),
+            Some(Cause::FoldedOrder { order, .. }) => (1, *order),
+            Some(Cause::OrderSideband { order, .. }) => (2, *order),
+            Some(Cause::Mains { multiple, .. }) => (3, f64::from(*multiple)),
+            Some(Cause::Undecided { .. }) => (5, 0.0),
+            Some(Cause::BroadHump) => (6, 0.0),
+            Some(Cause::Unknown) | None => (7, 0.0),
+            Some(_) => (4, 0.0),
+        }
+    }
+
+    fn row(&self, recordings: usize) -> Vec<String> {
+        let hertz = || self.seen.iter().map(|(_, _, line)| line.frequency_hz);
+        let (low, high) = (hertz().fold(f64::INFINITY, f64::min), hertz().fold(0.0, f64::max));
+        let [from, to] = [low, high].map(|hz| number::significant(hz, 4));
+        let mut places: Vec<usize> = self.seen.iter().map(|(place, _, _)| *place).collect();
+        places.dedup();
+        vec![
+            self.name.clone(),
+            if from == to { from } else { format!("{from} … {to}") },
+            format!("{} of {recordings}", places.len()),
+            self.largest(),
+        ]
+    }
+
+    /// The largest of a speed and the largest of a torque.
+    fn largest(&self) -> String {
+        let of = |wanted: &str| {
+            let own = self.seen.iter().filter(|(_, role, _)| unit(*role).0 == wanted);
+            let (_, role, line) = own.max_by(|a, b| a.2.amplitude.total_cmp(&b.2.amplitude))?;
+            let amplitude = number::significant_with_unit(unit(*role).1 * line.amplitude, 3, wanted);
+            Some(format!("{} {amplitude}", role.symbol()))
+        };
+        ["rpm", "Nm", "%"].into_iter().filter_map(of).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Tables, then the orders over the speed, then the figures.
+pub(crate) fn with_figures(tables: Blocks, looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
     let over = match looks {
         [one] => one.file.clone(),
         _ => "All recordings".to_owned(),
     };
-    let mut all: Blocks =
-        looks.iter().flat_map(|look| look.parts.iter().map(move |part| lines_of(look, part, most))).collect();
+    let mut all = tables;
     all.push(orders(&over, signals));
     all.push(figures(over_speed_figures(&over, signals)));
     let spectra = looks.iter().flat_map(|look| look.parts.iter().map(move |part| figure(look, part)));

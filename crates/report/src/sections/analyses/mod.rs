@@ -13,7 +13,7 @@ mod torque_control;
 pub(crate) use controller::{controller, feed_forward, pi_study};
 pub(crate) use engine::engine;
 pub(crate) use friction::{friction, friction_of};
-pub(crate) use lines::{every_line, lines};
+pub(crate) use lines::{every_line, lines, summed_up, with_figures};
 pub(crate) use next::{next, next_experiment};
 pub(crate) use recorded::{courses, step};
 pub(crate) use shaft::shaft;
