@@ -26,6 +26,8 @@ const ROWS_PER_COEFFICIENT: usize = 10;
 const DECAYED: f64 = 1e-10;
 /// What is left of an autocovariance when it counts as over.
 const MEMORY: f64 = 1e-4;
+/// Autocovariances that a count of independent rows takes in, at most.
+const REACH: usize = 10_000;
 
 /// The autocorrelation of residuals as an autoregression `ṽ(t) = Σ A_k ṽ(t−k) + e(t)` of the series read backwards.
 #[derive(Debug, Clone)]
@@ -93,6 +95,17 @@ impl Colour {
         }
         // Those of the series read backwards are transposed.
         moments.iter().map(|m| m.transpose().to_owned()).collect()
+    }
+
+    /// As many rows of one output determine a mean square, or the correlation with a series that is as coloured, as one
+    /// independent row does.
+    ///
+    /// # Source
+    /// Bartlett, *Some aspects of the time-correlation problem in regard to tests of significance*, J. R. Stat. Soc. 98, 1935.
+    pub(crate) fn rows_per_independent(&self) -> f64 {
+        let moments = self.autocovariances(REACH);
+        let at = |moment: &Mat<f64>| moment[(0, 0)] / moments[0][(0, 0)];
+        1.0 + 2.0 * moments.iter().skip(1).map(|moment| at(moment).powi(2)).sum::<f64>()
     }
 
     /// Degrees of freedom of a variance that rests on the spectrum at low frequencies, `N/2p` for `p` lags.

@@ -103,6 +103,8 @@ pub enum Doubt {
         /// Of how many.
         of: usize,
     },
+    /// Inputs are taken to have been, before each record, what they are at its first sample.
+    HeldBefore,
     /// A parameter is at a bound: it has no interval, and the covariance of the others holds with it there.
     AtBound {
         /// Its index.

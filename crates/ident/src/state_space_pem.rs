@@ -5,12 +5,14 @@ use lti::Innovations;
 use crate::data::check_missing;
 use crate::state_space::{Information, Search, StateSpaceModel, estimate};
 use crate::subspace::{StateOrder, Subspace};
-use crate::{Dataset, Doubt, Fit, Focus, IdentError, LinearModel};
+use crate::{Arx, Dataset, Doubt, Fit, Focus, IdentError, LinearModel, Termination};
 
 /// Data of so many samples are searched in part first: the steps that are left from there are few ...
 const LONG: usize = 100_000;
 /// ... in one of so many of them.
 const PART: usize = 10;
+/// Steps that show whether a search from an ARX model leads lower.
+const GLANCE: usize = 5;
 
 /// Prediction-error estimation of a state-space model in innovations form.
 ///
@@ -18,7 +20,7 @@ const PART: usize = 10;
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ` over all of `A`, `B`, `C`, `D`, `K` and the initial state of each experiment by damped
 /// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of
-/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate; of 100 000 samples or
+/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate, and of one output at the ARX model of the same order where that leads lower; of 100 000 samples or
 /// more, at the model of a tenth of them, where that is better. Steps that shrink slowly are extrapolated.
 /// Data are taken as they are: remove offsets first.
 ///
@@ -121,7 +123,10 @@ impl StateSpacePem {
         {
             search = from_there.near_the_end();
         }
-        let termination = search.run(self.iteration_limit)?;
+        let mut termination = search.run(self.iteration_limit)?;
+        if let Some(other) = self.from_equation_error(data, &search, estimated) {
+            (search, termination) = other;
+        }
         let (iterations, initial_states, model) = search.into_parts();
         let mut fit = estimate(data, &model, initial_states, estimated, Information::All)?;
         (fit.termination, fit.iterations) = (termination, iterations);
@@ -133,6 +138,26 @@ impl StateSpacePem {
         }
         let fit = if self.focus == Focus::Simulation { fit.doubting_feedback(data) } else { fit };
         Ok(fit.made_by(self.focus.method(), data))
+    }
+
+    /// The search from the ARX model of the same order, which least squares find whatever the data, where it leads lower: that
+    /// model is one of those that are searched, so that a search which ends above it went astray.
+    fn from_equation_error<'a>(
+        &self,
+        data: &'a Dataset,
+        found: &Search<'a, StateSpaceModel>,
+        estimated: usize,
+    ) -> Option<(Search<'a, StateSpaceModel>, Termination)> {
+        let n = found.model().system().states();
+        let start = equation_error(data, n, self.feedthrough, self.focus == Focus::Prediction)?;
+        let zero = vec![vec![0.0; n]; data.experiments().len()];
+        let mut other = Search::new(data, start, zero, estimated).ok()?;
+        let glanced = other.run(GLANCE.min(self.iteration_limit)).ok()?;
+        if other.criterion() >= found.criterion() {
+            return None;
+        }
+        let termination = if glanced.converged() { glanced } else { other.run(self.iteration_limit).ok()? };
+        Some((other, termination))
     }
 
     /// The model of a part of long data; none where it cannot be found.
@@ -164,6 +189,19 @@ impl StateSpacePem {
         };
         subspace.start(data)
     }
+}
+
+/// The ARX model of one output with so many states; none of several outputs, of short data or of long ones, whose searches
+/// are dear.
+fn equation_error(data: &Dataset, states: usize, feedthrough: bool, noise_model: bool) -> Option<StateSpaceModel> {
+    if data.outputs() != 1 || data.samples() >= LONG {
+        return None;
+    }
+    let (nb, nk) = if feedthrough { (states + 1, 0) } else { (states, 1) };
+    let found = Arx::new(states, nb, nk).fit(data).ok()?.model.innovations().ok()?;
+    let (system, covariance) = (found.system().clone(), found.noise_covariance().to_owned());
+    let found = if noise_model { found } else { Innovations::output_error(system, covariance).ok()? };
+    (found.system().states() == states).then(|| StateSpaceModel::new(found, feedthrough, noise_model))
 }
 
 #[cfg(test)]

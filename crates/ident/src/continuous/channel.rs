@@ -21,6 +21,17 @@ pub trait ContinuousChannel: Parametric + Sync {
     /// Which parameter is the delay in seconds, where there is one.
     fn delay_parameter(&self) -> Option<usize>;
 
+    /// Parameters whose intervals a profile of the errors has to confirm: that of the delay at least.
+    fn profiled_parameters(&self) -> Vec<usize> {
+        self.delay_parameter().into_iter().collect()
+    }
+
+    /// The same with equal time constants a little apart, where there are any: where two are equal no data separate them, and
+    /// nothing says how certain they are.
+    fn apart(&self) -> Option<Self> {
+        None
+    }
+
     /// The continuous transfer function at the parameters; numerator and denominator are polynomials of degree two at
     /// most in each single parameter.
     ///

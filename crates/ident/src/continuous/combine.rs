@@ -7,22 +7,25 @@ use super::channel::ContinuousChannel;
 use super::estimate::{Combined, OutputFit, Settings, doubts, errors, resting};
 use super::model::ContinuousModel;
 use super::output_error::Nuisance;
-use super::record::records;
+use super::record::{Beginning, records};
 use super::{followed, initial, joint};
 use crate::band_limited::Ground;
 use crate::excited_lines::Lines;
 use crate::{Dataset, Doubt, Fit, IdentError, Parametric, Termination};
 
+/// Ends of a profile this close to those of the covariance are the same, as a part of these.
+const SAME: f64 = 0.1;
+
 /// One model of all outputs, from the estimate of each.
 pub(crate) fn combine<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    first: usize,
+    beginning: Beginning,
     parts: &[OutputFit<C>],
     settings: Settings,
 ) -> Result<Fit<ContinuousModel<C>>, IdentError> {
-    let combined = match joint::together(ground, first, parts, settings)? {
+    let combined = match joint::together(ground, beginning, parts, settings)? {
         Some(combined) => combined,
-        None => side_by_side(ground, first, parts)?,
+        None => side_by_side(ground, beginning, parts)?,
     };
     let channels: Vec<C> = parts.iter().flat_map(|p| p.model.channels().to_vec()).collect();
     let data = ground.plain;
@@ -32,14 +35,15 @@ pub(crate) fn combine<C: ContinuousChannel>(
         Mat::from_fn(parts.len(), parts.len(), |i, j| moments[(i, j)] * (scale(i) * scale(j)).sqrt());
     let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
     let model = model.with_parameters(&combined.parameters)?;
-    let levels = levels(ground, first, &model, parts, settings)?;
-    let followed = followed::doubts(ground, first, parts, settings.nuisance.offset)?;
+    let levels = levels(ground, beginning, &model, parts, settings)?;
+    let followed = followed::doubts(ground, beginning, parts, settings.nuisance.offset)?;
     let resting = combined.resting.iter().map(|parameter| Doubt::AtBound { parameter: *parameter }).collect();
     let samples = parts.iter().map(|p| p.minimum.residuals.len()).min().unwrap_or(0);
     let usual = doubts(data, samples, combined.termination.converged(), combined.condition);
+    let past = if beginning.is_held { vec![Doubt::HeldBefore] } else { Vec::new() };
     let few = few_lines(data, parts)?;
     let fit = Fit {
-        covariance: combined.covariance,
+        covariance: by_profiles(combined.covariance, parts),
         degrees_of_freedom: combined.degrees_of_freedom,
         noise_covariance,
         // Rounding may take the determinant of a singular covariance below zero.
@@ -51,7 +55,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
         termination: combined.termination,
         iterations: combined.iterations,
         condition: combined.condition,
-        doubts: [few, usual, resting, followed].concat(),
+        doubts: [few, usual, past, resting, followed].concat(),
         origin: None,
         model,
     };
@@ -61,10 +65,30 @@ pub(crate) fn combine<C: ContinuousChannel>(
     Ok(Fit { initial_states, ..fit }.doubting(data).doubting_feedback(&about))
 }
 
+/// The covariance with every delay as uncertain as its profile shows it where that is not as the covariance has it: the
+/// further end counts.
+fn by_profiles<C: ContinuousChannel>(mut covariance: Mat<f64>, parts: &[OutputFit<C>]) -> Mat<f64> {
+    let (mut first, total) = (0, covariance.nrows());
+    for part in parts {
+        for ends in &part.ends {
+            let (factor, at) = (ends.over_covariance(part), first + ends.parameter);
+            if !factor.is_finite() || (factor - 1.0).abs() <= SAME {
+                continue;
+            }
+            for other in 0..total {
+                covariance[(at, other)] *= factor;
+                covariance[(other, at)] *= factor;
+            }
+        }
+        first += part.minimum.parameters.len();
+    }
+    covariance
+}
+
 /// The constant of every output in each experiment, of one too short to have any their mean; none where none are estimated.
 fn levels<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    first: usize,
+    beginning: Beginning,
     model: &ContinuousModel<C>,
     parts: &[OutputFit<C>],
     settings: Settings,
@@ -77,12 +101,12 @@ fn levels<C: ContinuousChannel>(
     for (output, part) in parts.iter().enumerate() {
         let channels = model.channels().iter().skip(output * model.channels().len() / parts.len());
         let own = channels.take(ground.plain.inputs()).flat_map(C::parameters).collect::<Vec<f64>>();
-        let records = records(ground, output, first)?;
+        let records = records(ground, output, beginning)?;
         let found = errors(&part.model, &records, ground.plain, settings).levels(&own)?;
         let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
         let mut found = found.into_iter();
         for (of, experiment) in all.iter_mut().zip(experiments) {
-            of[output] = if experiment.len() > first { found.next().unwrap_or(mean) } else { mean };
+            of[output] = if experiment.len() > beginning.first { found.next().unwrap_or(mean) } else { mean };
         }
     }
     Ok(all)
@@ -111,7 +135,7 @@ fn few_lines<C: ContinuousChannel>(data: &Dataset, parts: &[OutputFit<C>]) -> Re
 /// The estimates of the outputs as they are, those of different outputs taken as uncorrelated.
 fn side_by_side<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    first: usize,
+    beginning: Beginning,
     parts: &[OutputFit<C>],
 ) -> Result<Combined, IdentError> {
     let total = parts.iter().map(|p| p.minimum.parameters.len()).sum();
@@ -122,7 +146,7 @@ fn side_by_side<C: ContinuousChannel>(
         all_resting.extend(resting(&part.minimum, &part.bounds).iter().map(|j| offset + j));
         covariance.submatrix_mut(offset, offset, n, n).copy_from(&part.covariance);
         at_bound.extend_from_slice(&part.minimum.at_bound);
-        series.push(part.residual_series(&records(ground, i, first)?).concat());
+        series.push(part.residual_series(&records(ground, i, beginning)?).concat());
         offset += n;
     }
     let worst = parts.iter().map(|p| p.minimum.termination).find(|t| !t.converged());

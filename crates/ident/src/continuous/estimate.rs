@@ -6,8 +6,10 @@ use numerics::vector::sum_of_squares;
 use super::channel::ContinuousChannel;
 use super::model::ContinuousModel;
 use super::output_error::{Nuisance, OutputError};
+use super::profile::{self, Ends, Shown};
 use super::record::{Record, liveliest};
 use crate::colour::{Colour, Sandwich};
+use crate::nonlinear::lowest_point;
 use crate::structure_error::StructureError;
 use crate::{
     Bounds, Dataset, Doubt, IdentError, Minimum, NonlinearOptions, Parametric, ResidualModel, Termination, minimise,
@@ -18,6 +20,12 @@ const COMPARED: usize = 20_000;
 
 /// Rows from which on a search goes by way of so many.
 const LONG: usize = 5 * COMPARED;
+
+/// Best of the starting models after a few steps that short data are searched from to the end.
+const POLISHED: usize = 3;
+
+/// Rounds in which a profile may lead to a better estimate.
+const PROFILES: usize = 4;
 
 /// Steps each starting model gets before the best is kept.
 const TRIAL_STEPS: usize = 15;
@@ -53,6 +61,8 @@ pub(crate) struct OutputFit<C> {
     /// Initial states and offsets that took degrees of freedom.
     pub(crate) nuisance: usize,
     pub(crate) bounds: Vec<Bounds>,
+    /// Of the delays, where their profiles were looked at.
+    pub(crate) ends: Vec<Ends>,
     /// Whether the errors are smallest here; otherwise the estimate is of another kind.
     pub(crate) is_searched: bool,
 }
@@ -117,16 +127,64 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
         true => refined(data, records, (&starts[0], &tried[0]), bounds, settings),
         false => tried[0].clone(),
     };
-    let mut minimum = minimise(&mut problem, &begin, bounds, settings.search)?;
-    let mut residuals = vec![0.0; minimum.residuals.len()];
-    for theta in &tried[1..] {
-        let is_better =
-            problem.evaluate(theta, &mut residuals, None).is_ok() && sum_of_squares(&residuals) < minimum.cost;
-        if is_better && let Ok(other) = minimise(&mut problem, theta, bounds, settings.search) {
-            minimum = if other.cost < minimum.cost { other } else { minimum };
+    let mut found = minimum_from(&mut problem, &begin, bounds, settings);
+    let (mut residuals, is_short) = (vec![0.0; problem.residual_count()], problem.residual_count() < COMPARED);
+    for (place, theta) in tried.iter().enumerate().skip(1) {
+        let least = found.as_ref().map_or(f64::INFINITY, |minimum| minimum.cost);
+        // The start that is best after a few steps need not lead lowest.
+        let is_better = problem.evaluate(theta, &mut residuals, None).is_ok() && sum_of_squares(&residuals) < least;
+        if !is_better && !(is_short && place < POLISHED) {
+            continue;
+        }
+        match minimum_from(&mut problem, theta, bounds, settings) {
+            Ok(other) if other.cost < least => found = Ok(other),
+            _ => {}
         }
     }
+    let minimum = found?;
     judged(&starts[0], minimum, &problem, bounds, records)
+}
+
+/// The minimum from these parameters; where it has equal time constants, with these a little apart.
+fn minimum_from<C: ContinuousChannel>(
+    problem: &mut OutputError<'_, C>,
+    theta: &[f64],
+    bounds: &[Bounds],
+    settings: Settings,
+) -> Result<Minimum, IdentError> {
+    let first = minimise(problem, theta, bounds, settings.search);
+    if !matches!(first, Err(IdentError::RankDeficient { .. })) {
+        return first;
+    }
+    let at = lowest_point(problem, theta, bounds, settings.search)?.1;
+    let model = problem.model.with_parameters(&at)?;
+    let apart: Vec<f64> =
+        model.channels().iter().flat_map(|c| c.apart().unwrap_or_else(|| c.clone()).parameters()).collect();
+    if apart == at {
+        return first;
+    }
+    let stay = NonlinearOptions { iteration_limit: 0, ..settings.search };
+    let minimum = minimise(problem, &clamped(&apart, bounds), bounds, stay)?;
+    Ok(Minimum { termination: Termination::SmallDecrease, ..minimum })
+}
+
+/// The estimate with the ends of its delays by their profiles, at the better minimum that these may lead to.
+pub(crate) fn profiled<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    mut found: OutputFit<C>,
+    settings: Settings,
+) -> Result<OutputFit<C>, IdentError> {
+    for _ in 0..PROFILES {
+        match profile::ends(data, records, &found, settings) {
+            Shown::Ends(ends) => return Ok(OutputFit { ends, ..found }),
+            Shown::Better(theta) => {
+                let start = found.model.with_parameters(&theta)?;
+                found = fit_output(data, records, &[start], &found.bounds, settings)?;
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// Where a search in long data begins: at the minimum of their liveliest part, from which few steps are left.
@@ -139,8 +197,8 @@ fn refined<C: ContinuousChannel>(
 ) -> Vec<f64> {
     let short = liveliest(records, COMPARED);
     let within = settings.within(&short, records);
-    let found = minimise(&mut errors(start, &short, data, within), theta, bounds, within.search);
-    found.map_or_else(|_| theta.to_vec(), |minimum| minimum.parameters)
+    let found = lowest_point(&mut errors(start, &short, data, within), theta, bounds, within.search);
+    found.map_or_else(|_| theta.to_vec(), |(_, parameters)| parameters)
 }
 
 /// What a few steps make of each starting model on the liveliest part of the data, best first; a single one as it is.
@@ -160,8 +218,8 @@ fn try_starts<C: ContinuousChannel>(
     let (mut tried, mut failure) = (Vec::with_capacity(starts.len()), None);
     for start in starts {
         let theta = clamped(&start.parameters(), bounds);
-        match minimise(&mut errors(start, &short, data, settings), &theta, bounds, trial) {
-            Ok(minimum) => tried.push((minimum.cost, minimum.parameters)),
+        match lowest_point(&mut errors(start, &short, data, settings), &theta, bounds, trial) {
+            Ok(lowest) => tried.push(lowest),
             Err(error) => failure = Some(error),
         }
     }
@@ -209,6 +267,7 @@ fn judged<C: ContinuousChannel>(
         degrees_of_freedom,
         nuisance,
         bounds: bounds.to_vec(),
+        ends: Vec::new(),
         is_searched: true,
     })
 }
@@ -225,13 +284,16 @@ fn residual_series(minimum: &Minimum, records: &[Record<'_>]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.output[r.first..].iter().map(&mut placed).collect()).collect()
 }
 
-/// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom.
+/// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom. No
+/// variance is less than with white errors: of short records the residuals look more opposed from sample to sample than the
+/// errors are, since the fit has taken out what is slow.
 fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Result<(Mat<f64>, f64), IdentError> {
     let remaining = minimum.degrees_of_freedom() - nuisance as f64;
     let series = residual_series(minimum, records);
     let colour = Colour::of(&series, 1);
+    let white = faer::Scale(minimum.cost / remaining) * &minimum.unscaled_covariance;
     if colour.is_white() {
-        return Ok((faer::Scale(minimum.cost / remaining) * &minimum.unscaled_covariance, remaining));
+        return Ok((white, remaining));
     }
     let n = minimum.parameters.len();
     let (mut sandwich, mut row, mut index) = (Sandwich::new(&colour, &minimum.unscaled_covariance)?, vec![0.0; n], 0);
@@ -247,7 +309,11 @@ fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Res
         sandwich.finish_series();
     }
     let scale = minimum.residuals.len() as f64 / remaining;
-    Ok((faer::Scale(scale) * sandwich.covariance(), remaining.min(colour.degrees_of_freedom())))
+    let coloured = faer::Scale(scale) * sandwich.covariance();
+    let ratio = |j: usize| (white[(j, j)] / coloured[(j, j)]).sqrt();
+    let factors: Vec<f64> = (0..n).map(ratio).map(|r| if r.is_finite() { r.max(1.0) } else { 1.0 }).collect();
+    let covariance = Mat::from_fn(n, n, |i, j| factors[i] * factors[j] * coloured[(i, j)]);
+    Ok((covariance, remaining.min(colour.degrees_of_freedom())))
 }
 
 fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {

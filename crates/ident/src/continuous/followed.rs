@@ -2,7 +2,7 @@
 
 use super::channel::{ContinuousChannel, Degrees};
 use super::estimate::OutputFit;
-use super::record::{Record, liveliest, records};
+use super::record::{Beginning, Record, liveliest, records};
 use super::srivc::Structure;
 use super::start::quick_candidate;
 use crate::band_limited::Ground;
@@ -25,19 +25,16 @@ const ROUNDING: f64 = 1e-6;
 /// A lag alone cannot follow what it leaves of a resonance.
 const LEAST_POLES: usize = 2;
 
-/// Autocovariances of the residual are taken this far.
-const REACH: usize = 10_000;
-
 /// The outputs whose residual a further model of the same structure explains in part.
 pub(super) fn doubts<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    first: usize,
+    beginning: Beginning,
     parts: &[OutputFit<C>],
     offset: bool,
 ) -> Result<Vec<Doubt>, IdentError> {
     let mut doubts = Vec::new();
     for (output, part) in parts.iter().enumerate() {
-        let measured = records(ground, output, first)?;
+        let measured = records(ground, output, beginning)?;
         let series = part.residual_series(&measured);
         let share = share(ground, part, &measured, &series, offset)?;
         doubts.extend(share.map(|share| Doubt::FollowsInputs { output, share }));
@@ -87,14 +84,8 @@ fn share<C: ContinuousChannel>(
 }
 
 /// As how many independent samples the records determine the correlation with another series that is as coloured.
-///
-/// # Source
-/// Bartlett, *Some aspects of the time-correlation problem in regard to tests of significance*, J. R. Stat. Soc. 98, 1935.
 fn independent_samples(records: &[Record<'_>]) -> f64 {
     let series: Vec<Vec<f64>> = records.iter().map(|r| r.output[r.first..].to_vec()).collect();
-    let autocovariances = Colour::of(&series, 1).autocovariances(REACH);
-    let at = |lag: usize| autocovariances[lag][(0, 0)] / autocovariances[0][(0, 0)];
-    let excess: f64 = (1..autocovariances.len()).map(|lag| at(lag).powi(2)).sum();
     let rows: usize = records.iter().map(Record::rows).sum();
-    rows as f64 / (1.0 + 2.0 * excess)
+    rows as f64 / Colour::of(&series, 1).rows_per_independent()
 }

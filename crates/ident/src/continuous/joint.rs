@@ -14,7 +14,7 @@ use super::channel::ContinuousChannel;
 use super::estimate::{Combined, OutputFit, Settings, errors};
 use super::output_error::{OutputError, Ready};
 use super::projection::Basis;
-use super::record::{Record, records};
+use super::record::{Beginning, Record, records};
 use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich};
 use crate::dense::whitening;
@@ -38,14 +38,14 @@ const SHARED: f64 = 0.5;
 /// outputs sampled at different instants.
 pub(super) fn together<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    first: usize,
+    beginning: Beginning,
     parts: &[OutputFit<C>],
     settings: Settings,
 ) -> Result<Option<Combined>, IdentError> {
     if parts.len() < 2 || parts.iter().any(|part| !part.is_searched) {
         return Ok(None);
     }
-    let records = (0..parts.len()).map(|i| records(ground, i, first)).collect::<Result<Vec<_>, _>>()?;
+    let records = (0..parts.len()).map(|i| records(ground, i, beginning)).collect::<Result<Vec<_>, _>>()?;
     let instants = Instants::new(&records);
     if !instants.are_shared() {
         return Ok(None);

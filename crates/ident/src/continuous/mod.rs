@@ -9,6 +9,8 @@ mod initial;
 mod joint;
 mod model;
 pub(crate) mod output_error;
+pub(crate) mod past;
+pub(crate) mod profile;
 mod projection;
 pub(crate) mod record;
 mod sampled;
@@ -28,7 +30,8 @@ use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
 use estimate::{OutputFit, Settings, fit_output, judge_at};
 use output_error::Nuisance;
-use record::{Record, records};
+use past::{begun, search_from};
+use record::{Beginning, Record, records};
 use start::Candidate;
 
 /// How [`ContinuousTransferFunction`] comes to its estimate.
@@ -59,8 +62,8 @@ impl TransferFunctionMethod {
 /// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
 /// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
 /// an experiment, where they rest on a guess of the inputs beyond it, are left out.
-/// Instrumental variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated; where a delay is searched, the samples
-/// before its upper bound only serve as past inputs. Several outputs are estimated together, by the determinant of the
+/// Instrumental variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated. Inputs that rest at first are
+/// taken to have rested before, unless the outputs refute that; then the samples before the longest delay only serve as past inputs. Several outputs are estimated together, by the determinant of the
 /// covariance of their errors, from an estimate of each; each stands by itself where outputs are sampled at different
 /// instants, or with instrumental variables. The covariance allows for noise with the autocorrelation of the residuals.
 ///
@@ -177,39 +180,59 @@ impl ContinuousTransferFunction {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
         let options = self.spread(data)?;
         let ground = Ground::new(data, self.at_rest)?;
-        let parts = (0..data.outputs()).map(|output| options.search(&ground, output, None));
-        let parts: Vec<OutputFit<RationalChannel>> = parts.collect::<Result<_, _>>()?;
-        let fit = combine(&ground, options.first(&ground), &parts, options.settings())?;
+        let part = |output: usize, beginning| options.search(&ground, output, beginning, None);
+        let (beginning, parts) = search_from(&ground, options.first_sample(data), options.settings(), part)?;
+        let fit = combine(&ground, beginning, &parts, options.settings())?;
         Ok(fit.made_by(self.method.name(), data))
+    }
+
+    /// Where the rows begin that an estimate rests on, and what it takes for the inputs before.
+    pub(crate) fn beginning(&self, data: &Dataset) -> Result<Beginning, IdentError> {
+        let (options, ground) = (self.spread(data)?, Ground::new(data, self.at_rest)?);
+        let part = |output: usize, beginning| options.search(&ground, output, beginning, None);
+        Ok(begun(&ground, options.first_sample(data), options.settings(), part)?.0)
     }
 
     /// The estimate for one output, from a model of it or from starting values of its own.
     pub(crate) fn fit_one(
         &self,
         data: &Dataset,
-        output: usize,
+        (output, beginning): (usize, Beginning),
         start: Option<&TransferFunctionModel>,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
-        self.spread(data)?.search(&Ground::new(data, self.at_rest)?, output, start)
+        self.spread(data)?.search(&Ground::new(data, self.at_rest)?, output, beginning, start)
+    }
+
+    /// The same from a model of it, with the ends of its delays by their profile.
+    pub(crate) fn profile_one(
+        &self,
+        data: &Dataset,
+        (output, beginning): (usize, Beginning),
+        start: &TransferFunctionModel,
+    ) -> Result<OutputFit<RationalChannel>, IdentError> {
+        let found = self.fit_one(data, (output, beginning), Some(start))?;
+        let ground = Ground::new(data, self.at_rest)?;
+        estimate::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings())
     }
 
     /// [`Self::fit`] from what was found for each output.
     pub(crate) fn fit_of(
         &self,
         data: &Dataset,
+        beginning: Beginning,
         parts: &[OutputFit<RationalChannel>],
     ) -> Result<Fit<TransferFunctionModel>, IdentError> {
-        let (options, ground) = (self.spread(data)?, Ground::new(data, self.at_rest)?);
-        combine(&ground, options.first(&ground), parts, options.settings())
+        combine(&Ground::new(data, self.at_rest)?, beginning, parts, self.settings())
     }
 
     fn search(
         &self,
         ground: &Ground<'_>,
         output: usize,
+        beginning: Beginning,
         start: Option<&TransferFunctionModel>,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
-        let (data, records) = (ground.plain, records(ground, output, self.first(ground))?);
+        let (data, records) = (ground.plain, records(ground, output, beginning)?);
         self.check_length(&records)?;
         if self.method == TransferFunctionMethod::InstrumentalVariables {
             let settled = start::settle(&self.structure(data, &self.known_delays(data)), &records)?;
@@ -271,11 +294,6 @@ impl ContinuousTransferFunction {
     fn settings(&self) -> Settings {
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
         Settings { nuisance, stable: !self.unstable, search: self.search }
-    }
-
-    /// The first sample that counts: behind the edge, and with every delayed input known.
-    fn first(&self, ground: &Ground<'_>) -> usize {
-        ground.edge + self.first_sample(ground.plain)
     }
 
     fn first_sample(&self, data: &Dataset) -> usize {

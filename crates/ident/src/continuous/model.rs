@@ -9,6 +9,9 @@ use super::channel::{ContinuousChannel, Degrees};
 use super::companion::Companion;
 use crate::{BandLimitedForm, Intersample, LinearModel, Parametric};
 
+/// Time constants are closer than this part where they count as equal.
+const APART: f64 = 0.02;
+
 /// A continuous transfer function by its coefficients:
 ///
 /// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
@@ -112,6 +115,28 @@ impl ContinuousChannel for ProcessModel {
 
     fn delay_parameter(&self) -> Option<usize> {
         self.delay_s().map(|_| ProcessModel::parameters(self).len() - 1)
+    }
+
+    fn profiled_parameters(&self) -> Vec<usize> {
+        (0..ProcessModel::parameters(self).len()).collect()
+    }
+
+    fn apart(&self) -> Option<Self> {
+        let lags = self.lags_s();
+        let mut order: Vec<usize> = (0..lags.len()).collect();
+        order.sort_by(|i, j| lags[*j].total_cmp(&lags[*i]));
+        let is_close = |pair: &[usize]| lags[pair[0]] < lags[pair[1]] * (1.0 + APART);
+        if !order.windows(2).any(is_close) {
+            return None;
+        }
+        let mut spread = lags.to_vec();
+        for (place, i) in order.iter().enumerate() {
+            spread[*i] *= 1.0 + APART * (0.5 * (lags.len() - 1) as f64 - place as f64);
+        }
+        let first = 1 + 2 * usize::from(self.pair().is_some());
+        let mut parameters = ProcessModel::parameters(self);
+        parameters[first..first + lags.len()].copy_from_slice(&spread);
+        self.with_parameters(&parameters).ok()
     }
 
     fn transfer_function(&self) -> Result<TransferFunction, LtiError> {

@@ -13,7 +13,7 @@ use super::channel::{ContinuousChannel, Degrees};
 use super::companion::Companion;
 use super::model::ContinuousModel;
 use super::projection::Basis;
-use super::record::Record;
+use super::record::{Course, Record};
 use super::sampled::Sampled;
 use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
@@ -163,7 +163,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
 
 impl Ready {
     /// Derivatives of the error by the parameters of the channel.
-    fn derivatives(&self, slopes: &Slopes, u: &[&[f64]], record: &Record<'_>, initial: &[f64]) -> Vec<Vec<f64>> {
+    fn derivatives(&self, slopes: &Slopes, u: &Course<'_>, record: &Record<'_>, initial: &[f64]) -> Vec<Vec<f64>> {
         let mut state = vec![0.0; 2 * self.companion.order()];
         state[..initial.len()].copy_from_slice(initial);
         let mut by_coefficient = vec![0.0; slopes.of_coefficients.nrows()];
@@ -251,8 +251,8 @@ mod tests {
         (0..courses.inputs()).map(|j| courses.experiments()[0].input(j).to_vec()).collect()
     }
 
-    fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
-        columns.iter().map(Vec::as_slice).collect()
+    fn input(columns: &[Vec<f64>]) -> Course<'_> {
+        Course { columns: columns.iter().map(Vec::as_slice).collect(), before: columns[0][0] }
     }
 
     /// Gradients on channels of this kind under every behaviour of the inputs, from a state not at zero or from rest.
@@ -266,7 +266,7 @@ mod tests {
                 Intersample::BandLimited => course(x),
                 _ => vec![x.to_vec()],
             });
-            let late = [Record { inputs: vec![slices(&us), slices(&vs)], output: &y, first: 9 }];
+            let late = [Record { inputs: vec![input(&us), input(&vs)], output: &y, first: 9 }];
             let from_rest = [Record { first: 0, ..late[0].clone() }];
             for (initial_state, offset) in [(true, true), (true, false), (false, true)] {
                 check(&mut OutputError {

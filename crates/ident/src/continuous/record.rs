@@ -4,11 +4,28 @@ use crate::band_limited::Ground;
 use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
 
-/// Inputs and one output of one experiment, from the first sample on at which every delayed input is known.
+/// Where the rows that count begin, and what the inputs are before the record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Beginning {
+    /// The first row that counts.
+    pub(crate) first: usize,
+    /// Whether inputs before the record are what they are at its first sample; otherwise they are zero.
+    pub(crate) is_held: bool,
+}
+
+/// An input over one record.
+#[derive(Debug, Clone)]
+pub(crate) struct Course<'a> {
+    /// One column of samples, or the coefficients of its course between them.
+    pub(crate) columns: Vec<&'a [f64]>,
+    /// What it is before the record.
+    pub(crate) before: f64,
+}
+
+/// Inputs and one output of one experiment.
 #[derive(Debug, Clone)]
 pub(crate) struct Record<'a> {
-    /// Each as one column of samples, or as the coefficients of its course.
-    pub(crate) inputs: Vec<Vec<&'a [f64]>>,
+    pub(crate) inputs: Vec<Course<'a>>,
     pub(crate) output: &'a [f64],
     pub(crate) first: usize,
 }
@@ -35,13 +52,13 @@ impl<'a> Record<'a> {
     pub(crate) fn liveliest(&self, most: usize) -> Record<'a> {
         let begin = if self.output.len() > self.first + most { self.begin_of_liveliest(most) } else { self.first };
         let end = self.output.len().min(begin + most);
-        let inputs = self.inputs.iter().map(|u| u.iter().map(|column| &column[..end]).collect()).collect();
-        Record { inputs, output: &self.output[..end], first: begin }
+        let cut = |u: &Course<'a>| Course { columns: u.columns.iter().map(|column| &column[..end]).collect(), ..*u };
+        Record { inputs: self.inputs.iter().map(cut).collect(), output: &self.output[..end], first: begin }
     }
 
     /// The first stretch of `length` samples whose sum of the inputs' variances, each over that of the record, is largest.
     fn begin_of_liveliest(&self, length: usize) -> usize {
-        let running: Vec<Vec<[f64; 3]>> = self.inputs.iter().map(|u| self.running_sums(u[0])).collect();
+        let running: Vec<Vec<[f64; 3]>> = self.inputs.iter().map(|u| self.running_sums(u.columns[0])).collect();
         let scatter = |sums: &[[f64; 3]], from: usize, to: usize| {
             let [count, sum, squares] = [0, 1, 2].map(|k| sums[to][k] - sums[from][k]);
             if count > 0.0 { squares - sum * sum / count } else { 0.0 }
@@ -87,11 +104,15 @@ pub(crate) fn liveliest<'a>(records: &[Record<'a>], most: usize) -> Vec<Record<'
     records.iter().map(|r| r.liveliest(each)).collect()
 }
 
-/// The records of one output, each from sample `first` on.
+/// The records of one output.
 ///
 /// # Errors
 /// No input; a missing sample or no variation in an input.
-pub(crate) fn records<'a>(ground: &'a Ground<'_>, output: usize, first: usize) -> Result<Vec<Record<'a>>, IdentError> {
+pub(crate) fn records<'a>(
+    ground: &'a Ground<'_>,
+    output: usize,
+    beginning: Beginning,
+) -> Result<Vec<Record<'a>>, IdentError> {
     let inputs = ground.plain.inputs();
     if inputs == 0 {
         return Err(StructureError::inputs("a transfer function", Count::AtLeast(1), 0).into());
@@ -99,12 +120,15 @@ pub(crate) fn records<'a>(ground: &'a Ground<'_>, output: usize, first: usize) -
     for k in 0..inputs {
         check_input(ground.plain, k)?;
     }
-    let columns = |e: &'a crate::Experiment, k: usize| -> Vec<&'a [f64]> {
-        (0..ground.width).map(|j| e.input(ground.width * k + j)).collect()
+    let Beginning { first, is_held } = beginning;
+    let course = |e: &'a crate::Experiment, k: usize| {
+        let columns: Vec<&'a [f64]> = (0..ground.width).map(|j| e.input(ground.width * k + j)).collect();
+        let before = if is_held { columns[0][0] } else { 0.0 };
+        Course { columns, before }
     };
     let chosen = ground.data.experiments().iter().filter(|e| e.len() > first);
     Ok(chosen
-        .map(|e| Record { inputs: (0..inputs).map(|k| columns(e, k)).collect(), output: e.output(output), first })
+        .map(|e| Record { inputs: (0..inputs).map(|k| course(e, k)).collect(), output: e.output(output), first })
         .collect())
 }
 

@@ -4,6 +4,7 @@ use faer::Mat;
 use lti::{LtiError, StateSpace};
 use numerics::vector::dot;
 
+use super::record::Course;
 use crate::Intersample;
 use crate::band_limited::COEFFICIENTS;
 
@@ -149,25 +150,28 @@ impl Sampled {
         Ok(self)
     }
 
-    /// Runs from the state `x` at sample `first` through the record `u` (one column, or the coefficients of its course) and
-    /// shows `visit` the sample, the state, what the input is behind its delay, and its slope there. Inputs before the
-    /// record are zero.
+    /// Runs from the state `x` at sample `first` through the record `u` and shows `visit` the sample, the state, what the input
+    /// is behind its delay, and its slope there.
     pub(crate) fn run(
         &self,
-        u: &[&[f64]],
+        u: &Course<'_>,
         first: usize,
         x: &mut [f64],
         mut visit: impl FnMut(usize, &[f64], f64, f64),
     ) {
         let (n, width) = (self.states, self.width);
-        let length = u.first().map_or(0, |column| column.len());
-        let at = |k: usize, back: usize, column: &[f64]| k.checked_sub(back).map_or(0.0, |i| column[i]);
+        let Course { columns, before: past } = u;
+        let length = columns.first().map_or(0, |column| column.len());
+        // All coefficients of a constant but the first are zero.
+        let at = |k: usize, back: usize, j: usize| {
+            k.checked_sub(back).map_or(if j == 0 { *past } else { 0.0 }, |i| columns[j][i])
+        };
         let (mut next, mut now, mut before) = (vec![0.0; n], vec![0.0; width], vec![0.0; width]);
         for k in first..length {
-            for (j, column) in u.iter().enumerate() {
-                (now[j], before[j]) = (at(k, self.whole, column), at(k, self.whole + 1, column));
+            for j in 0..width {
+                (now[j], before[j]) = (at(k, self.whole, j), at(k, self.whole + 1, j));
             }
-            let newer = if k + 1 < self.whole { 0.0 } else { u[0].get(k + 1 - self.whole).copied().unwrap_or(now[0]) };
+            let newer = (k + 1).checked_sub(self.whole).map_or(Some(past), |i| columns[0].get(i)).unwrap_or(&now[0]);
             let [seen, slope] = [&self.seen, &self.slope].map(|of| dot(&of[0], &now) + dot(&of[1], &before));
             visit(k, x, seen, slope + self.slope_ahead * newer);
             for i in 0..n {

@@ -15,7 +15,7 @@ use numerics::vector::{dot, sum_of_squares};
 
 use super::companion::Companion;
 use super::projection::Basis;
-use super::record::Record;
+use super::record::{Course, Record};
 use super::sampled::Sampled;
 use crate::{IdentError, Intersample, Triangle};
 
@@ -97,7 +97,9 @@ impl Structure<'_> {
         for ((u, m), filter) in record.inputs.iter().zip(self.degrees).zip(&filters.of_inputs) {
             columns.extend(filters.derivatives(filter, u, record.first).into_iter().take(m + 1));
         }
-        let mut from_y = filters.derivatives(&filters.of_output, &[&filled(record)], record.first);
+        let output = filled(record);
+        let measured = Course { columns: vec![&output], before: 0.0 };
+        let mut from_y = filters.derivatives(&filters.of_output, &measured, record.first);
         let target = from_y.pop();
         from_y.iter_mut().flatten().for_each(|v| *v = -*v);
         columns.extend(from_y.into_iter().skip(self.integrators));
@@ -155,7 +157,7 @@ impl Filters {
     }
 
     /// `p^j/Â x` for j = 0 … n.
-    fn derivatives(&self, filter: &Sampled, x: &[&[f64]], first: usize) -> Vec<Vec<f64>> {
+    fn derivatives(&self, filter: &Sampled, x: &Course<'_>, first: usize) -> Vec<Vec<f64>> {
         let n = self.a.len();
         let mut columns = vec![Vec::new(); n + 1];
         filter.run(x, first, &mut vec![0.0; n], |_, z, v, _| {

@@ -163,6 +163,23 @@ pub fn minimise<M: ResidualModel>(
     })
 }
 
+/// The cost and the parameters that [`minimise`] comes to, whether the data separate all parameters there or not.
+///
+/// # Errors
+/// Those of [`minimise`] at the start.
+pub(crate) fn lowest_point<M: ResidualModel>(
+    model: &mut M,
+    start: &[f64],
+    bounds: &[Bounds],
+    options: NonlinearOptions,
+) -> Result<(f64, Vec<f64>), IdentError> {
+    let mut tabulated = Tabulated::new(model, bounds);
+    check_start(&tabulated, start, bounds)?;
+    let mut search = Search::new(&mut tabulated, start, bounds)?;
+    search.run(options, |_, _| false)?;
+    Ok(search.point())
+}
+
 /// [`minimise`] for anything that yields the factor of [J ε].
 ///
 /// # Errors

@@ -208,6 +208,11 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         }
     }
 
+    /// Where it is: the cost and the parameters.
+    pub(super) fn point(&self) -> (f64, Vec<f64>) {
+        (self.cost, self.parameters.clone())
+    }
+
     pub(super) fn finish(self, termination: Termination) -> Result<Lowest, IdentError> {
         let free = self.free_parameters();
         let factor = self.factor_over(&free);

@@ -11,7 +11,8 @@ use crate::band_limited::Ground;
 use crate::continuous::combine::combine;
 use crate::continuous::estimate::{OutputFit, Settings, fit_output};
 use crate::continuous::output_error::Nuisance;
-use crate::continuous::record::{Record, records};
+use crate::continuous::past::search_from;
+use crate::continuous::record::{Beginning, Record, records};
 use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
 use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
@@ -33,8 +34,8 @@ const LAGS: (f64, f64) = (0.01, 10.0);
 /// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
 /// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and
 /// the delay is a continuous parameter found below a sample. The search starts from the best of a grid of delays and
-/// lags. Initial states are estimated; the samples before the longest delay only serve as past inputs, unless the
-/// system starts from rest. Several outputs are estimated together, by the determinant of the covariance of their errors,
+/// lags. Initial states are estimated. Inputs that rest at first are taken to have rested before, unless the outputs refute
+/// that; then the samples before the longest delay only serve as past inputs. Several outputs are estimated together, by the determinant of the covariance of their errors,
 /// unless they are sampled at different instants. The covariance allows for noise with the autocorrelation of the
 /// residuals.
 ///
@@ -175,7 +176,9 @@ impl ProcessFit {
         while self.delay_s.is_none() && ends_at(&fit, longest * data.sample_time_s()) {
             let longer = (LONGER * longest).min((LONGEST_DELAY * record).floor());
             let Some(further) = (longer > longest).then(|| self.fit_to(data, longer).ok()).flatten() else { break };
-            (fit, longest) = (further, longer);
+            longest = longer;
+            // On the same rows a longer range cannot be worse, but for a search that went astray.
+            fit = if further.samples == fit.samples && further.loss > fit.loss { fit } else { further };
         }
         Ok(fit)
     }
@@ -185,21 +188,12 @@ impl ProcessFit {
         let ranges = self.ranges(data, longest_delay)?;
         let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());
         let ground = Ground::new(data, self.at_rest)?;
-        let first = if self.at_rest { 0 } else { ground.edge + ranges.iter().map(longest).max().unwrap_or(0) };
+        let reached = if self.at_rest { 0 } else { ranges.iter().map(longest).max().unwrap_or(0) };
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
         let settings = Settings { nuisance, stable: true, search: self.search };
-        let mut parts: Vec<OutputFit<ProcessModel>> = Vec::with_capacity(data.outputs());
-        for (output, ranges) in ranges.iter().enumerate() {
-            let bounds = ranges.bounds();
-            let records = records(&ground, output, first)?;
-            let samples = records.iter().map(Record::rows).sum();
-            if samples <= 2 * bounds.len() {
-                return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
-            }
-            let starts = start::candidates(ranges, data, &records, settings)?;
-            parts.push(fit_output(data, &records, &starts, bounds, settings)?);
-        }
-        Ok(combine(&ground, first, &parts, settings)?.made_by("simulation error", data))
+        let part = |output: usize, beginning| search(&ground, output, beginning, &ranges[output], settings);
+        let (beginning, parts) = search_from(&ground, reached, settings, part)?;
+        Ok(combine(&ground, beginning, &parts, settings)?.made_by("simulation error", data))
     }
 
     /// What is searched for each output.
@@ -242,6 +236,24 @@ impl ProcessFit {
         }
         Ok(asked)
     }
+}
+
+/// The estimate for one output.
+fn search(
+    ground: &Ground<'_>,
+    output: usize,
+    beginning: Beginning,
+    ranges: &Ranges,
+    settings: Settings,
+) -> Result<OutputFit<ProcessModel>, IdentError> {
+    let (data, bounds) = (ground.plain, ranges.bounds());
+    let records = records(ground, output, beginning)?;
+    let samples = records.iter().map(Record::rows).sum();
+    if samples <= 2 * bounds.len() {
+        return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
+    }
+    let starts = start::candidates(ranges, data, &records, settings)?;
+    fit_output(data, &records, &starts, bounds, settings)
 }
 
 /// Whether a delay ended at the upper end of what was searched.

@@ -18,7 +18,7 @@ const SAMPLES: usize = 4_000;
 const LAGS: usize = 7;
 
 /// Best starting values that are searched from.
-const KEPT: usize = 4;
+const KEPT: usize = 8;
 
 struct Candidate {
     cost: f64,
@@ -43,13 +43,15 @@ pub(super) fn candidates(
     for _ in 0..if delay_s.len() > 1 { 2 } else { 1 } {
         for k in 0..delay_s.len() {
             let (low, high) = ranges.delay_s[k];
-            let mut tried = Vec::new();
-            for delay in grid((low / t, high / t)) {
-                for lag in &lags {
-                    (delay_s[k], longest_s[k]) = (delay * t, *lag);
+            let (mut tried, delays) = (Vec::new(), delays(low / t, high / t));
+            for lag in &lags {
+                longest_s[k] = *lag;
+                let mut judged = |delay: &f64| {
+                    delay_s[k] = delay * t;
                     let model = ranges.at(&delay_s, &longest_s)?;
-                    tried.extend(judge(ranges, model, &short, data, settings, (&delay_s, &longest_s)).ok());
-                }
+                    Ok(judge(ranges, model, &short, data, settings, (&delay_s, &longest_s)).ok())
+                };
+                tried.extend(lowest(delays.iter().map(&mut judged).collect::<Result<_, IdentError>>()?));
             }
             tried.sort_by(|x, y| x.cost.total_cmp(&y.cost));
             let best = tried.first().ok_or(StructureError::NoStart)?;
@@ -59,6 +61,28 @@ pub(super) fn candidates(
     }
     ranked.truncate(KEPT);
     Ok(ranked.into_iter().map(|c| c.model).collect())
+}
+
+/// Delays compared, in samples: a minimum over a range is none above that at its ends.
+fn delays(low: f64, high: f64) -> Vec<f64> {
+    let inner = grid((low, high)).into_iter().filter(|delay| *delay > low && *delay < high);
+    let mut all: Vec<f64> = std::iter::once(low).chain(inner).chain([high]).collect();
+    all.dedup();
+    all
+}
+
+/// Those along a line of delays that cost less than their neighbours: what answers the wrong way at first has two.
+fn lowest(line: Vec<Option<Candidate>>) -> Vec<Candidate> {
+    let cost = |place: Option<usize>| {
+        let candidate = place.and_then(|place| line.get(place)?.as_ref());
+        candidate.map_or(f64::INFINITY, |candidate| candidate.cost)
+    };
+    let is_lowest = |place: usize| {
+        let own = cost(Some(place));
+        own < cost(place.checked_sub(1)) && own <= cost(Some(place + 1))
+    };
+    let kept: Vec<bool> = (0..line.len()).map(is_lowest).collect();
+    line.into_iter().zip(kept).filter_map(|(candidate, is_kept)| candidate.filter(|_| is_kept)).collect()
 }
 
 /// Time constants from a sample to a third of the record, within bounds.

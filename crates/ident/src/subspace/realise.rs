@@ -71,9 +71,11 @@ impl<'a> Projection<'a> {
     /// The model of so many states, in scaled channels.
     pub(super) fn realise(&self, order: usize, stable: bool, noise_model: bool) -> Result<Realised, IdentError> {
         let p = self.hankel.outputs;
-        let found = self.singular_values.iter().filter(|v| **v > ROUNDING * self.singular_values[0]).count();
+        // None where the inputs alone explain the future: of data without noise under inputs of few frequencies.
+        let largest = self.singular_values.first().copied().unwrap_or(0.0);
+        let found = self.singular_values.iter().filter(|v| **v > ROUNDING * largest).count();
         if found < order {
-            let condition = self.singular_values[0] / self.singular_values.get(order - 1).copied().unwrap_or(0.0);
+            let condition = self.singular_values.get(order - 1).map_or(f64::INFINITY, |value| largest / value);
             return Err(IdentError::RankDeficient { rank: found, parameters: order, condition });
         }
         let gamma = self.directions.subcols(0, order);

@@ -31,6 +31,7 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
             format!("the data hardly separate the parameters (condition number {}).", number(*condition))
         }
         Doubt::RowsLeftOut { rows, of } => format!("{rows} of {of} rows could not be used."),
+        Doubt::HeldBefore => "inputs count as constant before the record, at their first value.".to_owned(),
         Doubt::AtBound { parameter } => {
             let name = parameters.get(*parameter).map_or("a parameter", String::as_str);
             format!("{name} is at its bound and has no standard error; those of the others hold with it there.")

@@ -354,3 +354,20 @@ fn stat_a_hundred_thousand_samples_of_a_fast_sampled_resonance() {
     }
     assert!((fit.noise_covariance[(0, 0)] / 25.0 - 1.0).abs() < 0.02);
 }
+
+/// An output that answers in the same row: the errors over a range of delays have a second minimum at its far end.
+#[test]
+fn regress_the_least_over_a_range_of_delays_is_none_above_that_at_its_ends() {
+    for seed in 0..3 {
+        let mut noise = Noise::new(40 + seed);
+        let u = noise.coloured(1500, 1.0, 0.9);
+        let y: Vec<f64> = u.iter().map(|u| 0.4 * u + 0.05 * noise.normal()).collect();
+        let data = Dataset::siso(0.001, &u, &y).unwrap();
+        let searched = |range: (f64, f64)| {
+            let options = ContinuousTransferFunction::new(0, 1).with_delay_between(&[range]).with_offset();
+            options.fit(&data).unwrap().loss
+        };
+        let (short, long) = (searched((0.0, 0.004)), searched((0.0, 0.05)));
+        assert!(long <= 1.05 * short, "{seed}: {long} {short}");
+    }
+}

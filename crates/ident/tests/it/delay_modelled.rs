@@ -1,4 +1,5 @@
 //! Dead times beside dynamics, from the simulated output.
+#![allow(clippy::print_stdout)]
 
 use ident::delay::{DelayFault, ModelledDelay, single_line};
 use ident::{Dataset, IdentError, Intersample};
@@ -332,4 +333,68 @@ fn regress_recordings_at_levels_of_their_own_are_one_gain() {
         found.claimed().is_some_and(|model| model.poles == 0 && model.intervals[0] == (3.0, 4.0))
     };
     assert!((0..5).filter(is_found).count() >= 4);
+}
+
+/// A held input through lags and zeros with a dead time, all in samples, and noise of 3 % of the output.
+fn zeros_and_lags(seed: u64, samples: usize, poles: usize, has_zero: bool) -> (f64, Dataset) {
+    let mut noise = Noise::new(seed);
+    let mut between = |low: f64, high: f64| low + (high - low) * noise.uniform();
+    let dead = between(0.0, 12.0);
+    let lags: Vec<f64> = (0..poles).map(|_| between(1.0, 9.0)).collect();
+    let zero = if has_zero { between(-6.0, 6.0) } else { 0.0 };
+    let mut u = Vec::new();
+    while u.len() < samples {
+        let (level, hold) = (between(-1.0, 1.0), between(3.0, 11.0) as usize);
+        u.extend(vec![level; hold]);
+    }
+    u.truncate(samples);
+    // The sum of lags with these weights, `Π 1/(1 + T s) (1 + T_z s)` in partial fractions.
+    let weight = |i: usize| {
+        let others = (0..poles).filter(|j| *j != i);
+        others.map(|j| lags[i] / (lags[i] - lags[j])).product::<f64>() * (1.0 - zero / lags[i])
+    };
+    let mut y = vec![0.0; samples];
+    for (i, lag) in lags.iter().enumerate() {
+        let own = answer(&u, dead, &[*lag]);
+        let weight = weight(i);
+        y.iter_mut().zip(&own).for_each(|(y, own)| *y += weight * own);
+    }
+    let size = (y.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
+    y.iter_mut().for_each(|y| *y += 0.03 * size * noise.normal());
+    (dead, Dataset::siso(0.1, &u, &y).unwrap())
+}
+
+/// Claims, and those that hold the dead time.
+fn claims_of(poles: usize, has_zero: bool, seeds: std::ops::Range<u64>) -> (usize, usize) {
+    let (mut claims, mut holding) = (0, 0);
+    for seed in seeds {
+        let (dead, data) = zeros_and_lags(1000 * poles as u64 + seed, 1500, poles, has_zero);
+        let found = ModelledDelay::default().estimate(&data).unwrap();
+        let Some(model) = found.claimed() else { continue };
+        let (low, high) = model.intervals[0];
+        claims += 1;
+        holding += usize::from(low <= dead && dead <= high);
+        if !(low <= dead && dead <= high) {
+            println!("{poles} {has_zero} {seed}: {dead} in {low} {high}, {} zeros {} poles", model.zeros, model.poles);
+        }
+    }
+    println!("{poles} poles, zero {has_zero}: {holding} of {claims}");
+    (claims, holding)
+}
+
+/// Zeros trade against the delay: with three poles an interval about one minimum missed every other dead time.
+#[test]
+fn stat_intervals_hold_the_dead_time_beside_three_poles() {
+    let (claims, holding) = claims_of(3, false, 0..4);
+    assert!(claims >= 3 && holding + 1 >= claims, "{holding} of {claims}");
+}
+
+/// Of 40 claims of 95 %, 35 or more hold in 98 % of cases.
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_hold_the_dead_time_beside_one_to_four_poles_with_zeros_and_without() {
+    for (poles, has_zero) in [(1, false), (2, false), (3, false), (4, false), (2, true), (3, true), (4, true)] {
+        let (claims, holding) = claims_of(poles, has_zero, 0..40);
+        assert!(claims >= 28 && holding as f64 >= 0.87 * claims as f64, "{poles} {has_zero}: {holding} of {claims}");
+    }
 }

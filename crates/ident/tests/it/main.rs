@@ -45,6 +45,7 @@ mod several_outputs;
 mod smoothing;
 mod stand_in;
 mod state_space;
+mod step_tests;
 mod subspace;
 mod subspace_feedback;
 mod suite;

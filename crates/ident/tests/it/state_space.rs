@@ -6,6 +6,7 @@ use ident::covariance::delta_variance;
 use ident::{Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateSpaceModel, StateSpacePem, Subspace, Weighting};
 use lti::{Complex64, Innovations};
 
+use crate::noise::Noise;
 use crate::systems::{data, gain_error, mimo, pole_near, siso};
 use testdata::shared;
 
@@ -300,4 +301,27 @@ fn exact_long_data_and_an_order_that_is_too_low() {
         fit.parameters().iter().enumerate().map(|(i, v)| v * (1.0 + 1e-3 * (i as f64).sin())).collect();
     let again = StateSpacePem::from_model(fit.model.with_parameters(&moved).unwrap()).fit(&all).unwrap();
     assert!((again.loss / fit.loss - 1.0).abs() < 1e-8, "{} {}", again.loss, fit.loss);
+}
+
+/// A sweep with hardly any noise: a model of third order is no worse than one of second order, which it contains.
+#[test]
+fn regress_a_higher_order_fits_a_clean_sweep_no_worse() {
+    // 100/(s² + 4 s + 100) under a held input every 0.01 s, exactly.
+    let system = lti::TransferFunction::continuous(vec![100.0], vec![1.0, 4.0, 100.0]).unwrap();
+    let system = system.to_state_space().unwrap().to_discrete_zoh(0.01).unwrap();
+    for (linear, deviation) in [(true, 1e-4), (false, 1e-4), (false, 1e-5)] {
+        let phase = |t: f64| match linear {
+            true => 0.1 * t + 0.5 * 9.9 / 20.0 * t * t,
+            false => 0.1 * 20.0 / 100.0_f64.ln() * (100.0_f64.powf(t / 20.0) - 1.0),
+        };
+        let u: Vec<f64> = (0..2000).map(|k| (std::f64::consts::TAU * phase(0.01 * f64::from(k))).sin()).collect();
+        let inputs = faer::Mat::from_fn(2000, 1, |t, _| u[t]);
+        let clean = system.simulate(inputs.as_ref(), &[0.0; 2]).unwrap();
+        let mut noise = Noise::new(8);
+        let y: Vec<f64> = (0..2000).map(|t| clean[(t, 0)] + deviation * noise.normal()).collect();
+        let data = Dataset::siso(0.01, &u, &y).unwrap();
+        let lower = StateSpacePem::new(2).fit(&data).unwrap().loss;
+        let higher = StateSpacePem::new(3).fit(&data).unwrap().loss;
+        assert!(higher <= 1.02 * lower, "{linear} {deviation}: {higher} {lower}");
+    }
 }

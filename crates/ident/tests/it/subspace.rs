@@ -282,3 +282,22 @@ fn regress_an_order_is_chosen_on_few_samples() {
             && fit.model.system().poles().unwrap().iter().any(|p| (p.re - 0.7).abs() < 0.1)
     );
 }
+
+/// Behind sines from rest, and without noise, the inputs alone explain the future: there are no states to be seen.
+#[test]
+fn regress_data_without_noise_and_with_few_frequencies_give_a_model_or_a_reason() {
+    for input in [|k: f64| 5.0 * (0.3 * k).sin(), |k: f64| (0.3 * k).sin() + (0.7 * k).cos(), |k: f64| 0.01 * k] {
+        let u: Vec<f64> = (0..400).map(|k| input(f64::from(k))).collect();
+        let mut y = vec![0.0; 400];
+        (2..400).for_each(|t| y[t] = -0.8 * y[t - 1] - 0.5 * y[t - 2] + u[t - 1]);
+        let data = Dataset::siso(1.0, &u, &y).unwrap();
+        for weighting in [Weighting::Automatic, Weighting::Cva, Weighting::N4sid, Weighting::Moesp, Weighting::Ssarx] {
+            for subspace in [Subspace::new(2), Subspace::auto(10), Subspace::new(2).without_noise_model()] {
+                match subspace.with_weighting(weighting).fit(&data) {
+                    Ok(fit) => assert!(fit.loss.is_finite(), "{weighting:?}"),
+                    Err(error) => assert!(matches!(error, IdentError::RankDeficient { .. }), "{weighting:?}: {error}"),
+                }
+            }
+        }
+    }
+}

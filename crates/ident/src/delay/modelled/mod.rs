@@ -16,11 +16,14 @@ pub use model::{DelayFault, DelayModel, ModelledDelay};
 use model::{LEAD, ROUNDING};
 use structure::Structure;
 
-/// Zeros and poles of what is tried, the simplest first.
-const LADDER: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 2), (2, 3), (2, 4)];
+/// Zeros and poles of what is tried, the simplest first: with and without zeros, since zeros make up for a part of a delay.
+const LADDER: [(usize, usize); 9] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (2, 3), (2, 4)];
 
 /// Confidence with which a richer model has to be better.
 const RICHER: f64 = 0.99;
+
+/// Confidence from which on a model with as many zeros and poles is out of the question.
+const LESS_LIKELY: f64 = 0.95;
 
 /// Confidence from which on a simpler model is out of the question.
 const REFUTED: f64 = 0.9999;
@@ -67,6 +70,7 @@ impl ModelledDelay {
         check_range("dating", self.dating, 0.0, 1e5)?;
         check_range("level", self.level, 0.0, 1.0 - 1e-12)?;
         let late = made_late(data)?;
+        let beginning = Structure::beginning(self, &late)?;
         let (mut models, mut failure): (Vec<DelayModel>, _) = (Vec::new(), None);
         let mut clean: Option<Dataset> = None;
         let is_held = data.intersample() == Intersample::ZeroOrderHold;
@@ -74,23 +78,30 @@ impl ModelledDelay {
         let ladder = &LADDER[usize::from(is_held)..];
         // Of an input that is one sine nothing can be claimed, however rich the model.
         let tried = if (0..data.inputs()).any(|input| single_line(data, input).is_some()) { 1 } else { ladder.len() };
+        let mut beaten = None;
         for (zeros, poles) in ladder[..tried].iter().copied() {
-            let structure = Structure { options: self, zeros, poles };
+            // Richer models than those that were no better are not tried.
+            if beaten.is_some_and(|size| zeros + poles > size) {
+                break;
+            }
+            let structure = Structure { options: self, beginning, zeros, poles };
             // Whether a richer model is better shows without its own ripple and tests.
             let mut start = None;
             if let Some((best, clean)) = choice(&models).zip(clean.as_ref()) {
                 let Ok((model, found)) = structure.glance(clean) else { break };
+                let is_rival = zeros + poles == models[best].size();
                 let is_better = model.loss <= models[best].loss && models[best].is_worse_than(&model, RICHER);
-                if !is_better {
+                if !is_better && !is_rival {
                     models.push(model);
-                    break;
+                    beaten = Some(zeros + poles);
+                    continue;
                 }
-                start = Some(found);
+                (beaten, start) = (None, Some(found));
             }
             match structure.fit(&late, start.as_ref()) {
                 Ok((model, without_ripple)) => {
                     if models.is_empty() && data.inputs() == 1 && is_held {
-                        models.extend(pure::fit(self, &without_ripple, &model));
+                        models.extend(pure::fit(self, beginning.first, &without_ripple, &model));
                     }
                     models.push(model);
                     clean = Some(without_ripple);
@@ -102,13 +113,28 @@ impl ModelledDelay {
             return Err(failure.unwrap_or(StructureError::NoModel.into()));
         }
         let outdone = outdone(&models);
-        let best = choice(&models).unwrap_or_else(|| outdone.iter().position(|is| !is).unwrap_or(models.len() - 1));
+        let simplest = choice(&models).unwrap_or_else(|| outdone.iter().position(|is| !is).unwrap_or(models.len() - 1));
+        let best = likeliest(&models, &outdone, simplest);
         for (model, is_outdone) in models.iter_mut().zip(outdone) {
             if is_outdone {
                 model.faults.insert(0, DelayFault::Outdone);
             }
         }
-        let (intervals, late_intervals) = (widened(&models, best), widened_late(&models, best));
+        let rivals = rivals(&models, best);
+        if let Some(clean) = &clean {
+            for index in rivals.iter().copied().chain([best]) {
+                let model = &mut models[index];
+                let structure = Structure { options: self, beginning, zeros: model.zeros, poles: model.poles };
+                // A gain under a held input has an interval of its own kind.
+                if !model.channels.is_empty() {
+                    *model = structure.profiled(clean, model)?;
+                }
+            }
+        }
+        let simpler = (0..best).filter(|simpler| models[*simpler].is_simpler_than(&models[best]));
+        let simpler = simpler.filter(|simpler| models[*simpler].may_be(&models[best]));
+        let possible: Vec<&DelayModel> = simpler.chain(rivals).map(|index| &models[index]).collect();
+        let (intervals, late_intervals) = (widened(&models[best], &possible), widened_late(&models[best], &possible));
         let best_model = &mut models[best];
         (best_model.intervals, best_model.late_intervals) = (intervals, late_intervals);
         let (undetermined, at_longest) = (self.undetermined(best_model), self.at_longest(best_model));
@@ -145,12 +171,32 @@ impl ModelledDelay {
     }
 }
 
-/// The intervals of the best model and of simpler ones that are not refuted beyond doubt: where a further pole is barely
-/// seen, its time constant is barely known, and the interval with it.
-fn widened(models: &[DelayModel], best: usize) -> Vec<(f64, f64)> {
-    let mut intervals = models[best].intervals.clone();
-    for simpler in models[..best].iter().filter(|simpler| simpler.may_be(&models[best])) {
-        for ((low, high), (from, to)) in intervals.iter_mut().zip(&simpler.intervals) {
+/// Of the models with as many zeros and poles as the simplest that will do, that with the least errors.
+fn likeliest(models: &[DelayModel], outdone: &[bool], simplest: usize) -> usize {
+    let is_as_good = |index: usize| models[index].faults.is_empty() && !outdone[index];
+    let same = (0..models.len()).filter(|index| models[*index].has_size_of(&models[simplest]) && is_as_good(*index));
+    same.min_by(|a, b| models[*a].loss.total_cmp(&models[*b].loss)).unwrap_or(simplest)
+}
+
+/// The other models with as many zeros and poles as the best that chance may have made look worse.
+fn rivals(models: &[DelayModel], best: usize) -> Vec<usize> {
+    let may_be = |index: &usize| {
+        let model = &models[*index];
+        *index != best
+            && model.has_size_of(&models[best])
+            && model.faults.is_empty()
+            && !model.is_worse_than(&models[best], LESS_LIKELY)
+    };
+    (0..models.len()).filter(may_be).collect()
+}
+
+/// The intervals of the best model and of others that are possible: simpler ones that are not refuted beyond doubt, since where a
+/// further pole is barely seen its time constant is barely known, and the interval with it; and rivals, since zeros and poles
+/// make up for a part of a delay.
+fn widened(best: &DelayModel, possible: &[&DelayModel]) -> Vec<(f64, f64)> {
+    let mut intervals = best.intervals.clone();
+    for other in possible {
+        for ((low, high), (from, to)) in intervals.iter_mut().zip(&other.intervals) {
             (*low, *high) = (low.min(*from), high.max(*to));
         }
     }
@@ -158,10 +204,10 @@ fn widened(models: &[DelayModel], best: usize) -> Vec<(f64, f64)> {
 }
 
 /// As [`widened`], of what slow changes are late by; a gain says nothing of that.
-fn widened_late(models: &[DelayModel], best: usize) -> Vec<Option<(f64, f64)>> {
-    let mut intervals = models[best].late_intervals.clone();
-    for simpler in models[..best].iter().filter(|simpler| simpler.may_be(&models[best])) {
-        for (own, other) in intervals.iter_mut().zip(&simpler.late_intervals) {
+fn widened_late(best: &DelayModel, possible: &[&DelayModel]) -> Vec<Option<(f64, f64)>> {
+    let mut intervals = best.late_intervals.clone();
+    for possible in possible {
+        for (own, other) in intervals.iter_mut().zip(&possible.late_intervals) {
             *own = own.map(|(low, high)| other.map_or((low, high), |(from, to)| (low.min(from), high.max(to))));
         }
     }
@@ -180,6 +226,18 @@ fn outdone(models: &[DelayModel]) -> Vec<bool> {
 }
 
 impl DelayModel {
+    fn size(&self) -> usize {
+        self.zeros + self.poles
+    }
+
+    fn has_size_of(&self, other: &DelayModel) -> bool {
+        self.size() == other.size() && self.channels.is_empty() == other.channels.is_empty()
+    }
+
+    fn is_simpler_than(&self, other: &DelayModel) -> bool {
+        self.size() < other.size()
+    }
+
     /// Whether chance may have made this model look worse than a richer one.
     fn may_be(&self, richer: &DelayModel) -> bool {
         let is_weak = |fault: &DelayFault| match fault {

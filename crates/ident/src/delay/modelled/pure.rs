@@ -19,9 +19,14 @@ struct Line {
 
 /// The best gain without dynamics. `y(t) = g u(t − k)` at whole samples leaves the dead time between k − 1 and k; as far as a
 /// model with a lag goes, its rows are those of `lagged`, and so is the colour of its errors.
-pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel) -> Option<DelayModel> {
+pub(super) fn fit(
+    options: &ModelledDelay,
+    first_row: usize,
+    clean: &Dataset,
+    lagged: &DelayModel,
+) -> Option<DelayModel> {
     let longest = options.longest + LEAD;
-    let lines: Vec<Line> = (0..=longest).map(|k| line(clean, k, longest)).collect::<Option<_>>()?;
+    let lines: Vec<Line> = (0..=longest).map(|k| line(clean, k, first_row)).collect::<Option<_>>()?;
     let best = (0..lines.len()).min_by(|a, b| lines[*a].cost.total_cmp(&lines[*b].cost))?;
     let (rows, variance) = (lagged.samples as f64, variance(clean));
     let loss = |k: usize| (lines[k].cost / rows).max(ROUNDING * variance);
@@ -42,10 +47,10 @@ pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel)
         faults.push(DelayFault::TooEarly { input: 0 });
     }
     if loss(best) > ROUNDING * variance {
-        faults.extend(tested(clean, best, longest, &lines[best]));
+        faults.extend(tested(clean, best, first_row, &lines[best]));
     }
     let within = |end: f64| end.clamp(0.0, options.longest as f64);
-    let levels = clean.experiments().iter().filter(|e| e.len() > longest).count();
+    let levels = clean.experiments().iter().filter(|e| e.len() > first_row).count();
     Some(DelayModel {
         zeros: 0,
         poles: 0,
@@ -64,10 +69,11 @@ pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel)
     })
 }
 
-/// Pairs of input `k` samples before and output of one experiment, of the rows from `first` on.
+/// Pairs of input `k` samples before and output of one experiment, of the rows from `first` on; before the record the input is
+/// what it is at first.
 fn pairs(e: &Experiment, k: usize, first: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
     let (u, y) = (e.input(0), e.output(0));
-    (first..e.len()).map(move |t| (u[t - k], y[t])).filter(|(_, y)| !y.is_nan())
+    (first..e.len()).map(move |t| (u[t.saturating_sub(k)], y[t])).filter(|(_, y)| !y.is_nan())
 }
 
 /// The means of pairs; of none, zero.
@@ -94,7 +100,7 @@ fn tested(data: &Dataset, k: usize, first: usize, line: &Line) -> Vec<DelayFault
         let level = levels.next().copied().unwrap_or(0.0);
         let error = |t: usize| match t < first {
             true => f64::NAN,
-            false => e.outputs[(t, 0)] - line.gain * e.inputs[(t - k, 0)] - level,
+            false => e.outputs[(t, 0)] - line.gain * e.inputs[(t.saturating_sub(k), 0)] - level,
         };
         Ok(Experiment { outputs: Mat::from_fn(e.len(), 1, |t, _| error(t)), ..e.clone() })
     });

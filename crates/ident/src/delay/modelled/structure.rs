@@ -6,14 +6,19 @@ use super::model::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use super::ripple::Ripple;
 use crate::band_limited::Ground;
 use crate::continuous::estimate::OutputFit;
+use crate::continuous::profile;
+use crate::continuous::record::Beginning;
 use crate::continuous::{ContinuousTransferFunction, RationalChannel, TransferFunctionModel};
 use crate::delay::DelayEstimate;
 use crate::distributions::student_t_quantile;
-use crate::validate::{Independence, ResidualTest, TestData};
+use crate::validate::{Independence, ResidualReport, ResidualTest, TestData};
 use crate::{Dataset, IdentError, NonlinearOptions};
 
 /// Rounds in which ripple in proportion to the output is found from that output.
 const ROUNDS: usize = 2;
+
+/// Zeros and poles of the model that shows whether inputs may have rested before the record.
+const FIRST: (usize, usize) = (1, 2);
 
 /// Steps of a search that only has to show whether there is more to be found.
 const GLANCE: usize = 30;
@@ -23,6 +28,8 @@ const TESTED: f64 = 0.99;
 
 pub(super) struct Structure<'a> {
     pub(super) options: &'a ModelledDelay,
+    /// That of every model, so that all rest on the same rows.
+    pub(super) beginning: Beginning,
     pub(super) zeros: usize,
     pub(super) poles: usize,
 }
@@ -31,7 +38,7 @@ impl Structure<'_> {
     /// The model of data without ripple, its errors not tested, after a short search.
     pub(super) fn glance(&self, clean: &Dataset) -> Result<(DelayModel, TransferFunctionModel), IdentError> {
         let short = NonlinearOptions { iteration_limit: GLANCE, ..NonlinearOptions::default() };
-        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, 0, None)?;
+        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, (0, self.beginning), None)?;
         let own = self.start(&found, clean.inputs(), clean.inputs())?;
         Ok((self.described(clean, &found, Vec::new()), own))
     }
@@ -43,22 +50,48 @@ impl Structure<'_> {
         start: Option<&TransferFunctionModel>,
     ) -> Result<(DelayModel, Dataset), IdentError> {
         let plain = self.with_ripple(data, 0);
-        let mut found = plain.fit_one(data, 0, start)?;
+        let mut found = plain.fit_one(data, (0, self.beginning), start)?;
         let mut clean = data.clone();
-        let first = self.options.longest + LEAD;
+        let first = self.beginning.first;
         let ripple = Ripple::of(data, &errors(data, &found, first)?);
         for _ in 0..if ripple.lines_hz.is_empty() { 0 } else { ROUNDS } {
             let with = ripple.beside(data, &clean, &errors(&clean, &found, first)?)?;
             let start = self.start(&found, data.inputs(), with.inputs())?;
-            found = self.with_ripple(data, with.inputs() - data.inputs()).fit_one(&with, 0, Some(&start))?;
+            found = self.with_ripple(data, with.inputs() - data.inputs()).fit_one(
+                &with,
+                (0, self.beginning),
+                Some(&start),
+            )?;
             clean = ripple.removed(data, &with, &found)?;
         }
         let mut model = self.described(&clean, &found, ripple.lines_hz);
         let own = self.start(&found, data.inputs(), data.inputs())?;
         if model.loss > 0.0 {
-            model.faults.extend(tested(&plain, &clean, &own)?);
+            model.faults.extend(self.tested(&plain, &clean, &own)?);
         }
         Ok((model, clean))
+    }
+
+    /// Where the rows begin that models of these data rest on.
+    pub(super) fn beginning(options: &ModelledDelay, data: &Dataset) -> Result<Beginning, IdentError> {
+        let unknown = Beginning { first: options.longest + LEAD, is_held: false };
+        let (zeros, poles) = FIRST;
+        Structure { options, beginning: unknown, zeros, poles }.with_ripple(data, 0).beginning(data)
+    }
+
+    /// The model with its intervals by profiles, at the better minimum that these may lead to.
+    pub(super) fn profiled(&self, clean: &Dataset, model: &DelayModel) -> Result<DelayModel, IdentError> {
+        let (plain, inputs) = (self.with_ripple(clean, 0), clean.inputs());
+        let own = TransferFunctionModel::new(model.channels.clone(), inputs, Mat::identity(1, 1))?;
+        let found = plain.profile_one(clean, (0, self.beginning), &own)?;
+        let mut renewed = self.described(clean, &found, model.ripple_hz.clone());
+        let is_of_search = |fault: &DelayFault| {
+            matches!(fault, DelayFault::NotConverged | DelayFault::AtLongest { .. } | DelayFault::TooEarly { .. })
+        };
+        renewed.faults.extend(model.faults.iter().filter(|fault| !is_of_search(fault)));
+        // Ripple has values of its own.
+        renewed.free = model.free;
+        Ok(renewed)
     }
 
     /// What is estimated, with so many inputs more that only have a gain.
@@ -116,15 +149,21 @@ impl Structure<'_> {
             inflation: self.inflation(found, inputs),
         };
         let reach = student_t_quantile(0.5 + 0.5 * self.options.level, found.degrees_of_freedom);
+        // Profiles are taken at one level, and stretched to others.
+        let stretch = reach / profile::quantile(found);
         for (input, at) in first.iter().take(inputs).map(|first| first + width).enumerate() {
             let samples_of = |seconds: f64| seconds / clean.sample_time_s();
             let samples = samples_of(minimum.parameters[at]) - LEAD as f64;
             let is_held = minimum.at_bound[at];
-            let standard_error = match is_held {
-                true => f64::INFINITY,
-                false => self.options.dated(samples_of(root(found.covariance[(at, at)]))),
+            let by_covariance = samples_of(root(found.covariance[(at, at)])) * reach;
+            let (below, above) = match found.ends.iter().find(|ends| ends.parameter == at) {
+                Some(ends) => <[f64; 2]>::from(ends.about(found)).map(|end| stretch * samples_of(end)).into(),
+                None if is_held => (f64::INFINITY, f64::INFINITY),
+                None => (by_covariance, by_covariance),
             };
-            let high = samples + reach * standard_error;
+            let standard_error = self.options.dated(below.max(above) / reach);
+            let [below, above] = [below, above].map(|end| end.hypot(reach * self.options.dating));
+            let high = samples + above;
             if is_held && samples > 0.0 {
                 model.faults.push(DelayFault::AtLongest { input, tried: self.options.longest });
             } else if high < 0.0 || is_held {
@@ -132,13 +171,30 @@ impl Structure<'_> {
             }
             model.dead_times.push(DelayEstimate { samples, standard_error });
             let within = |end: f64| end.clamp(0.0, self.options.longest as f64);
-            model.intervals.push((within(samples - reach * standard_error), within(high)));
+            model.intervals.push((within(samples - below), within(high)));
             let late = self.late_by(found, at - width, clean.sample_time_s());
             let about = |late: DelayEstimate| [-reach, reach].map(|z| late.samples + z * late.standard_error).into();
             model.late_intervals.push(late.map(about));
             model.late_by.push(late);
         }
         model
+    }
+
+    /// What tests of the errors find.
+    fn tested(
+        &self,
+        plain: &ContinuousTransferFunction,
+        clean: &Dataset,
+        own: &TransferFunctionModel,
+    ) -> Result<Vec<DelayFault>, IdentError> {
+        let found = plain.fit_one(clean, (0, self.beginning), Some(own))?;
+        if found.minimum.cost <= ROUNDING * variance(clean) * found.minimum.residuals.len() as f64 {
+            return Ok(Vec::new());
+        }
+        let fit = plain.fit_of(clean, self.beginning, &[found])?;
+        let report = ResidualTest::default().run(&fit, &fit.without_levels(clean)?, TestData::Own);
+        let dependences = |report: ResidualReport| report.independence[0].iter().flat_map(dependence).collect();
+        Ok(report.map_or(vec![DelayFault::Untested], dependences))
     }
 
     /// The largest quotient of a variance and what it would be with white errors.
@@ -187,7 +243,6 @@ fn root(variance: f64) -> f64 {
 /// The errors of each experiment at its instants, NaN where there is none.
 fn errors(data: &Dataset, found: &OutputFit<RationalChannel>, first: usize) -> Result<Vec<Vec<f64>>, IdentError> {
     let ground = Ground::new(data, false)?;
-    let first = ground.edge + first;
     let mut residuals = found.minimum.residuals.iter();
     let mut placed = |(t, y): (usize, &f64)| match y.is_nan() || t < first {
         true => f64::NAN,
@@ -207,21 +262,6 @@ pub(super) fn variance(data: &Dataset) -> f64 {
         rows += count;
     }
     sum / rows.max(1) as f64
-}
-
-/// What tests of the errors find.
-fn tested(
-    plain: &ContinuousTransferFunction,
-    clean: &Dataset,
-    own: &TransferFunctionModel,
-) -> Result<Vec<DelayFault>, IdentError> {
-    let found = plain.fit_one(clean, 0, Some(own))?;
-    if found.minimum.cost <= ROUNDING * variance(clean) * found.minimum.residuals.len() as f64 {
-        return Ok(Vec::new());
-    }
-    let fit = plain.fit_of(clean, &[found])?;
-    let report = ResidualTest::default().run(&fit, &fit.without_levels(clean)?, TestData::Own);
-    Ok(report.map_or(vec![DelayFault::Untested], |report| report.independence[0].iter().flat_map(dependence).collect()))
 }
 
 pub(super) fn dependence(independence: &Independence) -> Option<DelayFault> {

@@ -1,0 +1,125 @@
+//! What the inputs were before a record.
+//!
+//! Behind a delay the first rows of a record answer to inputs before it. An input that rests at first is taken to have rested
+//! before too: otherwise the rows that the longest delay reaches say nothing, and with them goes the step of a short test.
+//! Outputs can refute that; then those rows are left out, for all delays alike.
+
+use super::channel::ContinuousChannel;
+use super::estimate::{OutputFit, Settings, fit_output, profiled};
+use super::record::{Beginning, Record, records};
+use crate::band_limited::Ground;
+use crate::colour::Colour;
+use crate::distributions::f_quantile;
+use crate::{Dataset, IdentError};
+
+/// Confidence from which on the first rows refute inputs at rest before the record.
+const REFUTED: f64 = 0.999;
+
+/// An input rests at first where its first step is at most this part of its range.
+const RESTING: f64 = 0.05;
+
+/// An input with at least so many moves goes without the first rows, if these are at most this part of the record.
+const MANY_MOVES: f64 = 20.0;
+const FEW_ROWS: f64 = 0.05;
+
+/// What is left of an input's scatter behind the first rows counts as nothing below this part.
+const UNMOVED: f64 = 0.01;
+
+/// Errors below this part of the output are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// As [`begun`], with the ends of delays by their profiles.
+pub(crate) fn search_from<C: ContinuousChannel>(
+    ground: &Ground<'_>,
+    reached: usize,
+    settings: Settings,
+    part: impl Fn(usize, Beginning) -> Result<OutputFit<C>, IdentError>,
+) -> Result<(Beginning, Vec<OutputFit<C>>), IdentError> {
+    let (beginning, parts) = begun(ground, reached, settings, part)?;
+    let with_ends = |(output, part)| profiled(ground.plain, &records(ground, output, beginning)?, part, settings);
+    let parts = parts.into_iter().enumerate().map(with_ends).collect::<Result<_, IdentError>>()?;
+    Ok((beginning, parts))
+}
+
+/// The estimates of all outputs, where the rows begin that they rest on, and what they take for the inputs before. Delays
+/// reach `reached` rows back; `part` makes the estimate of one output from a beginning.
+pub(crate) fn begun<C: ContinuousChannel>(
+    ground: &Ground<'_>,
+    reached: usize,
+    settings: Settings,
+    part: impl Fn(usize, Beginning) -> Result<OutputFit<C>, IdentError>,
+) -> Result<(Beginning, Vec<OutputFit<C>>), IdentError> {
+    let all = |beginning: Beginning| -> Result<(Beginning, Vec<OutputFit<C>>), IdentError> {
+        let parts = (0..ground.plain.outputs()).map(|output| part(output, beginning));
+        Ok((beginning, parts.collect::<Result<_, _>>()?))
+    };
+    let unknown = Beginning { first: ground.edge + reached, is_held: false };
+    if reached == 0 || !may_rest(ground.plain, unknown.first) {
+        return all(unknown);
+    }
+    let held = match all(Beginning { first: ground.edge, is_held: true }) {
+        Ok(held) => held,
+        Err(error) => return all(unknown).map_err(|_| error),
+    };
+    for (output, part) in held.1.iter().enumerate() {
+        if is_refuted(ground, output, part, unknown, settings)? {
+            return Ok(all(unknown).unwrap_or(held));
+        }
+    }
+    Ok(held)
+}
+
+/// Whether all inputs rest at the first samples, or do not move behind the first rows, so that nothing else can be assumed.
+/// Where inputs move all the time the first rows are spared, and nothing has to be assumed.
+fn may_rest(data: &Dataset, first: usize) -> bool {
+    let rows = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    let can_be_spared = first as f64 <= FEW_ROWS * rows as f64;
+    if can_be_spared && (0..data.inputs()).all(|k| moves(data, k) >= MANY_MOVES) {
+        return false;
+    }
+    (0..data.inputs()).all(|k| {
+        let courses = || data.experiments().iter().map(|e| e.input(k));
+        let whole = || courses().flatten();
+        let range = whole().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - whole().fold(f64::INFINITY, |a, b| a.min(*b));
+        let rests = |u: &[f64]| u.len() < 2 || (u[1] - u[0]).abs() <= RESTING * range;
+        let behind: f64 = courses().map(|u| scatter(u.get(first..).unwrap_or(&[]))).sum();
+        courses().all(rests) || behind <= UNMOVED * courses().map(scatter).sum::<f64>()
+    })
+}
+
+/// As many moves of equal size have the mean of squares over the square of the mean that the moves of an input have.
+fn moves(data: &Dataset, input: usize) -> f64 {
+    let steps =
+        data.experiments().iter().flat_map(|e| e.input(input).windows(2)).map(|pair| (pair[1] - pair[0]).powi(2));
+    let (sum, squares) = steps.fold((0.0, 0.0), |(sum, squares), step| (sum + step, squares + step * step));
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
+}
+
+/// The sum of squares about the mean.
+fn scatter(u: &[f64]) -> f64 {
+    let mean = u.iter().sum::<f64>() / u.len().max(1) as f64;
+    u.iter().map(|v| (v - mean).powi(2)).sum()
+}
+
+/// Whether the first rows fit in worse with the others than chance explains: by the F-test of leaving them out, which is that
+/// of inputs of any course before the record, with as many independent rows as the colour of the errors leaves.
+fn is_refuted<C: ContinuousChannel>(
+    ground: &Ground<'_>,
+    output: usize,
+    held: &OutputFit<C>,
+    unknown: Beginning,
+    settings: Settings,
+) -> Result<bool, IdentError> {
+    let later = records(ground, output, unknown)?;
+    let start = std::slice::from_ref(&held.model);
+    let Ok(without) = fit_output(ground.plain, &later, start, &held.bounds, settings) else { return Ok(false) };
+    let energy: f64 = later.iter().map(Record::energy).sum();
+    let (cost, more) = (held.minimum.cost, held.minimum.residuals.len() - without.minimum.residuals.len());
+    if more == 0 || cost <= ROUNDING * ROUNDING * energy {
+        return Ok(false);
+    }
+    let by_row = Colour::of(&without.residual_series(&later), 1).rows_per_independent();
+    let [numerator, denominator] = [more as f64, without.remaining()].map(|rows| (rows / by_row).max(1.0));
+    let ratio = (cost - without.minimum.cost) / more as f64 / (without.minimum.cost / without.remaining());
+    Ok(ratio > f_quantile(REFUTED, numerator, denominator))
+}
