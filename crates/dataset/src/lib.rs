@@ -139,8 +139,8 @@ impl<'r> Taken<'r> {
         if !usable || duration_s / sample_time_s > MOST_SAMPLES {
             return Err(DatasetError::SampleTime { file: self.file.to_owned(), sample_time_s, duration_s });
         }
-        let count = (duration_s / sample_time_s + 1e-6).floor() as usize + 1;
-        let clock = Clock { start_s, sample_time_s, count };
+        let clock = Clock::within(start_s, duration_s, sample_time_s);
+        let count = clock.count;
         let inputs = options.inputs.len();
         let on_clock = |(index, c): (usize, &Timed<'_>)| {
             let part = if index < inputs { Part::Input(options.intersample) } else { Part::Output };

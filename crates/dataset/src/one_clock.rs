@@ -47,7 +47,7 @@ pub fn on_one_clock(
     if !is_usable || duration_s / sample_time_s * recording.channels.len() as f64 > MOST_SAMPLES {
         return Err(DatasetError::SampleTime { file: file.to_owned(), sample_time_s, duration_s });
     }
-    let clock = Clock { start_s, sample_time_s, count: (duration_s / sample_time_s + 1e-6).floor() as usize + 1 };
+    let clock = Clock::within(start_s, duration_s, sample_time_s);
     let (mut channels, mut adjustments, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     // What is done is given up, so that no more than one channel is there twice.
     for channel in std::mem::take(&mut recording.channels) {

@@ -20,6 +20,9 @@ const BESIDE_SHARE: f64 = 0.01;
 const LONGEST_SHARE: f64 = 1.5;
 /// A tick this share of a sample time before a sample has the sample's value.
 const NEAR_SHARE: f64 = 1e-4;
+/// The last tick may lie this share of a sample time behind the last sample: two clocks that are the same but for the digits of
+/// their stamps drift apart over a long recording.
+const END_SHARE: f64 = 1e-3;
 
 /// A channel with the samples in the asked-for time that are numbers.
 pub(super) struct Timed<'r> {
@@ -53,6 +56,12 @@ pub(super) struct Clock {
 }
 
 impl Clock {
+    /// The ticks from a start on, over a time that ends on one of them or later.
+    pub(super) fn within(start_s: f64, duration_s: f64, sample_time_s: f64) -> Self {
+        let count = (duration_s / sample_time_s + END_SHARE).floor() as usize + 1;
+        Clock { start_s, sample_time_s, count }
+    }
+
     fn at(&self, tick: usize) -> f64 {
         self.start_s + tick as f64 * self.sample_time_s
     }
@@ -229,6 +238,9 @@ impl<'r> Timed<'r> {
             // On a sample its value, whatever the neighbour.
             if (share - share.round()).abs() <= near && (0.0..=1.0).contains(&share.round()) {
                 return self.values[left + share.round() as usize];
+            }
+            if share > 1.0 && time_s - after <= END_SHARE * self.sample_time_s && left + 2 == self.time_s.len() {
+                return self.values[left + 1];
             }
             let is_gap = after - before > self.longest_s || !(0.0..=1.0).contains(&share);
             if is_gap { f64::NAN } else { self.values[left] + share * (self.values[left + 1] - self.values[left]) }

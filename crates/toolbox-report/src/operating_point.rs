@@ -41,6 +41,11 @@ pub fn hint(document: &ModelDocument, data: &Dataset, response: &Response, taken
     (!names.is_empty()).then(|| format!("most of the residual of {names} is an offset or a drift: {remedy}"))
 }
 
+/// Outputs of the data of an estimate whose simulation is off by a constant or a drift, where no level was estimated.
+pub(crate) fn without_level(data: &Dataset, response: &Response) -> Vec<String> {
+    beside(data, response).unwrap_or_default()
+}
+
 /// Outputs whose errors are mostly a straight line in one of the recordings, and one that matters.
 fn beside(data: &Dataset, response: &Response) -> Result<Vec<String>, IdentError> {
     let mut responses = response.outputs.iter();

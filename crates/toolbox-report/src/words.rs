@@ -18,6 +18,10 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         Doubt::RowsLeftOut { rows, of } => format!(
             "{rows} of {of} rows were left out, because a sample is missing there or the model needs more of the past; samples between those of a slower output count as missing, and band-limited inputs also need the time around a record"
         ),
+        Doubt::HeldBefore => {
+            "the inputs count as constant before the record, at their first value; start the record earlier if they moved shortly before"
+                .into()
+        }
         Doubt::AtBound { parameter } => format!(
             "{} is at its bound, so it has no interval; the intervals of the others hold with it there; widen the bound, or fix the parameter",
             parameters.get(*parameter).map_or("a parameter", String::as_str)

@@ -282,3 +282,15 @@ fn exact_sample_times_carry_no_rounding_of_the_stamps() {
     let (data, _) = dataset(&[("x.csv", &recording)], &options(&["u"], &["y"])).unwrap();
     assert_eq!(data.sample_time_s(), 0.01);
 }
+
+/// Stamps with ten digits, and a clock that differs from theirs in the tenth: the last row is still on it.
+#[test]
+fn regress_the_last_row_stays_on_a_clock_that_differs_by_the_digits_of_the_stamps() {
+    let rows: String = (0..20_001).map(|n| format!("{:.10},{n},{n}\n", f64::from(n) / 610.35)).collect();
+    let recording = recorded(&format!("time [s],u,y\n{rows}"));
+    let clock = CommonClock::Every(1.0 / 610.35 * (1.0 + 1e-9));
+    let asked = DatasetOptions { clock, ..options(&["u"], &["y"]) };
+    let (data, _) = dataset(&[("x.csv", &recording)], &asked).unwrap();
+    let last = data.experiments()[0].output(0).last().copied().unwrap();
+    assert!(data.samples() == 20_001 && (last - 20_000.0).abs() < 1e-6, "{} {last}", data.samples());
+}

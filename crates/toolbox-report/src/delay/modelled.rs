@@ -37,7 +37,8 @@ impl Modelled {
         is_said: bool,
     ) -> Self {
         let found = options.estimate(data);
-        let one = |input: usize| match unexcited(found.as_ref(), data, input) {
+        let ahead = ahead(others, data);
+        let one = |input: usize| match unexcited(found.as_ref(), data, input).or_else(|| ahead.clone()) {
             Some(reason) => (Some(reason), (f64::NEG_INFINITY, f64::INFINITY)),
             None => {
                 let reason = reason(found.as_ref(), (data, adjustments), others, input);
@@ -201,6 +202,18 @@ fn unexcited(found: Result<&DelayModels, &IdentError>, data: &Dataset, input: us
     }
     let is_it = |fault: &&DelayFault| matches!(fault, DelayFault::FewLines { input: of, .. } if *of == input);
     found.ok()?.best().faults.iter().find(is_it).map(|fault| words(fault, name))
+}
+
+/// That the output moves before the input.
+fn ahead(others: &Others, data: &Dataset) -> Option<String> {
+    let (least, most) = others.ahead()?;
+    let t = data.sample_time_s();
+    Some(format!(
+        "the output is ahead of the input by {} s (95 % interval {} s); no system does that: their clocks start at different \
+         times, or the two channels are swapped",
+        digits(0.5 * (least + most) * t),
+        range(Some((least * t, most * t)))
+    ))
 }
 
 /// That an input may or may not be held between its samples, where that makes a difference.

@@ -11,6 +11,7 @@ use page::decimal::{digits, range, significant};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
 use serde_json::{Value, json};
 
+use super::DATED;
 use super::level::LEVEL;
 use crate::blocks::name;
 use crate::figures::figure;
@@ -95,6 +96,14 @@ impl Others {
         Some(((low as f64 - before).max(0.0), high as f64 + after))
     }
 
+    /// By how many samples the output is ahead of the input, from the least to the most, where the phase shows that: a straight
+    /// one, and further ahead than a stamp is uncertain.
+    pub(super) fn ahead(&self) -> Option<(f64, f64)> {
+        let phase = self.phase.as_ref()?.as_ref().ok().filter(|phase| phase.standard_error.is_finite())?;
+        let (low, high) = interval(phase);
+        (high < -DATED).then_some((-high, -low))
+    }
+
     pub(super) fn rows(&self, data: &Dataset, table: &mut Table) {
         let seconds = |samples: f64| significant(samples * data.sample_time_s());
         for (input, label) in data.input_labels().iter().enumerate() {
@@ -140,7 +149,8 @@ impl Others {
 
     /// What the methods leave open for inputs of whose delay nothing is claimed.
     pub(super) fn doubts(&self, data: &Dataset, is_claimed: impl Fn(usize) -> bool) -> Vec<String> {
-        let Some(ranking) = &self.ranking else { return Vec::new() };
+        // What is ahead of its input answers to no past one.
+        let Some(ranking) = self.ranking.as_ref().filter(|_| self.ahead().is_none()) else { return Vec::new() };
         let mut all = Vec::new();
         for (input, label) in data.input_labels().iter().enumerate().filter(|(input, _)| !is_claimed(*input)) {
             let name = &label.name;

@@ -7,6 +7,7 @@ use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError, StructureError}
 
 use super::repeated::{Repeated, repeated};
 use crate::figures::{Shown, comparison};
+use crate::operating_point::without_level;
 use crate::residuals::{self, REGION};
 
 /// Lags of the residual tests.
@@ -38,6 +39,8 @@ pub(super) struct Judged {
     pub(super) repeated: Vec<Repeated>,
     /// Whether the model is not stable, so that its simulation says nothing of it.
     pub(super) diverges: bool,
+    /// Outputs whose simulation is off by a constant or a drift.
+    pub(super) shifted: Vec<String>,
     /// Outputs of which the model explains next to nothing, each with whether it is the simulation alone that does.
     pub(super) little: Vec<(usize, bool)>,
 }
@@ -49,6 +52,10 @@ impl Judged {
         let mut judged = Judged {
             diverges,
             little: Vec::new(),
+            shifted: match &simulated {
+                Ok(judged) if !diverges => without_level(data, &judged.response),
+                _ => Vec::new(),
+            },
             name,
             experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
             predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
@@ -100,6 +107,11 @@ impl Verdict {
     pub fn doubts(&self) -> Vec<Doubt> {
         let own = self.judged.first().into_iter().flat_map(|own| &own.little);
         own.map(|(output, simulated)| Doubt::ExplainsLittle { output: *output, simulated: *simulated }).collect()
+    }
+
+    /// Outputs of the estimation data whose simulation is off by a constant or a drift.
+    pub(super) fn shifted(&self) -> &[String] {
+        self.judged.first().map_or(&[], |own| &own.shifted)
     }
 
     /// Outputs of unseen data of which the model explains next to nothing, each with whether it is the simulation alone that does.

@@ -55,7 +55,7 @@ impl Weight {
                 Weight::Grave
             }
             Doubt::FollowsInputs { share, .. } if *share > MOSTLY => Weight::Grave,
-            Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
+            Doubt::RowsLeftOut { .. } | Doubt::HeldBefore | Doubt::CovarianceIsLowerBound => Weight::Note,
             _ => Weight::Doubt,
         }
     }
@@ -218,8 +218,22 @@ impl Estimated {
                 words::explains_little(*output, *simulated, &self.document.outputs, "unseen")
             });
         all.extend(of_unseen.map(|text| (Weight::Grave, text)));
+        all.extend(self.off_its_level().map(|text| (Weight::Doubt, text)));
         all.sort_by_key(|(weight, _)| *weight);
         all
+    }
+
+    /// That the simulation of the model's own data misses a level, which other methods estimate.
+    fn off_its_level(&self) -> Option<String> {
+        let shifted = self.verdict.shifted();
+        if shifted.is_empty() || !self.fit.levels.is_empty() || self.document.inputs.is_empty() {
+            return None;
+        }
+        let names = shifted.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        Some(format!(
+            "most of what the simulation misses of {names} is an offset or a drift: the mean is not the level at which the system \
+             rests, as where a record begins far from rest; tf and process estimate that level, so compare them, or record a rest first"
+        ))
     }
 
     /// Whether the noise is modelled too; where not, the intervals allow for coloured residuals.

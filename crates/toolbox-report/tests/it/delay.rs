@@ -59,3 +59,23 @@ fn regress_a_part_of_long_data_serves_for_a_gain() {
         assert!(off.abs() < 0.1, "{found}");
     }
 }
+
+/// Two clocks that start at different times: the input of an instant stands 20 rows behind its answer.
+#[test]
+fn regress_an_output_ahead_of_its_input_is_named_with_its_interval() {
+    let mut random = Random::new(9);
+    let mut state = 0.0;
+    let next = |_| {
+        state = 0.8 * state + random.normal();
+        state
+    };
+    let u: Vec<f64> = (0..3020).map(next).collect();
+    let y: Vec<f64> = (0..3000).map(|k| u[k + 20] + 0.05 * random.normal()).collect();
+    let found = found(&u[..3000], &y);
+    let reason = found["delay"][0]["unclaimed"].as_str().unwrap();
+    assert!(reason.contains("ahead of the input by 0.0"), "{reason}");
+    assert!(
+        found["delay"][0]["range_of_methods_s"].is_null() && found["doubts"].as_array().unwrap().is_empty(),
+        "{found}"
+    );
+}

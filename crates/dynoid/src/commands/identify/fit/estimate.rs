@@ -155,7 +155,7 @@ fn state_space(
         subspace = subspace.with_feedthrough();
     }
     if arguments.simulation {
-        subspace = subspace.without_noise_model();
+        subspace = subspace.without_noise_model().with_stability();
     }
     if arguments.subspace {
         return subspace.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed);
