@@ -33,6 +33,8 @@ const SIGNIFICANCE: f64 = 6.0;
 const LEAD: f64 = 10.0;
 /// Neighbouring lines under a Hann window share this many lines' information.
 const HANN_LINES: f64 = 1.5;
+/// Bands of equal width that are left out in turn.
+const BANDS: usize = 8;
 /// A coherence closer to one than this is one: what is left is rounding and leakage.
 const CLOSEST_COHERENCE: f64 = 1e-6;
 
@@ -41,7 +43,8 @@ const CLOSEST_COHERENCE: f64 = 1e-6;
 pub struct Drift {
     /// The second signal becomes later by so many seconds each second.
     pub rate: f64,
-    /// Its standard error: the larger of the one the likelihood gives and the one of leaving out each stretch in turn.
+    /// Its standard error: the largest of the one the likelihood gives and those of leaving out each stretch and each band of
+    /// frequencies in turn. A clock makes all frequencies late by the same time; what one band alone shows is none.
     pub standard_error: f64,
 }
 
@@ -85,13 +88,16 @@ pub fn relative_drift<'a>(
     let step = 1.0 / (stretches.highest_hz * stretches.duration_s) / STEPS_PER_PEAK;
     let (best, second) = stretches.likeliest(step);
     let rate = stretches.refined(best, step, |_| true);
-    let likelihood = |rate: f64| stretches.log_likelihood(rate, |_| true);
+    let likelihood = |rate: f64| stretches.log_likelihood(rate, |_| true, |_| true);
     let is_rival = |other: f64| likelihood(stretches.refined(other, step, |_| true)) > likelihood(rate) - LEAD;
     if !stretches.is_related(rate) || second.is_some_and(is_rival) {
         return Ok(Drift { rate, standard_error: LARGEST_RATE });
     }
     let without: Vec<f64> = (0..SEGMENTS).map(|out| stretches.without(out, rate, (best, step))).collect();
-    let standard_error = jackknife(&without).max(stretches.curvature_error(rate, 0.1 * step)).min(LARGEST_RATE);
+    let standard_error = jackknife(&without)
+        .max(jackknife(&stretches.without_bands(rate, step)))
+        .max(stretches.curvature_error(rate, 0.1 * step))
+        .min(LARGEST_RATE);
     Ok(Drift { rate, standard_error })
 }
 
@@ -158,7 +164,8 @@ impl Stretches {
     /// The likeliest of the rates a step apart, and the likeliest of the other local maxima.
     fn likeliest(&self, step: f64) -> (f64, Option<f64>) {
         let count = (LARGEST_RATE / step).ceil() as i64;
-        let tried: Vec<f64> = (-count..=count).map(|i| self.log_likelihood(i as f64 * step, |_| true)).collect();
+        let tried: Vec<f64> =
+            (-count..=count).map(|i| self.log_likelihood(i as f64 * step, |_| true, |_| true)).collect();
         let largest = |of: &mut dyn Iterator<Item = usize>| of.max_by(|a, b| tried[*a].total_cmp(&tried[*b]));
         let best = largest(&mut (0..tried.len())).unwrap_or(0);
         let is_peak = |i: &usize| tried[*i - 1] <= tried[*i] && tried[*i] >= tried[*i + 1];
@@ -170,7 +177,22 @@ impl Stretches {
 
     /// The likeliest rate within a step of this one, from the stretches that are kept.
     fn refined(&self, rate: f64, step: f64, kept: impl Fn(usize) -> bool) -> f64 {
-        search::maximum((rate - step, rate + step), 1e-4 * step, |rate| self.log_likelihood(rate, &kept))
+        search::maximum((rate - step, rate + step), 1e-4 * step, |rate| self.log_likelihood(rate, &kept, |_| true))
+    }
+
+    /// The likeliest rates, each from all bands but one: anywhere, since without the band that showed it a rate may be gone.
+    fn without_bands(&self, rate: f64, step: f64) -> Vec<f64> {
+        let lines = self.freq_hz.len();
+        let without = |out: usize| {
+            let is_kept = |line: usize| line * BANDS / lines != out;
+            let likelihood = |rate: f64| self.log_likelihood(rate, |_| true, is_kept);
+            let count = (LARGEST_RATE / step).ceil() as i64;
+            let tried = (-count..=count).map(|i| i as f64 * step).chain([rate]);
+            let rated = tried.map(|rate| (rate, likelihood(rate)));
+            let (best, _) = rated.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((rate, 0.0));
+            search::maximum((best - step, best + step), 1e-3 * step, likelihood)
+        };
+        (0..BANDS).map(without).collect()
     }
 
     /// The likeliest rate within a step of the best from all stretches but one: by a step of Newton's from the likeliest rate of
@@ -217,10 +239,11 @@ impl Stretches {
     fn is_related(&self, rate: f64) -> bool {
         let lines = self.freq_hz.len() as f64 / HANN_LINES;
         let each = SEGMENTS as f64 / (SEGMENTS as f64 - 1.0);
-        self.log_likelihood(rate, |_| true) > each * (lines + SIGNIFICANCE * lines.sqrt())
+        self.log_likelihood(rate, |_| true, |_| true) > each * (lines + SIGNIFICANCE * lines.sqrt())
     }
 
-    fn log_likelihood(&self, rate: f64, kept: impl Fn(usize) -> bool) -> f64 {
+    /// From the stretches and the lines that are kept.
+    fn log_likelihood(&self, rate: f64, kept: impl Fn(usize) -> bool, kept_line: impl Fn(usize) -> bool) -> f64 {
         let of_line = |(freq_hz, cross): (&f64, &[Complex64])| {
             let step = Complex64::cis(TAU * freq_hz * rate * self.stretch_s);
             let (mut sum, mut turn) = (Complex64::ZERO, Complex64::ONE);
@@ -232,13 +255,14 @@ impl Stretches {
             }
             -(1.0 - sum.norm_sqr()).max(CLOSEST_COHERENCE).ln()
         };
-        let sum: f64 = self.freq_hz.iter().zip(self.cross.chunks_exact(SEGMENTS)).map(of_line).sum();
+        let lines = self.freq_hz.iter().zip(self.cross.chunks_exact(SEGMENTS)).enumerate();
+        let sum: f64 = lines.filter(|(line, _)| kept_line(*line)).map(|(_, line)| of_line(line)).sum();
         SEGMENTS as f64 / HANN_LINES * sum
     }
 
     /// Standard error from the curvature of the likelihood at its peak.
     fn curvature_error(&self, rate: f64, step: f64) -> f64 {
-        let at = |rate| self.log_likelihood(rate, |_| true);
+        let at = |rate| self.log_likelihood(rate, |_| true, |_| true);
         let curvature = (2.0 * at(rate) - at(rate - step) - at(rate + step)) / (step * step);
         if curvature > 0.0 { curvature.sqrt().recip() } else { f64::INFINITY }
     }

@@ -6,6 +6,9 @@ use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role,
 
 use crate::{Progress, RecordingSummary};
 
+/// No recording is older: the first version of MDF is of this year.
+const FIRST_DAY: &str = "1991-01-01";
+
 /// One file as the program read it.
 #[derive(Debug)]
 pub struct Source {
@@ -48,7 +51,7 @@ impl Prepared {
                 file: source.file.clone(),
                 sha256: source.sha256.clone(),
                 label: None,
-                recorded_on: source.recording.as_ref().ok().and_then(|one| one.start_time).map(|start| start.day()),
+                recorded_on: recorded_on(source),
                 duration_s: source.recording.as_ref().map_or(0.0, duration_s),
                 mean_speed_rad_s: None,
                 sample_times_s: Vec::new(),
@@ -103,6 +106,12 @@ impl Prepared {
 fn is_simulated(source: &Source) -> bool {
     let comment = source.recording.as_ref().ok().and_then(|recording| recording.comment.as_deref());
     comment.is_some_and(|comment| comment.ends_with(SIMULATED))
+}
+
+/// The day of a recording; none where the logger's clock was not set, which then counts from 1970 or 1980.
+fn recorded_on(source: &Source) -> Option<String> {
+    let start = source.recording.as_ref().ok()?.start_time?;
+    Some(start.day()).filter(|day| day.as_str() >= FIRST_DAY)
 }
 
 fn duration_s(recording: &Recording) -> f64 {

@@ -28,9 +28,13 @@ pub(super) fn check(sources: &[Source<'_>], signals: &BTreeMap<Role, Signal>, lo
     for source in sources.iter().filter(there).filter(|source| source.raster != first.raster) {
         others.entry(source.raster).or_default().push(source);
     }
+    let is_reference = |source: &&Source<'_>| {
+        source.raster == first.raster && matches!(source.role, Role::DynoSpeed | Role::DynoTorqueDemand)
+    };
+    let references: Vec<&Source<'_>> = sources.iter().filter(there).filter(is_reference).collect();
     for raster in others.values() {
         check_offset(first, raster[0], log);
-        check_drift(first, raster, signals, log);
+        check_drift(&references, raster, signals, log);
     }
 }
 
@@ -66,20 +70,19 @@ fn drift(reference: &Signal, signal: &Signal) -> Option<Drift> {
     as_stamped.into_iter().chain(of_shrunk).min_by(|a, b| a.standard_error.total_cmp(&b.standard_error))
 }
 
-/// A clock that runs apart, by the channel of the raster that shows it best.
-fn check_drift(first: &Source<'_>, raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
-    let reference = &signals[&first.role];
-    let drifts = raster.iter().filter_map(|source| {
-        let signal = &signals[&source.role];
-        let duration_s = signal.end_s().min(reference.end_s()) - signal.start_s.max(reference.start_s);
-        Some((source, drift(reference, signal)?, duration_s))
+/// A clock that runs apart, by the channels of two rasters that show it best. T_d* is the cause of the torques, so their relation is
+/// that of one input; N_d has the engine as a second one.
+fn check_drift(references: &[&Source<'_>], raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
+    let pairs = references.iter().flat_map(|first| raster.iter().map(move |source| (first, source)));
+    let drifts = pairs.filter_map(|(first, source)| {
+        let (reference, signal) = (&signals[&first.role], &signals[&source.role]);
+        Some((first, source, drift(reference, signal)?))
     });
-    let Some((source, drift, duration_s)) = drifts.min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))
-    else {
-        return;
-    };
-    let Drift { rate, standard_error } = drift;
-    let fastest_s = reference.sample_time_s.min(signals[&source.role].sample_time_s);
+    let best = drifts.min_by(|a, b| a.2.standard_error.total_cmp(&b.2.standard_error));
+    let Some((first, source, Drift { rate, standard_error })) = best else { return };
+    let (reference, signal) = (&signals[&first.role], &signals[&source.role]);
+    let duration_s = signal.end_s().min(reference.end_s()) - signal.start_s.max(reference.start_s);
+    let fastest_s = reference.sample_time_s.min(signal.sample_time_s);
     if rate.abs() > SIGNIFICANCE * standard_error && rate.abs() * duration_s > TRUSTED_SHARE * fastest_s {
         let against = first.channel.to_owned();
         let finding = Finding::ClockDrift { against, rate, standard_error, apart_s: rate * duration_s };

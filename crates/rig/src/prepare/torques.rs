@@ -1,6 +1,8 @@
 //! Torques of the dynamometer that should be equal: T_d* and what the load cell reads, each against T_d,calc.
 
-use signal::Signal;
+use std::f64::consts::{PI, TAU};
+
+use signal::{Complex64, Signal};
 
 use crate::align::common_window;
 use crate::bench_file::BenchFile;
@@ -26,6 +28,11 @@ const OFFSET: (f64, f64) = (2.0, 0.03);
 const OF_THE_MEANS: f64 = 0.25;
 /// A gain this close to that of a unit is explained by it.
 const EXPLAINED: f64 = 0.03;
+/// By how many times what folds to rest on a raster two torques may differ: T_d* is free of it, the load cell shows it another way
+/// than T_d,calc.
+const FOLDED: (f64, f64) = (1.0, 2.0);
+/// Up to this part of half its sample rate N_d shows what folds to rest.
+const SHOWN_BY_SPEED: f64 = 0.9;
 /// Part of the limit at which a demand is at it.
 const AT_LIMIT: f64 = 0.999;
 /// Nm in a lbf ft.
@@ -41,7 +48,9 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
         if wrong_sign(experiment, role).is_some() {
             continue;
         }
-        let Some((gain, offset_nm)) = disagreement(experiment, role, limit_nm) else { continue };
+        let times = if role == Role::LoadCellTorque { FOLDED.1 } else { FOLDED.0 };
+        let folded_nm = times * folded_to_rest_nm(experiment, bench_file.dynamometer_inertia_kg_m2);
+        let Some((gain, offset_nm)) = disagreement(experiment, role, (limit_nm, folded_nm)) else { continue };
         let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
         let looks_like = likely_unit(role, gain, limit_nm);
         let finding = Finding::TorquesDisagree { role, gain, offset_nm, looks_like };
@@ -49,8 +58,34 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
     }
 }
 
-/// Gain and offset of a torque against T_d,calc, if they are not one and zero.
-fn disagreement(experiment: &Experiment, role: Role, limit_nm: Option<f64>) -> Option<(f64, f64)> {
+/// Amplitude of T_d at multiples of the sample rate of T_d,calc, Nm, where it looks like rest: ripple of the drive, and orders of the
+/// engine. N_d shows it, which is faster: J_d dω_d/dt.
+fn folded_to_rest_nm(experiment: &Experiment, inertia_kg_m2: f64) -> f64 {
+    let signals = (experiment.signal(Role::AirGapTorque), experiment.signal(Role::DynoSpeed));
+    let (Some(torque), Some(speed)) = signals else { return 0.0 };
+    let multiples = (1..).map(|multiple| f64::from(multiple) / torque.sample_time_s);
+    let shown = multiples.take_while(|hz| *hz < SHOWN_BY_SPEED * speed.nyquist_hz());
+    shown.map(|hz| inertia_kg_m2 * TAU * hz * amplitude_at(speed, hz)).sum()
+}
+
+/// Root mean square amplitude of a signal at a frequency, over blocks, each under a Hann window.
+fn amplitude_at(signal: &Signal, frequency_hz: f64) -> f64 {
+    let blocks = (signal.duration_s() / BLOCK_S) as usize;
+    let power = |k: usize| {
+        let start_s = signal.start_s + k as f64 * BLOCK_S;
+        let block = signal.slice(start_s, start_s + BLOCK_S).samples;
+        let (count, middle) = (block.len() as f64, mean(&block));
+        let at = |(i, x): (usize, &f64)| {
+            let window = (PI * (i as f64 + 0.5) / count).sin().powi(2);
+            Complex64::cis(-TAU * frequency_hz * signal.sample_time_s * i as f64) * (window * (x - middle))
+        };
+        (block.iter().enumerate().map(at).sum::<Complex64>() * (4.0 / count)).norm_sqr()
+    };
+    ((0..blocks).map(power).sum::<f64>() / blocks.max(1) as f64).sqrt()
+}
+
+/// Gain and offset of a torque against T_d,calc, if they are not one and zero. They may differ by what folds to rest besides.
+fn disagreement(experiment: &Experiment, role: Role, (limit_nm, folded_nm): (Option<f64>, f64)) -> Option<(f64, f64)> {
     let window = common_window(experiment, &[role, Role::AirGapTorque])?;
     let (of, calc) = (experiment.signal(role)?, experiment.signal(Role::AirGapTorque)?);
     let at_limit = |block: &[f64]| limit_nm.is_some_and(|nm| block.iter().any(|x| x.abs() >= AT_LIMIT * nm));
@@ -83,9 +118,11 @@ fn disagreement(experiment: &Experiment, role: Role, limit_nm: Option<f64>) -> O
         (false, true) => 1.0,
         (false, false) => return None,
     };
-    let offset_nm = if (gain - 1.0).abs() > GAIN { mean_a - gain * mean_b } else { mean_a - mean_b };
-    let is_off = offset_nm.abs() > OFFSET.0 + OFFSET.1 * mean_b.abs();
-    ((gain - 1.0).abs() > GAIN || is_off).then_some((gain, offset_nm))
+    // Ripple in proportion to the torque folds to a gain.
+    let is_gain_off = (gain - 1.0).abs() > GAIN + folded_nm / size.max(ENOUGH_NM.1);
+    let offset_nm = if is_gain_off { mean_a - gain * mean_b } else { mean_a - mean_b };
+    let is_off = offset_nm.abs() > OFFSET.0 + OFFSET.1 * mean_b.abs() + folded_nm;
+    (is_gain_off || is_off).then_some((gain, offset_nm))
 }
 
 /// The torque that is in another unit, and the unit: one that makes values smaller.

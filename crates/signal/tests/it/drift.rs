@@ -72,6 +72,26 @@ fn stat_drift_over_hours_is_found_with_its_standard_error() {
     assert!((found.rate - 3e-7).abs() < 4.0 * found.standard_error && found.standard_error < 1e-7, "{found:?}");
 }
 
+/// A line that another one folds onto, some hundredths of a hertz beside it, turns steadily against the first signal, as behind a clock
+/// that runs apart. All other lines say that none does.
+#[test]
+fn exact_what_one_line_shows_is_no_clock() {
+    let mut random = Random::new(7);
+    let common = Lines::new(&mut random, 60, 30.0);
+    let strong = |hz: f64| Lines(vec![(hz, Complex64::new(30.0, 0.0))]);
+    let sum = |a: Signal, b: Signal| {
+        let samples = a.samples.iter().zip(&b.samples).map(|(a, b)| a + b).collect();
+        Signal::new(a.start_s, a.sample_time_s, samples).unwrap()
+    };
+    let clock = (0.0, 0.004);
+    let mut with = |hz: f64| {
+        let weak = common.sampled(&mut random, clock, 24.0, 0.0, 8.0);
+        sum(weak, strong(hz).sampled(&mut random, clock, 24.0, 0.0, 0.0))
+    };
+    let found = relative_drift(&with(33.0), &with(33.02)).unwrap();
+    assert!(found.rate.abs() < 5.0 * found.standard_error, "{found:?}");
+}
+
 #[test]
 fn stat_signals_with_nothing_in_common_say_nothing() {
     for seed in 0..40 {
