@@ -1,6 +1,6 @@
 //! The answer from the model.
 
-use capability::{Answer, CanInputs, Easier, LimitVerdict, can, easier};
+use capability::{Answer, Beyond, CanInputs, Easier, LimitVerdict, can, easier};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior};
 use report::can::{Asked, answer, limit_of, statistic};
 use serde_json::json;
@@ -33,8 +33,10 @@ pub(super) fn run(
         model: &model,
         engine: &bench.stated.parameters.engine,
         limits: bench.file.limits,
+        validity: bench.validity,
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
+        friction: bench.friction(),
         filter_hz: None,
         sets: &wanted.sets,
         own: &wanted.own,
@@ -50,7 +52,7 @@ pub(super) fn run(
             let progress = terminal.long("looking for what would make it possible");
             easier(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?
         }
-        Answer::Yes | Answer::Perhaps | Answer::NotJudged => Vec::new(),
+        Answer::Yes | Answer::Perhaps | Answer::NotShown | Answer::NotJudged => Vec::new(),
     };
     let asked = Asked {
         test: &test.title,
@@ -61,6 +63,7 @@ pub(super) fn run(
         has_study: bench.assembled.is_some(),
         is_cycle: matches!(test.what, What::Cycle { .. }),
         assumptions: &assumptions,
+        friction: inputs.friction,
     };
     show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
     let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
@@ -74,6 +77,11 @@ pub(super) fn spread(bench: &Bench) -> BenchSpread<'_> {
         Some(assembled) => BenchSpread::Estimated(&assembled.uncertainty),
         None => BenchSpread::Prior(Prior::default()),
     }
+}
+
+/// What a test asks for beyond what is known, with its words.
+pub(super) fn words_and_numbers(beyond: &Beyond) -> serde_json::Value {
+    json!({"words": report::can::beyond(beyond), "numbers": beyond})
 }
 
 fn facts(asked: &Asked<'_>) -> serde_json::Value {
@@ -104,6 +112,7 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "duration_s": asked.duration_s,
         "answer": verdict.answer,
         "sentence": answer(verdict),
+        "beyond": verdict.beyond.iter().map(words_and_numbers).collect::<Vec<_>>(),
         "kept": verdict.kept,
         "unstable": verdict.unstable,
         "samples": verdict.kept.of,
@@ -115,5 +124,6 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "doubts": verdict.doubts,
         "spread": if asked.has_study { "study" } else { "prior" },
         "assumptions": asked.assumptions,
+        "friction": asked.friction,
     })
 }
