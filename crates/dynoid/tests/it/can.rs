@@ -236,6 +236,7 @@ fn regress_a_torque_beyond_the_map_is_the_engine_s() {
 }
 
 #[test]
+#[ignore = "slow: half an hour of a cycle on 72 benches"]
 fn exact_the_command_of_the_readme_runs() {
     let campaign = campaign();
     let readme = include_str!("../../../../README.md");
