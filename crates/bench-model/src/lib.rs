@@ -8,6 +8,7 @@
 pub mod analysis;
 pub mod document;
 pub mod drive_ripple;
+pub mod friction;
 pub mod intake;
 pub mod model;
 pub mod prediction;

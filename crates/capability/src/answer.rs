@@ -1,19 +1,21 @@
 //! The answer: many benches run the test, and every requirement and limit gets the share of benches that keep it.
 
 use bench_model::prediction::{PredictionError, PredictionInputs};
+use bench_model::simulate::LoopMode;
 use cycle::{CycleError, Judged, Validation};
-use design::safety::{AtResonance, reaches, slowed};
+use design::safety::{AtResonance, slowed};
 use numerics::parallel;
 use rig::experiment::{Demands, ExperimentPlan};
 use rig::random::Source;
 
+use crate::added::Added;
 use crate::cycle_run::CycleGrid;
 use crate::demand::Demand;
 use crate::error::CapabilityError;
-use crate::extremes::{LimitOf, Peak, of_course, peaks, shaft, unbounded};
+use crate::extremes::{LimitOf, Peak, peaks, unbounded};
 use crate::filter;
 use crate::judged;
-use crate::outcome::{CanInputs, Drawn, Outcome, meets_sets};
+use crate::outcome::{CanInputs, Drawn, Outcome, keeps_limits, meets_sets};
 use crate::plan_run;
 use crate::pulses::Pulses;
 use crate::trace::Trace;
@@ -70,30 +72,9 @@ fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Resu
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(false),
         other => other?,
     };
-    Ok(keeps_limits(inputs, driven, bench, &trace)
+    Ok(keeps_limits(inputs, &peaks_of(inputs, driven, bench, &trace))
         && judged::own(&trace, inputs.own).iter().all(Judged::passes)
         && meets_sets(inputs, &validations(inputs, &trace)?))
-}
-
-/// Whether every limit is kept; the pulses are looked at last.
-fn keeps_limits(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> bool {
-    let limits = &inputs.limits;
-    let near = near(inputs, bench);
-    let is_kept = |of: LimitOf, peak: Peak| of.limit(limits).is_none_or(|limit| !reaches(peak.value, limit));
-    let mut stated = LimitOf::of_test(inputs.demand.has_shaft(), limits).filter(|of| of.limit(limits).is_some());
-    let mut is_of_shaft = false;
-    let keeps_others = stated.all(|of| match of_course(of, trace, &near, limits) {
-        Some(peak) => is_kept(of, peak),
-        None => {
-            is_of_shaft = true;
-            true
-        }
-    });
-    keeps_others
-        && (!is_of_shaft || {
-            let (torque, slew) = with_pulses(driven, bench, |pulses| shaft(trace, pulses));
-            is_kept(LimitOf::ShaftTorque, torque) && is_kept(LimitOf::ShaftTorqueSlew, slew)
-        })
 }
 
 fn nominal(inputs: &CanInputs<'_>) -> Drawn {
@@ -101,18 +82,21 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
         model: inputs.model.clone(),
         engine: inputs.engine.clone(),
         engine_speed: 1.0,
+        friction: inputs.friction.middle(),
         firing_seed: Some(inputs.seed),
     }
 }
 
 fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
+    let mut of_friction = Source::Friction.stream(inputs.seed);
     let draw = |i: usize| {
         let model = inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench)?;
         let speed = random.between(inputs.slowest_engine_control, 1.0);
         let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
         let firing_seed = Some(inputs.seed.wrapping_add(i as u64));
-        Ok(Drawn { model, engine: slowed(&engine, speed), engine_speed: speed, firing_seed })
+        let friction = inputs.friction.draw(&mut of_friction);
+        Ok(Drawn { model, engine: slowed(&engine, speed), engine_speed: speed, friction, firing_seed })
     };
     (0..inputs.samples).map(draw).collect()
 }
@@ -134,16 +118,9 @@ impl<'a> Driven<'a> {
         }
     }
 
-    fn grid(&self) -> Option<&CycleGrid> {
-        match self {
-            Driven::Cycle(grid) => Some(grid),
-            Driven::Plan(..) => None,
-        }
-    }
-
     fn trace(&self, inputs: &CanInputs<'_>, bench: &Drawn) -> Result<Trace, CapabilityError> {
         let trace = match self {
-            Driven::Cycle(grid) => grid.run(&bench.model)?,
+            Driven::Cycle(grid) => grid.run(&bench.model, bench.friction)?,
             Driven::Plan(plan, asked, filtered) => {
                 let prediction = PredictionInputs {
                     plan,
@@ -151,6 +128,7 @@ impl<'a> Driven<'a> {
                     model: &bench.model,
                     engine: &bench.engine,
                     firing_seed: bench.firing_seed,
+                    friction: bench.friction,
                     limits: inputs.limits,
                 };
                 plan_run::run(&prediction, asked)?
@@ -188,25 +166,18 @@ fn validations(inputs: &CanInputs<'_>, trace: &Trace) -> Result<Vec<Validation>,
 }
 
 fn peaks_of(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> [Peak; LimitOf::COUNT] {
-    let near = near(inputs, bench);
-    with_pulses(driven, bench, |pulses| peaks(trace, pulses, &near, &inputs.limits))
-}
-
-fn near<'a>(inputs: &CanInputs<'a>, bench: &Drawn) -> AtResonance<'a> {
     let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
-    AtResonance::of(&bench.model.mechanics, &bench.engine, plan)
+    let near = AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
+    peaks(trace, &added(driven, bench, trace), &near, &inputs.limits)
 }
 
-/// Does something with the pulses, and the torque of the engine, of a run that has none of its own.
-fn with_pulses<R>(driven: &Driven<'_>, bench: &Drawn, work: impl FnOnce(Option<(&Pulses, &[f64])>) -> R) -> R {
-    match driven.grid() {
-        None => work(None),
-        Some(grid) => {
-            let most_nm = grid.engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
-            let pulses = Pulses::of(&bench.model, &bench.engine, grid.range_rad_s(), most_nm);
-            work(Some((&pulses, &grid.engine_nm)))
-        }
-    }
+/// What pulses add to each value of a run that has none of its own; nothing to one that has.
+fn added(driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> Vec<Added> {
+    let Driven::Cycle(grid) = driven else { return Vec::new() };
+    let most_nm = grid.engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+    let pulses = Pulses::of(&bench.model, &bench.engine, LoopMode::Speed, grid.range_rad_s(), most_nm);
+    let at = |(engine_nm, speed): (&f64, &f64)| pulses.at(*engine_nm, *speed);
+    grid.engine_nm.iter().zip(&trace.engine_speed_rad_s).map(at).collect()
 }
 
 fn unstable() -> Outcome {

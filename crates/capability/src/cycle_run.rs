@@ -1,6 +1,8 @@
 //! A cycle on one bench.
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
+use bench_model::prediction::check_engine_speeds;
 use bench_model::simulate::{CourseInputs, InitialState, simulate_course};
 use rig::bench_parameters::EngineParameters;
 
@@ -65,12 +67,18 @@ impl CycleGrid {
     }
 
     /// What a bench does.
-    pub(crate) fn run(&self, model: &BenchModel) -> Result<Trace, CapabilityError> {
-        let start = InitialState::steady(model, self.command_rad_s[0], self.engine_nm[0]);
+    ///
+    /// # Errors
+    /// A part that the model lacks, a speed that no engine has.
+    pub(crate) fn run(&self, model: &BenchModel, friction: DynoFriction) -> Result<Trace, CapabilityError> {
+        check_engine_speeds(&self.speed_rad_s, self.step_s)?;
+        let start = InitialState::steady(model, self.command_rad_s[0], self.engine_nm[0])
+            .with_friction(friction.torque_nm(self.command_rad_s[0]));
         let inputs = CourseInputs {
             step_samples: self.step_samples,
             speed_demand_rad_s: &self.command_rad_s,
             engine_torque_nm: &self.engine_nm,
+            friction,
         };
         let course = simulate_course(model, &inputs, &start)?;
         Ok(Trace {

@@ -1,17 +1,14 @@
 //! What is compared with the limits of a bench.
 
-use design::safety::{AtResonance, largest_change};
-use numerics::order::largest_of_pairs;
+use design::safety::{AtResonance, SPEED_CHANGE_S};
 use rig::bench_file::Limits;
 use serde::Serialize;
 
-use crate::pulses::Pulses;
+use crate::added::Added;
 use crate::trace::Trace;
 
 /// Changes of T_d* count over this time, s: an automation system demands as often.
-const TORQUE_CHANGE_S: f64 = 0.01;
-/// Changes of the speed count over this time, s.
-const SPEED_CHANGE_S: f64 = 0.05;
+pub(crate) const TORQUE_CHANGE_S: f64 = 0.01;
 
 /// A quantity with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -110,68 +107,48 @@ impl LimitOf {
     }
 }
 
-/// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. Pulses are added where the run has none of its own;
-/// with them comes the torque of the engine.
-pub(crate) fn peaks(
-    trace: &Trace,
-    pulses: Option<(&Pulses, &[f64])>,
-    near: &AtResonance<'_>,
-    limits: &Limits,
-) -> [Peak; LimitOf::COUNT] {
-    let shaft = shaft(trace, pulses);
-    LimitOf::ALL.map(|of| {
-        let of_shaft = if of == LimitOf::ShaftTorque { shaft.0 } else { shaft.1 };
-        of_course(of, trace, near, limits).unwrap_or(of_shaft)
+/// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. A run that has no pulses of its own comes with what they add
+/// to each of its values; another one with an empty slice.
+pub(crate) fn peaks(trace: &Trace, added: &[Added], near: &AtResonance<'_>, limits: &Limits) -> [Peak; LimitOf::COUNT] {
+    let (demand, dyno, engine) = (&trace.dyno_demand_nm, &trace.dyno_speed_rad_s, &trace.engine_speed_rad_s);
+    let of = |k: usize| added.get(k).copied().unwrap_or_default();
+    let along = |values: &[f64], value: &dyn Fn(usize) -> f64| peak(trace, (0..values.len()).map(value));
+    LimitOf::ALL.map(|limit| match limit {
+        LimitOf::ShaftTorque => along(&trace.shaft_torque_nm, &|k| {
+            let shaft = trace.shaft_torque_nm[k];
+            (shaft + of(k).shaft_above_nm).max(of(k).shaft_below_nm - shaft)
+        }),
+        LimitOf::ShaftTorqueSlew => along(&trace.shaft_torque_nm, &|k| {
+            let shaft = &trace.shaft_torque_nm;
+            (shaft[k] - shaft[k.saturating_sub(1)]).abs() / trace.step_s + of(k).shaft_slew_nm_per_s
+        }),
+        LimitOf::TorqueDemand => along(demand, &|k| demanded_nm(demand[k], &of(k), limits)),
+        LimitOf::TorqueSlew => change(trace, demand, TORQUE_CHANGE_S, &|k| of(k).demand_slew_nm_per_s),
+        LimitOf::Speed => {
+            let speeds = [
+                along(dyno, &|k| dyno[k].abs() + of(k).dyno_speed_rad_s),
+                along(engine, &|k| engine[k].abs() + of(k).engine_speed_rad_s),
+            ];
+            if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] }
+        }
+        LimitOf::SpeedGradient => change(trace, dyno, SPEED_CHANGE_S, &|k| of(k).speed_gradient_rad_s2),
+        LimitOf::Power => {
+            along(demand, &|k| demanded_nm(demand[k], &of(k), limits) * (dyno[k].abs() + of(k).dyno_speed_rad_s))
+        }
+        LimitOf::TimeAtResonance => longest_at_resonance(trace, near),
+        LimitOf::DriveHeat => heat(trace, limits, &|k| of(k).demand_rms_nm),
     })
 }
 
-/// The peak of a quantity that the pulses do not move; `None` of the others.
-pub(crate) fn of_course(of: LimitOf, trace: &Trace, near: &AtResonance<'_>, limits: &Limits) -> Option<Peak> {
-    let product = |a: &[f64], b: &[f64]| {
-        let (value, place) = largest_of_pairs(a, b, |a, b| (a * b).abs());
-        Peak { value, time_s: trace.time_s(place) }
-    };
-    let magnitude = |values: &[f64]| {
-        let (value, place) = largest_of_pairs(values, values, |value, _| value.abs());
-        Peak { value, time_s: trace.time_s(place) }
-    };
-    Some(match of {
-        LimitOf::ShaftTorque | LimitOf::ShaftTorqueSlew => return None,
-        LimitOf::TorqueDemand => magnitude(&trace.dyno_demand_nm),
-        LimitOf::TorqueSlew => change(trace, &trace.dyno_demand_nm, TORQUE_CHANGE_S),
-        LimitOf::Speed => {
-            let speeds = [magnitude(&trace.dyno_speed_rad_s), magnitude(&trace.engine_speed_rad_s)];
-            if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] }
-        }
-        LimitOf::SpeedGradient => change(trace, &trace.dyno_speed_rad_s, SPEED_CHANGE_S),
-        LimitOf::Power => product(&trace.dyno_demand_nm, &trace.dyno_speed_rad_s),
-        LimitOf::TimeAtResonance => longest_at_resonance(trace, near),
-        LimitOf::DriveHeat => heat(trace, limits),
-    })
+/// |T_d*| with its pulses, which the controller's own limit holds as it does the rest.
+fn demanded_nm(demand_nm: f64, added: &Added, limits: &Limits) -> f64 {
+    let with_pulses = demand_nm.abs() + added.demand_nm;
+    limits.torque_nm.map_or(with_pulses, |limit| with_pulses.min(limit.max(demand_nm.abs())))
 }
 
 /// A run that grows without bound reaches every limit at once.
 pub(crate) fn unbounded() -> [Peak; LimitOf::COUNT] {
     [Peak { value: f64::INFINITY, time_s: 0.0 }; LimitOf::COUNT]
-}
-
-/// The peaks of T_shaft and of its slope.
-pub(crate) fn shaft(trace: &Trace, pulses: Option<(&Pulses, &[f64])>) -> (Peak, Peak) {
-    let none = Peak { value: 0.0, time_s: trace.start_s };
-    let (mut torque, mut slew) = (none, none);
-    let mut before = trace.shaft_torque_nm.first().copied().unwrap_or(0.0);
-    for (k, now) in trace.shaft_torque_nm.iter().copied().enumerate() {
-        let (high, low, of_pulses) = match pulses {
-            Some((pulses, engine_nm)) => pulses.around(now, engine_nm[k], trace.engine_speed_rad_s[k]),
-            None => (now, now, 0.0),
-        };
-        let reach = Peak { value: high.abs().max(low.abs()), time_s: trace.time_s(k) };
-        let slope = Peak { value: (now - before).abs() / trace.step_s + of_pulses, time_s: trace.time_s(k) };
-        torque = if reach.value > torque.value { reach } else { torque };
-        slew = if slope.value > slew.value { slope } else { slew };
-        before = now;
-    }
-    (torque, slew)
 }
 
 /// The largest of some magnitudes.
@@ -180,11 +157,15 @@ fn peak(trace: &Trace, values: impl Iterator<Item = f64>) -> Peak {
     Peak { value: largest.1, time_s: trace.time_s(largest.0) }
 }
 
-/// The largest change within a time, over that time: a step within it counts as one over all of it.
-fn change(trace: &Trace, values: &[f64], within_s: f64) -> Peak {
+/// The largest change within a time, over that time, with what pulses add to it: a step within it counts as one over all of it.
+fn change(trace: &Trace, values: &[f64], within_s: f64, added: &dyn Fn(usize) -> f64) -> Peak {
     let apart = ((within_s / trace.step_s).round() as usize).max(1);
-    let (change, place) = largest_change(values, apart);
-    Peak { value: change / (apart as f64 * trace.step_s), time_s: trace.time_s(place) }
+    let over_s = apart as f64 * trace.step_s;
+    let from = |k: usize| {
+        let later = values[k..].iter().take(apart + 1);
+        later.fold(0.0, |most: f64, value| most.max((value - values[k]).abs())) / over_s + added(k)
+    };
+    peak(trace, (0..values.len()).map(from))
 }
 
 fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
@@ -192,15 +173,18 @@ fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
     Peak { value: stay as f64 * trace.step_s, time_s: trace.time_s(place) }
 }
 
-/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at the first one.
-fn heat(trace: &Trace, limits: &Limits) -> Peak {
+/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at the first one; T²
+/// with the mean square of the pulses.
+fn heat(trace: &Trace, limits: &Limits, pulses_rms_nm: &dyn Fn(usize) -> f64) -> Peak {
     let Some(drive) = limits.drive_heat else { return Peak { value: 0.0, time_s: trace.start_s } };
     let stays = (-trace.step_s / drive.time_constant_s).exp();
-    let towards = |torque_nm: &f64| (torque_nm / drive.continuous_torque_nm).powi(2);
-    let mut now = trace.dyno_demand_nm.first().map_or(0.0, towards);
-    let heats = trace.dyno_demand_nm.iter().map(|torque_nm| {
+    let towards = |(k, torque_nm): (usize, &f64)| {
+        (torque_nm * torque_nm + pulses_rms_nm(k).powi(2)) / drive.continuous_torque_nm.powi(2)
+    };
+    let mut now = trace.dyno_demand_nm.first().map_or(0.0, |first| towards((0, first)));
+    let heats = trace.dyno_demand_nm.iter().enumerate().map(|one| {
         let before = now;
-        now = towards(torque_nm) + (now - towards(torque_nm)) * stays;
+        now = towards(one) + (now - towards(one)) * stays;
         before
     });
     peak(trace, heats)

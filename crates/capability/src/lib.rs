@@ -4,7 +4,9 @@
 //! [`shapes`]. Cycles run in speed control, in steps of some milliseconds; see [`bench_model::simulate::simulate_course`]. Plans run
 //! millisecond by millisecond, as a prediction of an experiment does.
 
+mod added;
 mod answer;
+pub mod beyond;
 mod change;
 mod cycle_run;
 mod demand;
@@ -25,6 +27,7 @@ mod verdict;
 pub mod wanted;
 
 pub use answer::can;
+pub use beyond::Beyond;
 pub use change::Change;
 pub use demand::{CycleDemand, Demand};
 pub use doubt::{Doubt, Uncertain};

@@ -1,14 +1,17 @@
 //! The largest sine that a bench can be asked for, over frequency and speed.
 //!
 //! Short of its limits the bench is linear, so what a sine adds grows with its amplitude. A limit binds where the mean, the firing
-//! pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map takes that case.
+//! pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map takes that case. The pulses are
+//! the largest of all speeds and torques of the engine that the sine itself passes.
 
 use std::f64::consts::{PI, TAU};
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
-use design::safety::BenchSpread;
+use bench_model::simulate::LoopMode;
+use design::safety::{BenchSpread, FrictionSpread, SPEED_CHANGE_S};
 use numerics::{order, parallel};
-use rig::bench_file::{DriveHeat, Limits};
+use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::engine_pulses::KnownPulses;
 use rig::random::Source;
@@ -17,11 +20,13 @@ use serde::Serialize;
 use signal::Complex64;
 
 use crate::error::CapabilityError;
-use crate::extremes::LimitOf;
-use crate::pulses::Pulses;
+use crate::extremes::{LimitOf, TORQUE_CHANGE_S};
+use crate::pulses::{About, Pulses};
 
-/// Changes of T_d* and of the speed count over these times, s.
-const CHANGES_S: (f64, f64) = (0.01, 0.05);
+/// Halvings of the range in which the largest amplitude is looked for: its last part is 1e-12 of the whole.
+const HALVINGS: usize = 40;
+/// Speeds of the engine at which a sine can meet pulses, as parts of the lowest and the highest mean speed.
+const REACHED: (f64, f64) = (0.02, 2.0);
 
 /// Frequencies at which the response is looked at for bandwidths, less one.
 const BANDWIDTH_STEPS: u32 = 400;
@@ -49,7 +54,9 @@ pub struct MapInputs<'a> {
     pub limits: Limits,
     /// How benches differ from it.
     pub spread: BenchSpread<'a>,
-    /// Mean torque, Nm.
+    /// How the friction of their dynamometers differs.
+    pub friction: FrictionSpread,
+    /// Mean torque, Nm: of the engine in speed control, of T_d* in torque control.
     pub torque_nm: f64,
     /// Benches drawn.
     pub samples: usize,
@@ -97,12 +104,14 @@ pub struct Bandwidths {
 /// What 1 rad/s or 1 Nm of a demand makes of each quantity, at one frequency.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
+    omega_rad_s: f64,
     /// The quantity demanded.
     followed: Complex64,
     dyno_speed: f64,
     engine_speed: f64,
     demand: f64,
     shaft: f64,
+    engine_torque: f64,
 }
 
 /// The map over these frequencies and speeds.
@@ -116,13 +125,9 @@ pub fn map(
     speed_rad_s: &[f64],
 ) -> Result<CapabilityMap, CapabilityError> {
     let benches = benches(inputs)?;
-    let amplitudes = |model: &BenchModel, engine: &EngineParameters| {
-        one_bench(&MapInputs { engine, ..*inputs }, model, of, frequency_hz, speed_rad_s)
-    };
-    let all = parallel::map(&benches, |(model, engine)| amplitudes(model, engine))
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?;
-    let nominal = amplitudes(inputs.model, inputs.engine)?;
+    let amplitudes = |bench: &Braked| one_bench(inputs, bench, of, frequency_hz, speed_rad_s);
+    let all = parallel::map(&benches, amplitudes).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let nominal = amplitudes(&nominal(inputs))?;
     let place =
         |k: usize| Place { amplitude: quantiles(all.iter().map(|bench| bench[k].0).collect()), binds: nominal[k].1 };
     let columns = frequency_hz.len();
@@ -136,15 +141,29 @@ pub fn map(
     })
 }
 
-/// The benches of a map, each with its engine.
-pub(crate) fn benches(inputs: &MapInputs<'_>) -> Result<Vec<(BenchModel, EngineParameters)>, CapabilityError> {
+/// A bench of a map.
+#[derive(Debug, Clone)]
+pub(crate) struct Braked {
+    pub(crate) model: BenchModel,
+    pub(crate) engine: EngineParameters,
+    pub(crate) friction: DynoFriction,
+}
+
+/// The nominal bench of a map.
+pub(crate) fn nominal(inputs: &MapInputs<'_>) -> Braked {
+    Braked { model: inputs.model.clone(), engine: inputs.engine.clone(), friction: inputs.friction.middle() }
+}
+
+/// The benches of a map.
+pub(crate) fn benches(inputs: &MapInputs<'_>) -> Result<Vec<Braked>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
+    let mut of_friction = Source::Friction.stream(inputs.seed);
     let draw = |_| {
         let model = inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench)?;
         let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
-        Ok((model, engine))
+        Ok::<Braked, CapabilityError>(Braked { model, engine, friction: inputs.friction.draw(&mut of_friction) })
     };
-    let benches: Vec<_> = (0..inputs.samples).map(draw).collect::<Result<_, CapabilityError>>()?;
+    let benches: Vec<Braked> = (0..inputs.samples).map(draw).collect::<Result<_, _>>()?;
     if benches.is_empty() { Err(CapabilityError::NoSamples) } else { Ok(benches) }
 }
 
@@ -154,12 +173,8 @@ pub(crate) fn quantiles(mut values: Vec<f64>) -> [f64; 3] {
     [0.05, 0.5, 0.95].map(|share| order::quantile_of_sorted(&values, share).unwrap_or(f64::NAN))
 }
 
-fn bandwidths(
-    inputs: &MapInputs<'_>,
-    of: SineOf,
-    benches: &[(BenchModel, EngineParameters)],
-) -> Result<Bandwidths, CapabilityError> {
-    let all = parallel::map(benches, |(model, _)| bandwidths_of(inputs, model, of));
+fn bandwidths(inputs: &MapInputs<'_>, of: SineOf, benches: &[Braked]) -> Result<Bandwidths, CapabilityError> {
+    let all = parallel::map(benches, |bench| bandwidths_of(inputs, &bench.model, of));
     let all = all.into_iter().collect::<Result<Vec<[f64; 4]>, _>>()?;
     let [ten_per_cent_hz, three_db_hz, one_ms_hz, delay_s] =
         [0, 1, 2, 3].map(|k| quantiles(all.iter().map(|one| one[k]).collect()));
@@ -187,71 +202,95 @@ fn bandwidths_of(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf) -> Resu
 /// Largest amplitude and what binds, speed by speed, in each frequency by frequency.
 pub(crate) fn one_bench(
     inputs: &MapInputs<'_>,
-    model: &BenchModel,
+    Braked { model, engine, friction }: &Braked,
     of: SineOf,
     frequency_hz: &[f64],
     speed_rad_s: &[f64],
 ) -> Result<Vec<(f64, Option<LimitOf>)>, CapabilityError> {
-    let gains = frequency_hz.iter().map(|f| Ok((TAU * f, gains(inputs, model, of, TAU * f)?)));
-    let gains = gains.collect::<Result<Vec<_>, CapabilityError>>()?;
-    let range = speed_rad_s.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(*w), high.max(*w)));
-    let pulses = Pulses::of(model, inputs.engine, range, inputs.torque_nm);
+    let gains: Vec<Gains> =
+        frequency_hz.iter().map(|f| gains(inputs, model, of, TAU * f)).collect::<Result<_, CapabilityError>>()?;
+    let (low, high) = speed_rad_s.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(*w), high.max(*w)));
+    let mode = if of == SineOf::Speed { LoopMode::Speed } else { LoopMode::Torque };
+    let swings_nm = gains.iter().map(|gains| high / gains.dyno_speed * gains.engine_torque).fold(0.0, f64::max);
+    let most_nm = inputs.torque_nm.abs() + friction.torque_nm(high).abs() + swings_nm;
+    let pulses = Pulses::of(model, engine, mode, (REACHED.0 * low, REACHED.1 * high), most_nm);
     let rows = speed_rad_s.iter().flat_map(|speed| {
-        let (high, low, slew) = pulses.around(inputs.torque_nm, inputs.torque_nm, *speed);
-        let rest = Rest { speed: *speed, torque: inputs.torque_nm.abs(), shaft: high.abs().max(low.abs()), slew };
-        gains.iter().map(move |(omega, gains)| rest.largest(gains, *omega, &inputs.limits))
+        let (torque, friction) = (inputs.torque_nm, friction.torque_nm(*speed));
+        let (engine, dyno) =
+            if of == SineOf::Speed { (torque, torque - friction) } else { (torque + friction, torque) };
+        let place = Mean { speed: *speed, engine, dyno, limits: inputs.limits, pulses: pulses.about(*speed) };
+        gains.iter().map(|gains| place.largest(gains)).collect::<Vec<_>>()
     });
     Ok(rows.collect())
 }
 
-/// What the limits leave before the sine.
-#[derive(Clone, Copy)]
-struct Rest {
+/// Mean speed and torques, about which a sine goes.
+struct Mean<'a> {
     speed: f64,
-    torque: f64,
-    /// With pulses.
-    shaft: f64,
-    slew: f64,
+    /// Of engine and shaft.
+    engine: f64,
+    /// Of the dynamometer.
+    dyno: f64,
+    limits: Limits,
+    pulses: About<'a>,
 }
 
-impl Rest {
-    /// The largest amplitude, and the limit that binds.
-    fn largest(&self, gains: &Gains, omega: f64, limits: &Limits) -> (f64, Option<LimitOf>) {
-        let slope = |gain: f64, over_s: f64| gain * 2.0 * (0.5 * omega * over_s).min(0.5 * PI).sin() / over_s;
-        let room = |of: LimitOf, rest: f64, gain: f64| {
-            let limit = of.limit(limits)?;
-            Some(((limit - rest).max(0.0) / gain, Some(of)))
+impl Mean<'_> {
+    /// The largest amplitude, and the limit that binds: no limit is used more as a sine becomes smaller.
+    fn largest(&self, gains: &Gains) -> (f64, Option<LimitOf>) {
+        // The bench does not turn backwards.
+        let most = self.speed / gains.dyno_speed;
+        let (used, mut binds) = self.used(gains, most);
+        if used < 1.0 {
+            return (most, Some(LimitOf::Speed));
+        }
+        let (mut low, mut high) = (0.0, most);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.used(gains, middle) {
+                (used, _) if used < 1.0 => low = middle,
+                (_, of) => (high, binds) = (middle, of),
+            }
+        }
+        (low, binds)
+    }
+
+    /// The largest part of a limit that a sine of this amplitude uses, and of which limit.
+    fn used(&self, gains: &Gains, amplitude: f64) -> (f64, Option<LimitOf>) {
+        let slope = |gain: f64, over_s: f64| {
+            amplitude * gain * 2.0 * (0.5 * gains.omega_rad_s * over_s).min(0.5 * PI).sin() / over_s
         };
-        let rooms = [
-            room(LimitOf::ShaftTorque, self.shaft, gains.shaft),
-            room(LimitOf::ShaftTorqueSlew, self.slew, gains.shaft * omega),
-            room(LimitOf::TorqueDemand, self.torque, gains.demand),
-            room(LimitOf::TorqueSlew, 0.0, slope(gains.demand, CHANGES_S.0)),
-            room(LimitOf::Speed, self.speed, gains.dyno_speed.max(gains.engine_speed)),
-            // The bench does not turn backwards.
-            Some((self.speed / gains.dyno_speed, Some(LimitOf::Speed))),
-            room(LimitOf::SpeedGradient, 0.0, slope(gains.dyno_speed, CHANGES_S.1)),
-            limits.drive_heat.map(|heat| (self.of_heat(gains, omega, heat), Some(LimitOf::DriveHeat))),
-            limits.power_w.map(|limit| (self.of_power(gains, limit), Some(LimitOf::Power))),
+        let swings_nm = amplitude * gains.engine_torque;
+        let added =
+            self.pulses.within(amplitude * gains.engine_speed, [self.engine - swings_nm, self.engine + swings_nm]);
+        let beyond_nm = (self.engine + added.shaft_above_nm).max(added.shaft_below_nm - self.engine);
+        let demand = self.dyno.abs() + amplitude * gains.demand + added.demand_nm;
+        let dyno = amplitude * gains.dyno_speed + added.dyno_speed_rad_s;
+        let engine = amplitude * gains.engine_speed + added.engine_speed_rad_s;
+        let values = [
+            (LimitOf::ShaftTorque, beyond_nm + amplitude * gains.shaft),
+            (LimitOf::ShaftTorqueSlew, amplitude * gains.shaft * gains.omega_rad_s + added.shaft_slew_nm_per_s),
+            (LimitOf::TorqueDemand, demand),
+            (LimitOf::TorqueSlew, slope(gains.demand, TORQUE_CHANGE_S) + added.demand_slew_nm_per_s),
+            (LimitOf::Speed, self.speed + dyno.max(engine)),
+            (LimitOf::SpeedGradient, slope(gains.dyno_speed, SPEED_CHANGE_S) + added.speed_gradient_rad_s2),
+            (LimitOf::Power, demand * (self.speed + dyno)),
+            (LimitOf::DriveHeat, self.heat(gains, amplitude, added.demand_rms_nm)),
         ];
-        rooms.into_iter().flatten().fold((f64::INFINITY, None), |least, one| if one.0 < least.0 { one } else { least })
+        let used = values.into_iter().filter_map(|(of, value)| Some((value / of.limit(&self.limits)?, Some(of))));
+        used.fold((0.0, None), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// A at which the drive stays at the heat of its continuous torque T_c: T² + 2 T a h_1 + a²/2 (1 + h_2) = T_c², a = A g_T, where h_n is
-    /// what is left of the n-th harmonic of the loss after the time constant.
-    fn of_heat(&self, gains: &Gains, omega: f64, heat: DriveHeat) -> f64 {
-        let left = |n: f64| 1.0 / (n * omega * heat.time_constant_s).hypot(1.0);
-        let (a, b) = (0.5 * (1.0 + left(2.0)), self.torque * left(1.0));
-        let room = (heat.continuous_torque_nm.powi(2) - self.torque.powi(2)).max(0.0);
-        room / (b + (b * b + a * room).sqrt()) / gains.demand
-    }
-
-    /// A with (T + A g_T)(ω + A g_ω) at the limit.
-    fn of_power(&self, gains: &Gains, limit_w: f64) -> f64 {
-        let a = gains.demand * gains.dyno_speed;
-        let b = self.torque * gains.dyno_speed + self.speed * gains.demand;
-        let left = (limit_w - self.torque * self.speed).max(0.0);
-        2.0 * left / (b + (b * b + 4.0 * a * left).sqrt())
+    /// The largest heat of the drive as a part of that of its continuous torque T_c, with the root mean square p of the pulses:
+    /// (T² + p² + 2 T a h_1 + a²/2 (1 + h_2))/T_c², a = A g_T, where h_n is what is left of the n-th harmonic of the loss after the time
+    /// constant.
+    fn heat(&self, gains: &Gains, amplitude: f64, pulses_nm: f64) -> f64 {
+        let Some(drive) = self.limits.drive_heat else { return 0.0 };
+        let left = |n: f64| 1.0 / (n * gains.omega_rad_s * drive.time_constant_s).hypot(1.0);
+        let a = amplitude * gains.demand;
+        let steady = self.dyno.powi(2) + pulses_nm.powi(2);
+        let heat = steady + 2.0 * self.dyno.abs() * a * left(1.0) + 0.5 * a * a * (1.0 + left(2.0));
+        heat / drive.continuous_torque_nm.powi(2)
     }
 }
 
@@ -267,11 +306,13 @@ fn gains(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf, omega: f64) -> 
             let shaft = demand * drive * model.mechanics.torque_to_shaft(omega);
             let engine = shaft / (Complex64::new(0.0, omega) * model.mechanics.engine_inertia_kg_m2);
             Ok(Gains {
+                omega_rad_s: omega,
                 followed: speed,
                 dyno_speed: speed.norm(),
                 engine_speed: engine.norm(),
                 demand: demand.norm(),
                 shaft: shaft.norm(),
+                engine_torque: 0.0,
             })
         }
         SineOf::Torque => {
@@ -279,11 +320,13 @@ fn gains(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf, omega: f64) -> 
             let (dyno, engine) = governed(inputs.engine, model, omega);
             let shaft = spring(model, omega) * (engine - dyno);
             Ok(Gains {
+                omega_rad_s: omega,
                 followed: torque,
                 dyno_speed: (torque * dyno).norm(),
                 engine_speed: (torque * engine).norm(),
                 demand: 1.0,
                 shaft: (torque * shaft).norm(),
+                engine_torque: (torque * engine * governor(inputs.engine, omega)).norm(),
             })
         }
     }
@@ -299,13 +342,16 @@ fn spring(model: &BenchModel, omega: f64) -> Complex64 {
 fn governed(engine: &EngineParameters, model: &BenchModel, omega: f64) -> (Complex64, Complex64) {
     let mechanics = &model.mechanics;
     let spring = spring(model, omega);
-    let intake = Complex64::new(1.0, omega * engine.intake_lag_s);
-    let control = Complex64::new(
-        engine.speed_control_proportional_nm_s_per_rad,
-        -engine.speed_control_integral_nm_per_rad / omega,
-    ) / intake;
+    let control = governor(engine, omega);
     let of_dyno = Complex64::new(0.0, omega * mechanics.dyno_inertia_kg_m2) + spring;
     let of_engine = Complex64::new(0.0, omega * mechanics.engine_inertia_kg_m2) + spring + control;
     let determinant = of_dyno * of_engine - spring * spring;
     (-of_engine / determinant, -spring / determinant)
+}
+
+/// ω_e → −T_e of the engine's speed control, through its intake.
+fn governor(engine: &EngineParameters, omega: f64) -> Complex64 {
+    let integral = -engine.speed_control_integral_nm_per_rad / omega;
+    Complex64::new(engine.speed_control_proportional_nm_s_per_rad, integral)
+        / Complex64::new(1.0, omega * engine.intake_lag_s)
 }

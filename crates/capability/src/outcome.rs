@@ -1,8 +1,10 @@
 //! What an answer rests on, and what one bench does.
 
+use bench_model::document::Validity;
+use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
 use cycle::{Judged, Own, RequirementSet, Validation};
-use design::safety::{BenchSpread, reaches};
+use design::safety::{BenchSpread, FrictionSpread, reaches};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::engine_pulses::KnownPulses;
@@ -23,10 +25,14 @@ pub struct CanInputs<'a> {
     pub pulses: &'a KnownPulses,
     /// What the bench must not exceed.
     pub limits: Limits,
+    /// The range of the recordings that the model is from.
+    pub validity: Validity,
     /// How benches differ from it.
     pub spread: BenchSpread<'a>,
     /// Share of the stated bandwidth that the engine's speed control (TN) has at least.
     pub slowest_engine_control: f64,
+    /// How the friction of their dynamometers differs.
+    pub friction: FrictionSpread,
     /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is judged by the demands
     /// as they were.
     pub filter_hz: Option<f64>,
@@ -56,6 +62,7 @@ pub(crate) struct Drawn {
     pub(crate) engine: EngineParameters,
     /// Share of the stated bandwidth that its speed control has.
     pub(crate) engine_speed: f64,
+    pub(crate) friction: DynoFriction,
     pub(crate) firing_seed: Option<u64>,
 }
 
@@ -69,7 +76,7 @@ pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
 }
 
 /// Whether every limit is kept.
-fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
+pub(crate) fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
     let is_reached =
         |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(peaks[of as usize].value, limit));
     !LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits).any(is_reached)

@@ -1,18 +1,25 @@
-//! How far firing pulses move the shaft torque, over speed.
+//! How far firing pulses move what has limits, over speed and torque.
 //!
-//! At a speed that hardly changes the pulses repeat, so that the frequency response gives what the shaft makes of them. While a
+//! At a speed that hardly changes the pulses repeat, so that frequency responses give what the bench makes of them. While a
 //! resonance is passed quickly, less comes of them: the result is an upper bound there.
 
 use std::f64::consts::TAU;
 
 use bench_model::model::{BenchModel, mean_over};
-use rig::bench_parameters::EngineParameters;
+use bench_model::simulate::LoopMode;
+use design::safety::{SPEED_CHANGE_S, largest_change};
+use rig::bench_parameters::{CycleHarmonic, EngineParameters};
 use signal::Complex64;
 
-/// Speeds of the table.
-const SPEEDS: usize = 96;
+use crate::added::Added;
+use crate::extremes::TORQUE_CHANGE_S;
+
+/// Speeds of the table are so far apart, as a part: a resonance with a damping ratio of 0.02 is four times as wide.
+const STEP: f64 = 0.01;
+/// Speeds of the table at most; below the lowest one pulses act as they do there.
+const SPEEDS: usize = 400;
 /// Mean torques of the table, from the lowest over none to the highest.
-const LEVELS: usize = 7;
+const LEVELS: usize = 5;
 /// Points of a firing period.
 const PHASES: usize = 32;
 /// Standard deviations of a firing that count: one in 740 is stronger.
@@ -20,105 +27,202 @@ const VARIES: f64 = 3.0;
 /// Waves below this are left out, and torques below it are none, Nm.
 const LEAST: f64 = 1e-6;
 
-/// What pulses add to T_shaft, over the engine's speed and mean torque. What they add is convex over the torque, so that straight lines
-/// between the torques of the table are upper bounds.
+/// What pulses add to each quantity at the mean torques of the table, over the engine's speed. What they add is convex over the torque,
+/// so that straight lines between these torques are upper bounds.
 pub(crate) struct Pulses {
     lowest_rad_s: f64,
-    step_rad_s: f64,
     /// The largest mean torque of the table, Nm.
     highest_nm: f64,
-    /// Speed by speed, torque by torque.
-    table: Vec<[Extreme; LEVELS]>,
+    table: Vec<Levels>,
+    /// What a firing adds that pushes with 1 Nm more than the mean.
+    push: Added,
     /// By which part firings are stronger than the mean where they vary from cycle to cycle.
     varies: f64,
 }
 
-/// Extremes of the torque and of its slope.
-#[derive(Debug, Clone, Copy, Default)]
-struct Extreme {
-    above_nm: f64,
-    below_nm: f64,
-    slew_nm_per_s: f64,
+/// What pulses add at each mean torque of the table.
+type Levels = [Added; LEVELS];
+
+/// The larger of each.
+fn or_more(one: &Levels, other: &Levels) -> Levels {
+    std::array::from_fn(|j| one[j].or_more(&other[j]))
 }
 
 impl Pulses {
-    /// Those of an engine on a bench, from one speed to another and up to a mean torque.
-    pub(crate) fn of(model: &BenchModel, engine: &EngineParameters, (low, high): (f64, f64), most_nm: f64) -> Self {
-        let step_rad_s = ((high - low) / (SPEEDS - 1) as f64).max(1e-9);
-        let cylinders = engine.cylinder_factors.len();
+    /// Those of an engine on a bench that is held in this way, from one speed to another and up to a mean torque.
+    pub(crate) fn of(
+        model: &BenchModel,
+        engine: &EngineParameters,
+        mode: LoopMode,
+        (low, high): (f64, f64),
+        most_nm: f64,
+    ) -> Self {
+        let high = high.max(f64::MIN_POSITIVE);
+        let lowest_rad_s = low.clamp(high * (-STEP * (SPEEDS - 1) as f64).exp(), high);
+        let count = ((high / lowest_rad_s).ln() / STEP).ceil() as usize + 1;
+        let points = PHASES * engine.cylinder_factors.len();
+        let circle: Vec<Complex64> = (0..points).map(|k| Complex64::cis(TAU * k as f64 / points as f64)).collect();
+        let harmonics = engine.harmonics_of_cycle();
         let varies = VARIES * engine.cycle_variation;
         let highest_nm = (most_nm.abs() * (1.0 + varies)).max(LEAST);
         let at = |k: usize| {
-            let speed = low + k as f64 * step_rad_s;
+            let speed = lowest_rad_s * (STEP * k as f64).exp();
             let cycle_rad_s = speed * TAU / engine.cycle_rad();
-            let level = |j: usize| highest_nm * (2.0 * j as f64 / (LEVELS - 1) as f64 - 1.0);
-            let waves = |j: usize| engine.waves(level(j), speed);
-            std::array::from_fn(|j| extreme(model, &waves(j), PHASES * cylinders, cycle_rad_s))
+            let answers = OfEngine::of_cycle(model, mode, harmonics.len(), cycle_rad_s);
+            std::array::from_fn(|j| {
+                let level_nm = highest_nm * (2.0 * j as f64 / (LEVELS - 1) as f64 - 1.0);
+                added(&waves(&harmonics, level_nm, speed), &answers, &circle, cycle_rad_s)
+            })
         };
-        Pulses { lowest_rad_s: low, step_rad_s, highest_nm, table: (0..SPEEDS).map(at).collect(), varies }
+        Pulses { lowest_rad_s, highest_nm, table: (0..count).map(at).collect(), push: push(model, mode), varies }
     }
 
-    /// Highest and lowest T_shaft, and the largest slope of the pulses, at a mean torque of shaft and engine.
-    pub(crate) fn around(&self, shaft_nm: f64, engine_nm: f64, speed_rad_s: f64) -> (f64, f64, f64) {
-        let place = ((speed_rad_s.abs() - self.lowest_rad_s) / self.step_rad_s).clamp(0.0, (SPEEDS - 1) as f64) + 0.5;
-        let level_nm = engine_nm * (1.0 + self.varies);
-        let Extreme { above_nm, below_nm, slew_nm_per_s } = self.at(&self.table[place as usize], level_nm);
-        // A firing that is stronger also pushes with more on the average.
-        let pushed_nm = engine_nm.abs() * self.varies;
-        (shaft_nm + above_nm + pushed_nm, shaft_nm - below_nm - pushed_nm, slew_nm_per_s)
+    /// What they add at a mean torque of the engine: at the speed, the more of its two neighbours in the table.
+    pub(crate) fn at(&self, engine_nm: f64, speed_rad_s: f64) -> Added {
+        let place = self.place(speed_rad_s);
+        self.at_torque(&or_more(&self.table[place.floor() as usize], &self.table[place.ceil() as usize]), engine_nm)
     }
 
-    /// Straight between the torques of the table.
-    fn at(&self, table: &[Extreme; LEVELS], level_nm: f64) -> Extreme {
+    /// What they add at the most at any speed within so many places of the table about a speed; the last one holds all of the table.
+    pub(crate) fn about(&self, speed_rad_s: f64) -> About<'_> {
+        let place = self.place(speed_rad_s);
+        let (low, high) = (place.floor() as usize, place.ceil() as usize);
+        let mut most = or_more(&self.table[low], &self.table[high]);
+        let mut within = vec![most];
+        for k in 1..self.table.len() {
+            let beside = [low.checked_sub(k), Some(high + k)].into_iter().flatten().filter_map(|at| self.table.get(at));
+            most = beside.fold(most, |most, one| or_more(&most, one));
+            within.push(most);
+        }
+        About { pulses: self, speed_rad_s, within }
+    }
+
+    fn place(&self, speed_rad_s: f64) -> f64 {
+        ((speed_rad_s.abs() / self.lowest_rad_s).ln() / STEP).clamp(0.0, (self.table.len() - 1) as f64)
+    }
+
+    /// Straight between the torques of the table. A firing that is stronger than the mean also pushes with more on the average.
+    fn at_torque(&self, levels: &Levels, engine_nm: f64) -> Added {
         let last = (LEVELS - 1) as f64;
+        let level_nm = engine_nm * (1.0 + self.varies);
         let place = (0.5 * (level_nm / self.highest_nm + 1.0)).clamp(0.0, 1.0) * last;
         let before = (place as usize).min(LEVELS - 2);
-        let between = |of: fn(&Extreme) -> f64| {
-            let (from, to) = (of(&table[before]), of(&table[before + 1]));
-            from + (place - before as f64) * (to - from)
-        };
-        Extreme {
-            above_nm: between(|one| one.above_nm),
-            below_nm: between(|one| one.below_nm),
-            slew_nm_per_s: between(|one| one.slew_nm_per_s),
-        }
+        let share = place - before as f64;
+        let between = levels[before].with(&levels[before + 1], |from, to| from + share * (to - from));
+        between.with(&self.push, |pulses, of_push| pulses + engine_nm.abs() * self.varies * of_push)
     }
 }
 
-/// Of cycles with this frequency.
-fn extreme(model: &BenchModel, waves: &[Complex64], points: usize, cycle_rad_s: f64) -> Extreme {
-    let mut waves: Vec<(f64, Complex64, Complex64)> = (1..)
-        .zip(waves)
-        .filter(|(_, wave)| wave.norm() > LEAST)
-        .map(|(m, wave)| {
-            let m = f64::from(m);
-            let omega = m * cycle_rad_s;
-            (omega, wave * to_shaft(model, omega), Complex64::cis(TAU * m / points as f64))
-        })
-        .collect();
-    let mut extreme = Extreme::default();
-    for _ in 0..points {
-        let (mut torque, mut slope) = (0.0, 0.0);
-        for (omega, wave, turn) in &mut waves {
-            torque += wave.re;
-            slope -= wave.im * *omega;
-            *wave *= *turn;
-        }
-        extreme.above_nm = extreme.above_nm.max(torque);
-        extreme.below_nm = extreme.below_nm.max(-torque);
-        extreme.slew_nm_per_s = extreme.slew_nm_per_s.max(slope.abs());
-    }
-    extreme
+/// What pulses add about a speed.
+pub(crate) struct About<'a> {
+    pulses: &'a Pulses,
+    speed_rad_s: f64,
+    within: Vec<Levels>,
 }
 
-/// T_e → T_shaft in speed control; with both sides free where the model has no controller.
-pub(crate) fn to_shaft(model: &BenchModel, omega_rad_s: f64) -> Complex64 {
-    let free = model.mechanics.engine_to_shaft(omega_rad_s);
-    let controlled = || {
-        let (pi, control) = (model.speed_controller?, model.torque_control?);
-        let speed = model.engine_to_speed_controlled(omega_rad_s)? * mean_over(model.encoder_gate_s, omega_rad_s);
-        let braking = speed * pi.response(omega_rad_s) * pi.hold(omega_rad_s) * control.response(omega_rad_s);
-        Some(braking * model.mechanics.torque_to_shaft(omega_rad_s))
+impl About<'_> {
+    /// What they add at the most while the speed moves this far to both sides, and the mean torque of the engine between two.
+    pub(crate) fn within(&self, reach_rad_s: f64, engine_nm: [f64; 2]) -> Added {
+        // Downwards a speed goes further on the logarithmic table.
+        let part = (reach_rad_s / self.speed_rad_s.max(f64::MIN_POSITIVE)).min(1.0 - f64::EPSILON);
+        let places = (-(-part).ln_1p() / STEP).ceil();
+        let levels = &self.within[(places as usize).min(self.within.len() - 1)];
+        // What is convex is largest at an end.
+        let [low, high] = engine_nm.map(|torque_nm| self.pulses.at_torque(levels, torque_nm));
+        low.or_more(&high)
+    }
+}
+
+/// What a push of 1 Nm adds: it accelerates both ends, and the controller answers to that.
+fn push(model: &BenchModel, mode: LoopMode) -> Added {
+    let gradient = 1.0 / (model.mechanics.dyno_inertia_kg_m2 + model.mechanics.engine_inertia_kg_m2);
+    let gain =
+        model.speed_controller.filter(|_| mode == LoopMode::Speed).map_or(0.0, |pi| pi.proportional_nm_s_per_rad);
+    Added {
+        shaft_above_nm: 1.0,
+        shaft_below_nm: 1.0,
+        speed_gradient_rad_s2: gradient,
+        demand_slew_nm_per_s: gain.abs() * gradient,
+        ..Added::default()
+    }
+}
+
+/// The waves of a cycle at a mean torque and a speed: harmonic of the cycle, and its complex amplitude.
+fn waves(harmonics: &[CycleHarmonic], torque_nm: f64, speed_rad_s: f64) -> Vec<(usize, Complex64)> {
+    let at = |(m, harmonic): (usize, &CycleHarmonic)| (m, harmonic.at(torque_nm, speed_rad_s));
+    (1..).zip(harmonics).map(at).filter(|(_, amplitude)| amplitude.norm() > LEAST).collect()
+}
+
+/// What cycles with this frequency add.
+fn added(waves: &[(usize, Complex64)], answers: &[OfEngine], circle: &[Complex64], cycle_rad_s: f64) -> Added {
+    let course = |of: &dyn Fn(f64, &OfEngine) -> Complex64| {
+        let part = |(m, wave): &(usize, Complex64)| (*m, wave * of(*m as f64 * cycle_rad_s, &answers[m - 1]));
+        course(&waves.iter().map(part).collect::<Vec<_>>(), circle)
     };
-    free + controlled().unwrap_or_default()
+    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let shaft = course(&|_, answer| answer.shaft);
+    let slope = course(&|omega, answer| answer.shaft * Complex64::new(0.0, omega));
+    let (demand, dyno) = (course(&|_, answer| answer.demand), course(&|_, answer| answer.dyno_speed));
+    let engine = course(&|_, answer| answer.engine_speed);
+    let point_s = TAU / cycle_rad_s / circle.len() as f64;
+    let change = |values: &[f64], within_s: f64| {
+        let apart = ((within_s / point_s).ceil() as usize).max(1);
+        // Half a cycle holds the way from the lowest value to the highest, or back.
+        let largest = if 2 * apart >= values.len() {
+            values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
+        } else {
+            largest_change(&[values, &values[..apart]].concat(), apart).0
+        };
+        largest / within_s.max(point_s)
+    };
+    Added {
+        shaft_above_nm: shaft.iter().copied().fold(0.0, f64::max),
+        shaft_below_nm: -shaft.iter().copied().fold(0.0, f64::min),
+        shaft_slew_nm_per_s: most(&slope),
+        demand_nm: most(&demand),
+        demand_rms_nm: (demand.iter().map(|value| value * value).sum::<f64>() / demand.len().max(1) as f64).sqrt(),
+        demand_slew_nm_per_s: change(&demand, TORQUE_CHANGE_S),
+        dyno_speed_rad_s: most(&dyno),
+        engine_speed_rad_s: most(&engine),
+        speed_gradient_rad_s2: change(&dyno, SPEED_CHANGE_S),
+    }
+}
+
+/// The sum of some waves over a cycle.
+fn course(waves: &[(usize, Complex64)], circle: &[Complex64]) -> Vec<f64> {
+    let at = |k: usize| waves.iter().map(|(m, wave)| (wave * circle[m * k % circle.len()]).re).sum();
+    (0..circle.len()).map(at).collect()
+}
+
+/// Frequency responses of a bench to T_e.
+#[derive(Debug, Clone, Copy)]
+struct OfEngine {
+    shaft: Complex64,
+    demand: Complex64,
+    dyno_speed: Complex64,
+    engine_speed: Complex64,
+}
+
+impl OfEngine {
+    /// At so many harmonics of a cycle, the first first.
+    fn of_cycle(model: &BenchModel, mode: LoopMode, harmonics: usize, cycle_rad_s: f64) -> Vec<Self> {
+        (1..=harmonics).map(|m| OfEngine::at(model, mode, m as f64 * cycle_rad_s)).collect()
+    }
+
+    /// In speed control; in torque control, or where the model has no controller, T_d stays.
+    fn at(model: &BenchModel, mode: LoopMode, omega_rad_s: f64) -> Self {
+        let mechanics = &model.mechanics;
+        let controlled = || {
+            let (pi, control) = (model.speed_controller?, model.torque_control?);
+            let speed = model.engine_to_speed_controlled(omega_rad_s)?;
+            let demand = speed * mean_over(model.encoder_gate_s, omega_rad_s) * pi.response(omega_rad_s);
+            let braking = demand * pi.hold(omega_rad_s) * control.response(omega_rad_s);
+            Some((speed, demand, braking * mechanics.torque_to_shaft(omega_rad_s)))
+        };
+        let free = (mechanics.engine_to_speed(omega_rad_s), Complex64::default(), Complex64::default());
+        let (dyno_speed, demand, braked) = if mode == LoopMode::Speed { controlled().unwrap_or(free) } else { free };
+        let shaft = mechanics.engine_to_shaft(omega_rad_s) + braked;
+        let turned = Complex64::new(0.0, omega_rad_s * mechanics.engine_inertia_kg_m2);
+        OfEngine { shaft, demand, dyno_speed, engine_speed: (1.0 - shaft) / turned }
+    }
 }

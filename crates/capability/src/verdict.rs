@@ -5,6 +5,7 @@ use design::safety::{Proportion, reaches};
 use numerics::order;
 use serde::Serialize;
 
+use crate::beyond::{Beyond, beyond};
 use crate::doubt::{Doubt, doubts};
 use crate::extremes::LimitOf;
 use crate::outcome::{CanInputs, Drawn, Outcome, keeps};
@@ -27,6 +28,8 @@ pub enum Answer {
     Perhaps,
     /// No more than half of them do.
     No,
+    /// 95 % of the benches keep everything, but the test goes beyond what the model or the engine's map is known for.
+    NotShown,
     /// No limit is stated, and nothing is required.
     NotJudged,
 }
@@ -107,6 +110,8 @@ pub struct Bands {
 pub struct Verdict {
     /// In a word.
     pub answer: Answer,
+    /// Why a yes is not shown.
+    pub beyond: Vec<Beyond>,
     /// How many benches keep every limit and every requirement.
     pub kept: Proportion,
     /// How many are not stable.
@@ -163,14 +168,17 @@ pub(crate) fn verdict(
         .map(|of| limit_verdict(of, of.limit(&inputs.limits), outcomes, nominal))
         .collect();
     let is_judged = !inputs.sets.is_empty() || !inputs.own.is_empty() || limits.iter().any(|one| one.limit.is_some());
+    let beyond = beyond(&inputs.demand, &inputs.validity, &trace);
     let answer = match kept.estimate {
         _ if is_share_of_yes(kept.count, kept.of) && !is_judged => Answer::NotJudged,
-        _ if is_share_of_yes(kept.count, kept.of) => Answer::Yes,
+        _ if is_share_of_yes(kept.count, kept.of) && beyond.is_empty() => Answer::Yes,
+        _ if is_share_of_yes(kept.count, kept.of) => Answer::NotShown,
         share if share > NO => Answer::Perhaps,
         _ => Answer::No,
     };
     Verdict {
         answer,
+        beyond,
         kept,
         unstable: proportion(outcomes, |outcome| outcome.is_unstable),
         unchecked: limits.iter().filter(|one| one.limit.is_none()).map(|one| one.of).collect(),
@@ -179,7 +187,7 @@ pub(crate) fn verdict(
         own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict((k, own), outcomes, nominal)).collect(),
         doubts: match answer {
             Answer::Perhaps => doubts(benches, &outcomes.iter().map(|one| keeps(inputs, one)).collect::<Vec<_>>()),
-            Answer::Yes | Answer::No | Answer::NotJudged => Vec::new(),
+            Answer::Yes | Answer::No | Answer::NotShown | Answer::NotJudged => Vec::new(),
         },
         bands: bands(&trace, outcomes),
         nominal: trace,

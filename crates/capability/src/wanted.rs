@@ -2,17 +2,15 @@
 
 use std::str::FromStr;
 
-use bench_model::model::BenchModel;
 use design::safety::Proportion;
 use numerics::parallel;
-use rig::bench_parameters::EngineParameters;
 use serde::Serialize;
 use units::{Quantity, parse_value};
 
 use crate::error::CapabilityError;
 use crate::extremes::LimitOf;
-use crate::gradient::gradient;
-use crate::map::{MapInputs, SineOf, benches, one_bench, quantiles};
+use crate::gradient::{self, Gradient};
+use crate::map::{Braked, MapInputs, SineOf, benches, nominal, one_bench, quantiles};
 
 /// From this share of the benches on a wish can be had.
 const ENOUGH: f64 = 0.95;
@@ -87,25 +85,19 @@ impl WantedAnswer {
 /// # Errors
 /// As [`crate::map::map`].
 pub fn answer(inputs: &MapInputs<'_>, wanted: Wanted, speed_rad_s: &[f64]) -> Result<WantedAnswer, CapabilityError> {
-    let one = |model: &BenchModel, engine: &EngineParameters| match wanted {
-        Wanted::Sine { of, frequency_hz, .. } => {
-            one_bench(&MapInputs { engine, ..*inputs }, model, of, &[frequency_hz], speed_rad_s)
-        }
+    let one = |bench: &Braked| match wanted {
+        Wanted::Sine { of, frequency_hz, .. } => one_bench(inputs, bench, of, &[frequency_hz], speed_rad_s),
         Wanted::Gradient { .. } => {
-            let least = |speed: &f64| {
-                let found = gradient(&model.mechanics, &inputs.limits, inputs.torque_nm, *speed);
-                match found.up_rad_s2 <= found.down_rad_s2 {
-                    true => (found.up_rad_s2, found.binds[0]),
-                    false => (found.down_rad_s2, found.binds[1]),
-                }
+            let least = |found: Gradient| match found.up_rad_s2 <= found.down_rad_s2 {
+                true => (found.up_rad_s2, found.binds[0]),
+                false => (found.down_rad_s2, found.binds[1]),
             };
-            Ok(speed_rad_s.iter().map(least).collect())
+            let all = gradient::of_bench(inputs, bench, speed_rad_s, &[inputs.torque_nm]);
+            Ok(all.into_iter().map(least).collect())
         }
     };
-    let all = parallel::map(&benches(inputs)?, |(model, engine)| one(model, engine))
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?;
-    let nominal = one(inputs.model, inputs.engine)?;
+    let all = parallel::map(&benches(inputs)?, one).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let nominal = one(&nominal(inputs))?;
     let least = match wanted {
         Wanted::Sine { amplitude, .. } => amplitude,
         Wanted::Gradient { rad_s2 } => rad_s2,

@@ -69,6 +69,11 @@ impl EngineMap {
         self.idle_rad_s
     }
 
+    /// Lowest speed of the map, rad/s.
+    pub fn lowest_rad_s(&self) -> f64 {
+        self.speed_rad_s[0]
+    }
+
     /// Highest speed of the map, rad/s.
     pub fn highest_rad_s(&self) -> f64 {
         self.speed_rad_s[self.speed_rad_s.len() - 1]

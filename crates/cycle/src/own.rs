@@ -8,12 +8,16 @@ use units::{Quantity, RPM_RAD_S, parse_value};
 
 use crate::error::CycleError;
 use crate::requirement::Signal;
-use crate::tone::{Lag, Samples, lag, largest_amplitude};
+use crate::tone::{Lag, Samples, lag, largest_sine};
 
 /// Ten and ninety per cent of a step.
 const RISE: (f64, f64) = (0.1, 0.9);
 /// A demand has a sine if its amplitude is at least this part of the span of the demand.
 const LEAST_SINE: f64 = 0.01;
+/// A sine that is this part of what the demand does about it shows a phase by itself: of a step or a ramp it is some per cent.
+const LEAST_TONE: f64 = 0.3;
+/// A step from the first value of a demand to its last goes beyond neither by more than this part of it.
+const BEYOND_STEP: f64 = 0.05;
 
 /// A requirement, from a text such as `speed within 10 rpm for 95 %`, `torque rise below 50 ms`, `speed overshoot below 5 %`,
 /// `torque settling within 2 % below 0.5 s`, `speed phase at 2 Hz below 30 deg`, `shaft_torque amplitude at 12 Hz below 80 Nm`.
@@ -154,33 +158,54 @@ impl Own {
         }
     }
 
+    /// What no run could meet, or every run would.
+    fn impossible(&self) -> Option<&'static str> {
+        let is_above_zero = |value: f64| value.is_finite() && value > 0.0;
+        match *self {
+            Own::Within { error, .. } if !is_above_zero(error) => Some("the error is not above 0"),
+            Own::Within { share, .. } if !is_above_zero(share) || share > 1.0 => {
+                Some("the share of the time is not above 0 and up to 100 %")
+            }
+            Own::Overshoot { most, .. } if !most.is_finite() || most < 0.0 => Some("the overshoot is below 0"),
+            Own::Settling { band, .. } if !is_above_zero(band) => Some("the band is not above 0"),
+            Own::Rise { most_s, .. } | Own::Settling { most_s, .. } if !is_above_zero(most_s) => {
+                Some("the time is not above 0")
+            }
+            Own::Phase { most_rad, .. } if !is_above_zero(most_rad) => Some("the angle is not above 0"),
+            Own::Amplitude { most, .. } if !is_above_zero(most) => Some("the amplitude is not above 0"),
+            _ => None,
+        }
+    }
+
     /// Whether a course can be judged by it.
     ///
     /// # Errors
-    /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a sine at the frequency.
+    /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a step, without a sine at the frequency.
     pub fn check(&self, course: &Course<'_>) -> Result<(), CycleError> {
         let fault = |problem: String| Err(CycleError::NotInTest { text: self.to_string(), problem });
         if course.value.is_empty() {
             return fault(format!("it has no {}", self.sensor().name()));
         }
-        let (Own::Phase { frequency_hz, .. } | Own::Amplitude { frequency_hz, .. }) = *self else { return Ok(()) };
-        let sine = |values: &[f64]| largest_amplitude(values, course.sample_time_s, frequency_hz);
-        let Some(_) = sine(course.value) else {
-            let step_ms = 1e3 * course.sample_time_s;
-            return fault(format!(
-                "it needs a period of {frequency_hz} Hz with 5 samples, which are {step_ms:.3} ms apart"
-            ));
-        };
-        let (low, high) = course
-            .demand
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
-        let span = if high - low > 1e-9 * high.abs().max(low.abs()) { high - low } else { f64::INFINITY };
-        let has_sine = || sine(course.demand).is_some_and(|(amplitude, _)| amplitude > LEAST_SINE * span);
-        if matches!(self, Own::Phase { .. }) && !has_sine() {
-            return fault(format!("its demand has no part at {frequency_hz} Hz; take a sine or a sweep that has one"));
+        match *self {
+            Own::Within { .. } => Ok(()),
+            Own::Rise { .. } | Own::Overshoot { .. } | Own::Settling { .. } => {
+                course.no_step().map_or(Ok(()), |problem| fault(problem.to_owned()))
+            }
+            Own::Phase { frequency_hz, .. } | Own::Amplitude { frequency_hz, .. } => {
+                let Some(_) = largest_sine(course.value, course.sample_time_s, frequency_hz) else {
+                    let step_ms = 1e3 * course.sample_time_s;
+                    return fault(format!(
+                        "it needs a period of {frequency_hz} Hz with 5 samples, which are {step_ms:.3} ms apart"
+                    ));
+                };
+                if matches!(self, Own::Phase { .. }) && !course.shows_phase(frequency_hz) {
+                    return fault(format!(
+                        "its demand has no part at {frequency_hz} Hz that lasts; take a sine or a sweep that has one"
+                    ));
+                }
+                Ok(())
+            }
         }
-        Ok(())
     }
 
     /// Judges a course; a step goes from the first value of the demand to its last.
@@ -207,12 +232,12 @@ impl Own {
             }
             Own::Phase { frequency_hz, most_rad, .. } => {
                 let value = course.lag(frequency_hz).rad.abs();
-                let asked = largest_amplitude(course.demand, course.sample_time_s, frequency_hz);
-                Judged { value, limit: most_rad, time_s: asked.map_or(f64::NAN, |(_, time_s)| time_s) }
+                let asked = largest_sine(course.demand, course.sample_time_s, frequency_hz);
+                Judged { value, limit: most_rad, time_s: asked.map_or(f64::NAN, |sine| sine.time_s) }
             }
             Own::Amplitude { frequency_hz, most, .. } => {
-                let found = largest_amplitude(course.value, course.sample_time_s, frequency_hz);
-                let (value, time_s) = found.unwrap_or((f64::NAN, f64::NAN));
+                let found = largest_sine(course.value, course.sample_time_s, frequency_hz);
+                let (value, time_s) = found.map_or((f64::NAN, f64::NAN), |sine| (sine.amplitude, sine.time_s));
                 Judged { value, limit: most, time_s }
             }
         }
@@ -292,6 +317,42 @@ impl Course<'_> {
 
     fn time_s(&self, sample: usize) -> f64 {
         sample as f64 * self.sample_time_s
+    }
+
+    /// Lowest and highest value of the demand.
+    fn range(&self) -> (f64, f64) {
+        let wider = |(low, high): (f64, f64), value: &f64| (value.min(low), value.max(high));
+        self.demand.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+    }
+
+    /// Why the demand is no step from its first value to its last.
+    fn no_step(&self) -> Option<&'static str> {
+        let (low, high) = self.range();
+        let (Some(first), Some(last)) = (self.demand.first(), self.demand.last()) else {
+            return Some("its demand is empty");
+        };
+        let step = (last - first).abs();
+        let is_flat = step <= 1e-9 * high.abs().max(low.abs());
+        let is_left = high - low > (1.0 + BEYOND_STEP) * step;
+        match (is_flat, is_left) {
+            (true, _) => {
+                Some("its demand ends where it begins, so it has no step; take a test with a step of this signal")
+            }
+            (_, true) => Some(
+                "its demand goes beyond its first and last value, so it is no step; take a test with a step of this signal",
+            ),
+            _ => None,
+        }
+    }
+
+    /// Whether the demand has enough at a frequency for a phase: a sine, or as much in many windows.
+    fn shows_phase(&self, frequency_hz: f64) -> bool {
+        let (low, high) = self.range();
+        let moves = high - low > 1e-9 * high.abs().max(low.abs());
+        let sine = largest_sine(self.demand, self.sample_time_s, frequency_hz);
+        let has_part = moves && sine.is_some_and(|sine| sine.amplitude > LEAST_SINE * (high - low));
+        let is_tone = || sine.is_some_and(|sine| sine.share > LEAST_TONE);
+        has_part && (is_tone() || self.lag(frequency_hz).scatter_rad.is_some())
     }
 
     fn within(&self, limit: f64, share: f64) -> Judged {
@@ -389,11 +450,9 @@ impl FromStr for Own {
                 return Err(fault(kinds));
             }
         };
-        match own {
-            Own::Within { share, .. } if !(0.0..=1.0).contains(&share) => {
-                Err(fault("the share of the time is not within 0 … 100 %"))
-            }
-            own => Ok(own),
+        match own.impossible() {
+            Some(problem) => Err(fault(problem)),
+            None => Ok(own),
         }
     }
 }

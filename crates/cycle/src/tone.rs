@@ -11,9 +11,19 @@ const FADES: f64 = 0.1;
 /// Fewest samples in a period.
 const LEAST_SAMPLES: f64 = 5.0;
 
-/// The largest amplitude of a frequency in a series, and the middle of the window where it is, s. The window is that of Hann over five
-/// periods, or over the whole series if that is shorter. `None` where the series has too few samples in a period, or less than a period.
-pub(crate) fn largest_amplitude(values: &[f64], sample_time_s: f64, frequency_hz: f64) -> Option<(f64, f64)> {
+/// A sine in a window of a series.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sine {
+    pub(crate) amplitude: f64,
+    /// Middle of the window, s.
+    pub(crate) time_s: f64,
+    /// Which part of the variance within the window it is, 0 … 1.
+    pub(crate) share: f64,
+}
+
+/// The largest sine of a frequency in a series. The window is that of Hann over five periods, or over the whole series if that is
+/// shorter. `None` where the series has too few samples in a period, or less than a period.
+pub(crate) fn largest_sine(values: &[f64], sample_time_s: f64, frequency_hz: f64) -> Option<Sine> {
     let period = 1.0 / (frequency_hz * sample_time_s);
     if period < LEAST_SAMPLES || (values.len() as f64) < period {
         return None;
@@ -26,16 +36,20 @@ pub(crate) fn largest_amplitude(values: &[f64], sample_time_s: f64, frequency_hz
     let at = |start: usize| {
         let part = &values[start..start + length];
         let mean = part.iter().zip(&window).map(|(value, w)| value * w).sum::<f64>() / weight;
-        let (mut sine, mut cosine) = (0.0, 0.0);
+        let (mut sine, mut cosine, mut square) = (0.0, 0.0, 0.0);
         for ((value, w), (s, c)) in part.iter().zip(&window).zip(&wave) {
-            sine += w * (value - mean) * s;
-            cosine += w * (value - mean) * c;
+            let from_mean = value - mean;
+            sine += w * from_mean * s;
+            cosine += w * from_mean * c;
+            square += w * from_mean * from_mean;
         }
-        (2.0 * sine.hypot(cosine) / weight, (start as f64 + 0.5 * (length as f64 - 1.0)) * sample_time_s)
+        let amplitude = 2.0 * sine.hypot(cosine) / weight;
+        let share = if square > 0.0 { 0.5 * amplitude * amplitude * weight / square } else { 0.0 };
+        Sine { amplitude, time_s: (start as f64 + 0.5 * (length as f64 - 1.0)) * sample_time_s, share }
     };
     let last = values.len() - length;
     let starts = (0..=last).step_by((length / PLACES).max(1)).chain([last]);
-    starts.map(at).reduce(|most, one| if one.0 > most.0 { one } else { most })
+    starts.map(at).reduce(|most, one| if one.amplitude > most.amplitude { one } else { most })
 }
 
 /// Values at even times.

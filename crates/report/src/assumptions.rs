@@ -1,10 +1,10 @@
 //! What a prediction or a simulation takes for granted.
 
-use design::safety::Prior;
+use design::safety::{FrictionFrom, FrictionSpread, Prior};
 use page::{Block, Finding, Tone, decimal};
 use virtual_bench::Assumption;
 
-use crate::wording;
+use crate::wording::{self, number};
 
 /// Each assumption as a finding.
 pub(crate) fn assumptions(all: &[Assumption]) -> impl Iterator<Item = Block> + '_ {
@@ -22,4 +22,24 @@ pub(crate) fn prior_ranges() -> String {
         percent(damping),
         percent(engine_inertia)
     )
+}
+
+/// Friction of the dynamometer, and whence it is known.
+pub(crate) fn friction(spread: &FrictionSpread) -> Block {
+    let between =
+        |(low, high): (f64, f64)| format!("{} … {}", number::significant(low, 2), number::significant(high, 2));
+    let values = format!(
+        "friction of the dynamometer, {} Nm and {} Nm s/rad; each bench has its own",
+        between(spread.coulomb_nm),
+        between(spread.viscous_nm_s_per_rad)
+    );
+    let finding = match spread.from {
+        FrictionFrom::Stated => Finding::new(Tone::Plain, "stated", values),
+        FrictionFrom::Assumed => {
+            let remedy = "State what `dynoid friction` estimates from a run-out, as `dynamometer_friction` and \
+                          `dynamometer_coulomb_friction`.";
+            Finding::new(Tone::Caution, "assumed", format!("{values}. {remedy}"))
+        }
+    };
+    Block::Finding(finding)
 }

@@ -1,6 +1,6 @@
 //! The study as one JSON document.
 
-use bench_model::document::{BenchModelDocument, DocumentError, JsonFault, format_of, from_json};
+use bench_model::document::{BenchModelDocument, DocumentError, JsonFault, Validity, format_of, from_json};
 use bench_model::model::AssembledModel;
 use serde::{Deserialize, Serialize};
 use study::Study;
@@ -111,6 +111,24 @@ struct ModelAlone {
 #[must_use]
 pub fn is_study(format: &str) -> bool {
     format == FORMAT
+}
+
+/// The range of the recordings that the bench model of a text is from; empty where the text does not state it.
+#[must_use]
+pub fn validity(text: &str) -> Validity {
+    #[derive(Deserialize)]
+    struct WithValidity {
+        #[serde(default)]
+        validity: Validity,
+    }
+    #[derive(Deserialize)]
+    struct OfStudy {
+        study: WithValidity,
+    }
+    let of_model = || Some(serde_json::from_str::<WithValidity>(text).ok()?.validity);
+    let of_study = || Some(serde_json::from_str::<OfStudy>(text).ok()?.study.validity);
+    let is_of_study = format_of(text).is_some_and(|format| is_study(&format));
+    if is_of_study { of_study() } else { of_model() }.unwrap_or_default()
 }
 
 /// The bench model that a text holds: a model.json, or the study.json that [`json`] wrote.

@@ -17,6 +17,18 @@ pub struct Choice<'a> {
     pub other: Option<&'a Candidate>,
 }
 
+impl<'a> Choice<'a> {
+    /// The same with the other demand, if that is worth while, in place of one that would reach a limit; `None` if none is left.
+    fn that_is_safe(self) -> Option<Choice<'a>> {
+        let can_be = |candidate: &Candidate| candidate.is_worth_while() && !candidate.is_unsafe();
+        match self.other {
+            _ if can_be(self.candidate) => Some(self),
+            Some(other) if can_be(other) => Some(Choice { candidate: other, other: Some(self.candidate) }),
+            _ => None,
+        }
+    }
+}
+
 /// The experiments that were tried, each once, the best first.
 pub fn choices(found: &NextExperiments) -> Vec<Choice<'_>> {
     let mut all: Vec<Choice<'_>> = Vec::new();
@@ -29,22 +41,42 @@ pub fn choices(found: &NextExperiments) -> Vec<Choice<'_>> {
     all
 }
 
-/// The experiments worth comparing, the best first.
+/// The experiments worth comparing, the best first; none that would reach a limit of the bench.
 pub fn best(found: &NextExperiments) -> Vec<Choice<'_>> {
-    choices(found).into_iter().take_while(|choice| choice.candidate.is_worth_while()).take(SIDE_BY_SIDE).collect()
+    let all = choices(found).into_iter();
+    let worth_while = all.take_while(|choice| choice.candidate.is_worth_while());
+    worth_while.filter_map(Choice::that_is_safe).take(SIDE_BY_SIDE).collect()
 }
 
 /// What to record next and why, in a sentence or two.
 pub fn recommendation(found: &NextExperiments) -> String {
-    let Some(first) = best(found).first().copied() else { return nothing_to_gain(found) };
+    let left_out = left_out(found);
+    let Some(first) = best(found).first().copied() else {
+        return if left_out.is_empty() { nothing_to_gain(found) } else { left_out.trim_start().to_owned() };
+    };
     let other = first.other.map(|other| format!(" {}.", wording::capitalised(&instead(other)))).unwrap_or_default();
-    format!("Record {} next: {}.{other}", what(first.candidate), reasons(first.candidate))
+    format!("Record {} next: {}.{other}{left_out}", what(first.candidate), reasons(first.candidate))
+}
+
+/// Experiments that would gain, but reach a limit of the bench.
+fn left_out(found: &NextExperiments) -> String {
+    let is_left_out = |one: &&Candidate| one.is_worth_while() && one.is_unsafe();
+    let all: Vec<String> = found.candidates.iter().filter(is_left_out).map(what).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Not recommended: {}. They would gain, but benches like yours reach a limit in them. Take a smaller amplitude or another speed; \
+         `dynoid experiment check` names the limit.",
+        wording::join(&all, "and")
+    )
 }
 
 /// What the other demand of an experiment would buy.
 pub fn instead(other: &Candidate) -> String {
     let demand = if other.is_designed { "designed for this shaft" } else { "with the demand of the method" };
     match other.is_worth_while() {
+        true if other.is_unsafe() => format!("{demand}, the same experiment reaches a limit of the bench"),
         true => format!("{demand}, the same experiment gains: {}", reasons(other)),
         false => format!("{demand}, the same experiment gains nothing"),
     }

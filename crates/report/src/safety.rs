@@ -1,15 +1,18 @@
 //! A safety check: the verdict, how peaks spread over the benches drawn, and how large sines may be.
 
-use design::safety::{Checked, Proposal, Quantity, SafeSine, Safety, SafetyCheck};
+use capability::Beyond;
+use design::safety::{Checked, FrictionSpread, Proposal, Quantity, SafeSine, Safety, SafetyCheck};
 use page::{
     Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Rounded, Style, Table, Tone, rounded,
 };
 use rig::ControlMode;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::ExperimentPlan;
+use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
-use crate::assumptions::{assumptions, prior_ranges};
+use crate::assumptions::{assumptions, friction, prior_ranges};
+use crate::can::beyond_findings;
 use crate::wording::{self, number};
 
 /// Height of a panel on the page.
@@ -20,6 +23,8 @@ const HEIGHT: u32 = 220;
 pub struct CheckedPlan<'a> {
     /// The experiment.
     pub plan: &'a ExperimentPlan,
+    /// The first speed demanded, rad/s: nobody may have stated it.
+    pub speed_rad_s: f64,
     /// What came of it.
     pub check: &'a SafetyCheck,
     /// Whether the benches were drawn from the covariance of a study.
@@ -28,17 +33,23 @@ pub struct CheckedPlan<'a> {
     pub pulses: &'a KnownPulses,
     /// What the check takes for granted.
     pub assumptions: &'a [Assumption],
+    /// Friction of the dynamometer.
+    pub friction: FrictionSpread,
+    /// Where the experiment leaves the range of the recordings that the model is from.
+    pub beyond: &'a [Beyond],
 }
 
 /// The verdict with what it rests on.
 pub fn page(checked: &CheckedPlan<'_>) -> Page {
     let CheckedPlan { plan, check, .. } = *checked;
+    let speed = number::significant(checked.speed_rad_s / RPM_RAD_S, 5);
     let mut all = Blocks::from(Block::Callout {
         tone: overall_tone(check),
         kicker: "Safety check".to_owned(),
-        title: format!("{}, {} s: {}", plan.label, plan.duration_s, verdict(check)),
+        title: format!("{} at {speed} rpm, {} s: {}", plan.label, plan.duration_s, verdict(check)),
         blocks: vec![Block::Table(limits(check))],
     });
+    all.push(beyond_findings(checked.beyond));
     let drawn = check.unstable.of;
     all.push(Block::paragraph(format!("{drawn} benches drawn: {}.", spread_words(checked.has_study))));
     if plan.has_shaft {
@@ -50,6 +61,7 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
         all.push(Block::paragraph(drawn));
     }
     all.push(findings(check));
+    all.push(friction(&checked.friction));
     all.push(assumptions(checked.assumptions).collect::<Blocks>());
     all.push(check.sines.iter().map(propose).collect::<Blocks>());
     all.push(figures(check).into_iter().collect::<Blocks>());
@@ -59,11 +71,20 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
 /// The verdict, and of how many limits it speaks.
 fn verdict(check: &SafetyCheck) -> String {
     let verdict = wording::safety(check.safety).to_uppercase();
-    let checked = check.checked.iter().filter(|one| one.reached.is_some()).count();
-    match (checked, check.unchecked.len()) {
-        (0, _) | (_, 0) => verdict,
-        (checked, unchecked) => {
-            format!("{verdict} for {checked} of {} limits, {unchecked} not checked", checked + unchecked)
+    let stated: Vec<&Checked> = check.checked.iter().filter(|one| one.reached.is_some()).collect();
+    let unchecked = match check.unchecked.len() {
+        0 => String::new(),
+        unchecked => format!("; {unchecked} of {} limits not checked", stated.len() + unchecked),
+    };
+    match check.safety {
+        Safety::NotChecked => verdict,
+        Safety::Safe if unchecked.is_empty() => verdict,
+        Safety::Safe => format!("{verdict} by the limits that are stated{unchecked}"),
+        Safety::Risky | Safety::Unsafe => {
+            let missed = stated.iter().filter(|one| one.safety() != Safety::Safe);
+            let names: Vec<String> = missed.map(|one| wording::quantity(one.of).0.to_owned()).collect();
+            let by = if names.is_empty() { String::new() } else { format!(" by {}", wording::join(&names, "and")) };
+            format!("{verdict}{by}{unchecked}")
         }
     }
 }
@@ -207,7 +228,7 @@ fn distribution(checked: &Checked) -> Figure {
     let panel = Panel::new(Axis::linear("share of benches", "%"), HEIGHT, layers);
     Figure::new("How the peak spreads", Axis::linear(name, unit), vec![panel]).with_caption(
         "Every random bench runs the experiment; the curve shows on how many the peak stays below a value. Firing \
-         pulses are not included.",
+         pulses are included.",
     )
 }
 

@@ -41,6 +41,8 @@ pub enum Source {
     Safety = 17,
     /// Noise on the controller's speed.
     NoiseTest = 18,
+    /// Friction of the dynamometer, of benches drawn to check an experiment.
+    Friction = 20,
 }
 
 impl Source {

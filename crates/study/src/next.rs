@@ -7,12 +7,14 @@
 
 use bench_model::analysis::results_of;
 use bench_model::model::{AssembledModel, BenchModel};
+use bench_model::prediction::PredictionInputs;
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
+use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, Safety, SafetyInputs, check};
 use numerics::parallel;
 use part_controller::speed_controller::Encoder;
 use part_shaft::Parts;
 use rig::experiment::catalogue::{self, Settings};
-use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Test, UPDATE_S};
 use rig::results::{Estimate, Notation, Parameter, Quantity};
 use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use units::RPM_RAD_S;
@@ -39,6 +41,8 @@ const DESIGNED_AT_NM: f64 = 60.0;
 const SWING_RAD_S: f64 = 100.0 * RPM_RAD_S;
 /// Shortest experiment that an estimator takes, s.
 const SHORTEST_S: f64 = 5.0;
+/// Benches on which an experiment is checked: as many as `dynoid experiment check` takes.
+const CHECKED: usize = 200;
 /// Time at the operating point before the recording starts, s.
 const SETTLING_S: f64 = 2.0;
 /// What is designed for: the shaft, on which resonance, gain and damping rest.
@@ -113,6 +117,8 @@ pub struct Candidate {
     pub duration_s: f64,
     /// The largest |T_shaft| it drove the virtual bench to, firing pulses included, Nm.
     pub peak_shaft_torque_nm: f64,
+    /// Whether it is safe on benches like this one, as a check of it says; `None` where it buys nothing, or cannot be checked.
+    pub safety: Option<Safety>,
     /// What it changes, in the order of what is known.
     pub gains: Vec<Gain>,
 }
@@ -178,6 +184,11 @@ impl Candidate {
     pub fn is_worth_while(&self) -> bool {
         self.gains.iter().any(Gain::is_worth_while)
     }
+
+    /// Whether it would reach a limit of the bench.
+    pub fn is_unsafe(&self) -> bool {
+        self.safety == Some(Safety::Unsafe)
+    }
 }
 
 /// What each experiment of the method would buy, beside the recordings there are; there may be none.
@@ -210,7 +221,9 @@ pub(super) fn beside(
     }
     let bench = parts.bench;
     let known = Known::of(parts);
-    let mut stated = StatedBench::of(bench, known.model.as_ref().map(|assembled| &assembled.model))?;
+    let assembled = known.model.as_ref();
+    let mut stated = StatedBench::of(bench, assembled.map(|assembled| &assembled.model))?
+        .with_pulses(assembled.and_then(|assembled| assembled.engine_pulses.as_ref()));
     if !stated.knows_shaft() {
         return Err(NextError::UnknownShaft);
     }
@@ -223,14 +236,18 @@ pub(super) fn beside(
         .collect();
     let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
         let (then, peak_shaft_torque_nm) = try_out(parts, &stated, plan, options.seed)?;
-        Ok(Candidate {
+        let candidate = Candidate {
             label: plan.label.clone(),
             is_designed: *is_designed,
             speed_rpm: options.speed_rpm,
             duration_s: plan.duration_s,
             peak_shaft_torque_nm,
+            safety: None,
             gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
-        })
+        };
+        let safety =
+            candidate.is_worth_while().then(|| safety(bench, &stated, known.model.as_ref(), plan, options.seed));
+        Ok(Candidate { safety: safety.flatten(), ..candidate })
     };
     let candidates = parallel::map_with_progress(&plans, tried, progress);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
@@ -339,6 +356,38 @@ fn try_out(
         Err(_) => Known::of(parts),
     };
     Ok((then.numbers, peak_nm))
+}
+
+/// What a check of an experiment says; `None` where it cannot be checked.
+fn safety(
+    bench: &BenchFile,
+    stated: &StatedBench,
+    known: Option<&AssembledModel>,
+    plan: &ExperimentPlan,
+    seed: u64,
+) -> Option<Safety> {
+    let model = stated.linear_model(known.map(|known| &known.model));
+    let demands = Demands::of(plan, seed, DEMAND_HOLD_S);
+    let friction = FrictionSpread::of(bench, stated.parameters.drive.torque_limit_nm);
+    let prediction = PredictionInputs {
+        plan,
+        demands: &demands,
+        model: &model,
+        engine: &stated.parameters.engine,
+        firing_seed: Some(seed),
+        friction: friction.middle(),
+        limits: bench.limits,
+    };
+    let inputs = SafetyInputs {
+        prediction,
+        spread: known.map_or(BenchSpread::Prior(Prior::default()), |known| BenchSpread::Estimated(&known.uncertainty)),
+        slowest_engine_control: if stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 },
+        pulses: &stated.pulses,
+        friction,
+        samples: CHECKED,
+        seed,
+    };
+    check(&inputs, &|_, _| ()).ok().map(|checked| checked.safety)
 }
 
 /// What becomes of a number.

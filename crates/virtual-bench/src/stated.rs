@@ -122,6 +122,17 @@ impl StatedBench {
         self.assumptions.iter().filter(matters).copied().collect()
     }
 
+    /// The linear model of this bench. Speed controller and gate of the encoder are those of the model that it was made from, where that
+    /// has them.
+    pub fn linear_model(&self, from: Option<&BenchModel>) -> BenchModel {
+        let model = BenchModel::of(&self.parameters);
+        BenchModel {
+            speed_controller: from.and_then(|from| from.speed_controller).or(model.speed_controller),
+            encoder_gate_s: from.map_or(model.encoder_gate_s, |from| from.encoder_gate_s),
+            ..model
+        }
+    }
+
     /// Whether the shaft's stiffness is known, and not assumed.
     pub fn knows_shaft(&self) -> bool {
         !self.assumptions.iter().any(|assumption| matches!(assumption, Assumption::Shaft { .. }))

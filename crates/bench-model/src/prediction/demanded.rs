@@ -28,7 +28,9 @@ impl Demanded {
             (false, ..) => (constant(0.0), 0.0),
             (true, true, _) => (constant(engine.motored_torque_nm), 0.0),
             (true, false, ControlMode::Nt) => (on_clock(&demanded_torque_nm(engine, demands)), 0.0),
-            (true, false, ControlMode::Tn) => (constant(0.0), demands.dyno_torque_nm[0]),
+            (true, false, ControlMode::Tn) => {
+                (constant(0.0), demands.dyno_torque_nm[0] + inputs.friction.torque_nm(speed_rad_s[0]))
+            }
         };
         Demanded {
             mean_engine_torque_nm: engine_torque_nm[0] + governed_nm,

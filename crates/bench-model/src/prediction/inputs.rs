@@ -4,6 +4,7 @@ use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::{Demands, ExperimentPlan};
 
+use crate::friction::DynoFriction;
 use crate::model::BenchModel;
 
 /// What a prediction rests on.
@@ -19,6 +20,8 @@ pub struct PredictionInputs<'a> {
     pub engine: &'a EngineParameters,
     /// An engine that fires adds its pulses, which vary from cycle to cycle as this seed says; without one it gives its mean torque.
     pub firing_seed: Option<u64>,
+    /// Friction of the dynamometer: in torque control the shaft has it in addition to T_d.
+    pub friction: DynoFriction,
     /// What the bench must not exceed.
     pub limits: Limits,
 }

@@ -14,11 +14,12 @@ use std::cell::RefCell;
 use rig::ControlMode;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
+use units::RPM_RAD_S;
 
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
-    DynoInput, EngineSpeedControl, FiringEngine, GovernedAir, InitialState, Inputs, Response, SimulationError,
-    simulate, simulate_fired, simulate_governed,
+    Acting, DynoInput, EngineSpeedControl, FiringEngine, GovernedAir, InitialState, Inputs, Response, SimulationError,
+    simulate_acted_on,
 };
 use demanded::Demanded;
 pub use inputs::PredictionInputs;
@@ -48,16 +49,46 @@ pub enum PredictionError {
     /// The model cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// A speed that no engine has.
+    #[error(
+        "at {time_s:.3} s the speed demanded is {:.0} rpm; with a shaft it must be from 0 to {:.0} rpm, since an engine turns forwards",
+        speed_rad_s / RPM_RAD_S,
+        HIGHEST_RAD_S / RPM_RAD_S
+    )]
+    EngineSpeed {
+        /// The speed, rad/s.
+        speed_rad_s: f64,
+        /// When, s.
+        time_s: f64,
+    },
     /// The response left the finite numbers.
     #[error("the prediction grows without bound: this model's speed control is not stable on these inertias")]
     Unstable,
 }
 
+/// The highest speed of an engine, rad/s: racing engines come close to it.
+const HIGHEST_RAD_S: f64 = 20_000.0 * RPM_RAD_S;
+
+/// Whether an engine can have speeds so far apart in time, s.
+///
+/// # Errors
+/// [`PredictionError::EngineSpeed`] with the first one that it cannot have.
+pub fn check_engine_speeds(speed_rad_s: &[f64], step_s: f64) -> Result<(), PredictionError> {
+    let is_possible = |speed: &f64| (0.0..=HIGHEST_RAD_S * (1.0 + 1e-9)).contains(speed);
+    match speed_rad_s.iter().position(|speed| !is_possible(speed)) {
+        Some(k) => Err(PredictionError::EngineSpeed { speed_rad_s: speed_rad_s[k], time_s: k as f64 * step_s }),
+        None => Ok(()),
+    }
+}
+
 /// Predicts an experiment.
 ///
 /// # Errors
-/// A part the plan needs is missing in the model, control of the shaft torque, an unstable loop.
+/// A part the plan needs is missing in the model, control of the shaft torque, a speed that no engine has, an unstable loop.
 pub fn predict(inputs: &PredictionInputs<'_>) -> Result<Prediction, PredictionError> {
+    if inputs.plan.has_shaft {
+        check_engine_speeds(&inputs.demands.speed_rad_s, UPDATE_S)?;
+    }
     let sample_time_s = sample_time_s(inputs);
     let response = respond(inputs, inputs.model)?;
     let peaks = peaks::all(&response, sample_time_s, inputs);
@@ -99,7 +130,8 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let model = &if plan.has_shaft { model.clone() } else { without_shaft(model) };
     let sample_time_s = sample_time_s(inputs);
     let demanded = Demanded::of(inputs, sample_time_s);
-    let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm);
+    let start = start(model, demanded.speed_rad_s[0], demanded.mean_engine_torque_nm)
+        .with_friction(inputs.friction.torque_nm(demanded.speed_rad_s[0]));
     let Some(seed) = inputs.firing_seed.filter(|_| plan.has_shaft) else {
         return run(inputs, model, &demanded, None, &start);
     };
@@ -141,11 +173,8 @@ fn run(
         start_nm: at_best_ignition_nm(engine, demanded),
         air: Some(GovernedAir { engine, ignition_efficiency: &demanded.ignition_efficiency }),
     });
-    let response = match (fires, &control) {
-        (Some(fires), control) => simulate_fired(model, &of, (fires, control.as_ref()), start)?,
-        (None, Some(control)) => simulate_governed(model, &of, control, start)?,
-        (None, None) => simulate(model, &of, start)?,
-    };
+    let acting = Acting { fires, control: control.as_ref(), friction: inputs.friction };
+    let response = simulate_acted_on(model, &of, &acting, start)?;
     is_bounded(&response).then_some(response).ok_or(PredictionError::Unstable)
 }
 

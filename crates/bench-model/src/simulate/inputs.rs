@@ -51,4 +51,14 @@ impl InitialState {
             integrator_nm: torque_nm - feed_forward,
         }
     }
+
+    /// The same where friction brakes the dynamometer with some of the shaft's torque.
+    #[must_use]
+    pub fn with_friction(self, friction_nm: f64) -> Self {
+        InitialState {
+            air_gap_torque_nm: self.air_gap_torque_nm - friction_nm,
+            integrator_nm: self.integrator_nm - friction_nm,
+            ..self
+        }
+    }
 }

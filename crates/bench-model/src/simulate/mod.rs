@@ -16,6 +16,7 @@ mod linear_form;
 mod plant;
 mod ripple;
 
+use crate::friction::DynoFriction;
 use crate::model::BenchModel;
 use controller::Pi;
 pub use course::{Course, CourseInputs, simulate_course};
@@ -99,7 +100,13 @@ pub fn simulate_with_ripple(
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     ripple.check_length(inputs.engine_torque_nm.len())?;
-    run(model, inputs, ripple, Engine::of(inputs, None, (None, start.engine_speed_rad_s))?, start)
+    run(
+        model,
+        inputs,
+        (ripple, DynoFriction::default()),
+        Engine::of(inputs, None, (None, start.engine_speed_rad_s))?,
+        start,
+    )
 }
 
 /// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
@@ -112,7 +119,7 @@ pub fn simulate_governed(
     engine: &EngineSpeedControl<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, Ripple::NONE, Engine::of(inputs, Some(engine), (None, start.engine_speed_rad_s))?, start)
+    simulate_acted_on(model, inputs, &Acting { control: Some(engine), ..Acting::default() }, start)
 }
 
 /// Simulates the bench with an engine that fires. The engine torque of `inputs`, and that of the speed control if there is one, is the
@@ -126,18 +133,43 @@ pub fn simulate_fired(
     (fires, control): (&FiringEngine<'_>, Option<&EngineSpeedControl<'_>>),
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    run(model, inputs, Ripple::NONE, Engine::of(inputs, control, (Some(fires), start.engine_speed_rad_s))?, start)
+    simulate_acted_on(model, inputs, &Acting { fires: Some(fires), control, ..Acting::default() }, start)
+}
+
+/// What acts on a bench beside its inputs; nothing by default.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Acting<'a> {
+    /// Pulses of the engine, see [`simulate_fired`].
+    pub fires: Option<&'a FiringEngine<'a>>,
+    /// Speed control of the engine, see [`simulate_governed`].
+    pub control: Option<&'a EngineSpeedControl<'a>>,
+    /// Friction of the dynamometer.
+    pub friction: DynoFriction,
+}
+
+/// Simulates the bench with what acts on it.
+///
+/// # Errors
+/// Those of [`simulate_governed`].
+pub fn simulate_acted_on(
+    model: &BenchModel,
+    inputs: &Inputs<'_>,
+    acting: &Acting<'_>,
+    start: &InitialState,
+) -> Result<Response, SimulationError> {
+    let engine = Engine::of(inputs, acting.control, (acting.fires, start.engine_speed_rad_s))?;
+    run(model, inputs, (Ripple::NONE, acting.friction), engine, start)
 }
 
 fn run(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    ripple: Ripple<'_>,
+    braking: (Ripple<'_>, DynoFriction),
     mut engine: Engine<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    let mut plant = Plant::new(model, inputs, ripple, start)?;
+    let mut plant = Plant::new(model, inputs, braking, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);

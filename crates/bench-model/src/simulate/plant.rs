@@ -5,6 +5,7 @@ use lti::StateSpace;
 use rig::results::Part;
 
 use super::ripple::{Ripple, between};
+use crate::friction::DynoFriction;
 use crate::model::{BenchModel, Mechanics, TorqueControlModel};
 use crate::simulate::error::SimulationError;
 use crate::simulate::inputs::{DynoInput, InitialState, Inputs};
@@ -81,6 +82,7 @@ pub(super) struct Substep {
 pub(super) struct Plant<'a> {
     substeps: Vec<Substep>,
     ripple: Ripple<'a>,
+    friction: DynoFriction,
     mechanics: Mechanics,
     has_lag: bool,
     x: [f64; STATES],
@@ -98,7 +100,7 @@ impl<'a> Plant<'a> {
     pub(super) fn new(
         model: &BenchModel,
         inputs: &Inputs<'_>,
-        ripple: Ripple<'a>,
+        (ripple, friction): (Ripple<'a>, DynoFriction),
         start: &InitialState,
     ) -> Result<Self, SimulationError> {
         let ripple = if matches!(inputs.dyno, DynoInput::AirGapTorque(_)) { Ripple::NONE } else { ripple };
@@ -110,7 +112,7 @@ impl<'a> Plant<'a> {
         let substeps = Substep::of_a_sample(model, torque_control, step)?;
         let bandwidth = torque_control.and_then(|i| i.bandwidth_rad_s);
         let x = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm, 0.0, 0.0];
-        Ok(Plant { substeps, ripple, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
+        Ok(Plant { substeps, ripple, friction, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
     }
 
     pub(super) fn state(&self) -> Motion {
@@ -142,8 +144,9 @@ impl<'a> Plant<'a> {
     }
 
     /// Moves on from sample `k` to the next, under a torque of the engine that is straight between these ends; beyond the last sample
-    /// inputs stay.
+    /// inputs stay. Friction is that of the speed at the sample.
     pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize, engine_nm: [f64; 2]) {
+        let friction_nm = self.friction.torque_nm(self.x[0]);
         for substep in &self.substeps {
             let braking = |x: f64| match inputs.dyno {
                 DynoInput::AirGapTorque(torque) => between(torque, k, x),
@@ -155,7 +158,8 @@ impl<'a> Plant<'a> {
                 self.ripple.upon(smooth(self.x[TORQUE], from), k, from),
                 self.ripple.upon(smooth(substep.torque_after(self.x[TORQUE], braking(to)), to), k, to),
             ];
-            let input = |x: f64, ripple: f64| [braking(x), engine_nm[0] + (engine_nm[1] - engine_nm[0]) * x, ripple];
+            let driving = |x: f64| engine_nm[0] + (engine_nm[1] - engine_nm[0]) * x;
+            let input = |x: f64, ripple: f64| [braking(x), driving(x), ripple + friction_nm];
             self.x = substep.apply(&self.x, input(from, ripple[0]), input(to, ripple[1]));
         }
     }

@@ -1,5 +1,6 @@
 //! What a bench will do, against a virtual bench without anything that the model does not have.
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
 use rig::bench_file::Limits;
@@ -28,6 +29,7 @@ fn with_inputs<T>(
         model: &model,
         engine: &parameters.engine,
         firing_seed: None,
+        friction: DynoFriction::default(),
         limits,
     })
 }
@@ -56,6 +58,46 @@ fn exact_predictions_are_what_the_virtual_bench_does() {
     assert!(speed < 1.0 && shaft < 2.0, "step: {speed} rpm, {shaft} Nm");
     let (speed, _) = errors(&ExperimentPlan::no_shaft_n_nt(1200.0, 8.0));
     assert!(speed < 0.5, "no shaft: {speed} rpm");
+}
+
+#[test]
+fn exact_friction_of_the_dynamometer_is_that_of_the_virtual_bench() {
+    let mut parameters = smooth();
+    (parameters.engine.cylinder_factors, parameters.engine.strokes) = (vec![1.0; 50], 2);
+    parameters.mechanics.coulomb_friction_nm = 1.2;
+    parameters.mechanics.viscous_friction_nm_s_per_rad = 0.02;
+    let friction = DynoFriction { coulomb_nm: 1.2, viscous_nm_s_per_rad: 0.02 };
+    for plan in [ExperimentPlan::step_t_tn(3000.0, 6.0), ExperimentPlan::ramp_n_nt(1200.0, 6.0)] {
+        let truth = run(&parameters, &plan, Numerics::default()).hidden;
+        let of = |friction: DynoFriction| {
+            with_inputs(&parameters, &plan, Limits::default(), |inputs| {
+                predict(&PredictionInputs { friction, ..*inputs }).unwrap().response
+            })
+        };
+        let (with, without) = (of(friction), of(DynoFriction::default()));
+        let shaft = largest_difference(&with.shaft_torque_nm, &truth.shaft_torque_nm);
+        assert!(shaft < 2.0, "{:?}: {shaft} Nm", plan.label);
+        // In torque control the shaft has the friction in addition to T_d.
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let [with, without, truth] =
+            [&with.shaft_torque_nm, &without.shaft_torque_nm, &truth.shaft_torque_nm].map(|values| mean(values));
+        assert!((with - truth).abs() < 0.2, "{:?}: {with} for {truth} Nm", plan.label);
+        let in_torque_control = plan.label.mode == rig::ControlMode::Tn;
+        assert_eq!((with - without - friction.torque_nm(3000.0 * RPM_RAD_S)).abs() < 0.3, in_torque_control);
+    }
+}
+
+#[test]
+fn regress_an_engine_does_not_turn_backwards() {
+    let parameters = clean();
+    for (rpm, is_refused) in [(-1500.0, true), (25_000.0, true), (0.0, false), (1500.0, false)] {
+        let plan = ExperimentPlan::levels_n_nt(rpm, 1.0);
+        let plan = ExperimentPlan { speed_rad_s: Waveform::Constant { value: rpm * RPM_RAD_S }, ..plan };
+        let found = with_inputs(&parameters, &plan, Limits::default(), |inputs| predict(inputs).map(drop));
+        assert_eq!(matches!(found, Err(PredictionError::EngineSpeed { .. })), is_refused, "{rpm}: {found:?}");
+    }
+    let error = PredictionError::EngineSpeed { speed_rad_s: -1500.0 * RPM_RAD_S, time_s: 0.25 }.to_string();
+    assert!(error.contains("0.250 s") && error.contains("-1500 rpm") && error.contains("turns forwards"), "{error}");
 }
 
 /// Root mean square of the error of T_shaft where both fire alike, and how much too high the predicted peak is, Nm.

@@ -1,7 +1,10 @@
+use bench_model::document::Validity;
+use bench_model::friction::DynoFriction;
+use bench_model::model::{FeedForwardGains, PiController};
 use bench_model::prediction::PredictionInputs;
-use capability::{Answer, Change, CycleDemand, Demand, LimitOf, can, easier, shapes};
-use cycle::{Own, builtin, requirement};
-use design::safety::{BenchSpread, Prior, Quantity, SafetyInputs, check};
+use capability::{Answer, Beyond, Change, CycleDemand, Demand, LimitOf, can, easier, shapes};
+use cycle::{Own, Reference, builtin, requirement};
+use design::safety::{BenchSpread, FrictionSpread, Prior, Quantity, SafetyInputs, check};
 use rig::bench_file::{DriveHeat, Limits};
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
@@ -215,6 +218,7 @@ fn exact_a_sine_at_the_resonance_counts() {
         model: &bench.model,
         engine: &bench.engine,
         firing_seed: Some(inputs.seed),
+        friction: DynoFriction::default(),
         limits: Limits::default(),
     };
     let of_check = SafetyInputs {
@@ -222,6 +226,7 @@ fn exact_a_sine_at_the_resonance_counts() {
         spread: inputs.spread,
         pulses: inputs.pulses,
         slowest_engine_control: inputs.slowest_engine_control,
+        friction: inputs.friction,
         samples: inputs.samples,
         seed: inputs.seed,
     };
@@ -281,4 +286,112 @@ fn exact_a_phase_is_that_of_the_linear_model() {
     let none: Vec<Own> = vec!["speed phase at 8 Hz below 90 deg".parse().unwrap()];
     let error = can(&capability::CanInputs { own: &none, ..inputs }, silent()).unwrap_err().to_string();
     assert!(error.contains("no part at 8 Hz"), "{error}");
+}
+
+#[test]
+fn regress_beyond_the_range_of_the_model_there_is_no_plain_yes() {
+    let bench = bench();
+    let (plan, demands) = shape("tip-in", &[]);
+    let rpm = |low: f64, high: f64| Some((low * units::RPM_RAD_S, high * units::RPM_RAD_S));
+    let of = |speed, torque| {
+        let validity = Validity { dyno_speed_rad_s: speed, air_gap_torque_nm: torque, frequency_hz: None };
+        let inputs = capability::CanInputs { validity, samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) };
+        can(&inputs, silent()).unwrap()
+    };
+    assert_eq!(of(None, None).answer, Answer::Yes);
+    assert_eq!(of(rpm(1000.0, 2000.0), Some((0.0, 250.0))).answer, Answer::Yes);
+    let slow = of(rpm(1000.0, 1300.0), None);
+    assert_eq!(slow.answer, Answer::NotShown);
+    assert!(matches!(slow.beyond[..], [Beyond::ModelSpeed { .. }]), "{:?}", slow.beyond);
+    let weak = of(None, Some((6.0, 107.0)));
+    assert!(
+        weak.answer == Answer::NotShown && matches!(weak.beyond[..], [Beyond::ModelTorque { .. }]),
+        "{:?}",
+        weak.beyond
+    );
+    // A no stays one.
+    let limits = Limits { shaft_torque_nm: Some(20.0), ..Limits::default() };
+    let validity = Validity { air_gap_torque_nm: Some((6.0, 107.0)), ..Validity::default() };
+    let inputs = capability::CanInputs { validity, limits, samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) };
+    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
+}
+
+#[test]
+fn regress_what_the_engine_cannot_is_said_of_the_engine() {
+    let (bench, map) = (bench(), map());
+    let of = |torque: f64, rpm: f64| {
+        let speeds = vec![1500.0 * units::RPM_RAD_S, rpm * units::RPM_RAD_S, 1500.0 * units::RPM_RAD_S];
+        let reference = Reference::of_itself(0.0, speeds, vec![50.0, torque, 50.0]);
+        let demand = Demand::Cycle(CycleDemand { reference: &reference, map: Some(&map) });
+        can(&capability::CanInputs { samples: 2, ..bench.inputs(demand) }, silent()).unwrap()
+    };
+    assert!(of(150.0, 2000.0).beyond.is_empty());
+    let strong = of(300.0, 2000.0);
+    let [Beyond::EngineTorque { asked_nm, given_nm, time_s, .. }] = strong.beyond[..] else { panic!("{strong:?}") };
+    assert_eq!((asked_nm.round(), given_nm.round(), time_s.round()), (300.0, 190.0, 1.0));
+    let fast = of(50.0, 8000.0);
+    assert!(fast.beyond.iter().any(|one| matches!(one, Beyond::EngineSpeed { .. })), "{:?}", fast.beyond);
+    assert!(fast.answer != Answer::Yes && fast.beyond[0].is_of_engine());
+    let reference = Reference::of_itself(0.0, vec![-100.0; 3], vec![50.0; 3]);
+    let demand = Demand::Cycle(CycleDemand { reference: &reference, map: None });
+    assert!(can(&bench.inputs(demand), silent()).unwrap_err().to_string().contains("turns forwards"));
+}
+
+#[test]
+fn regress_requirements_that_a_test_does_not_show_are_refused() {
+    let bench = bench();
+    for (name, requirement) in [
+        ("tip-in", "speed overshoot below 5 %"),
+        ("tip-in", "torque phase at 5 Hz below 60 deg"),
+        ("speed-step", "torque rise below 10 ms"),
+        ("coast-down", "torque rise below 10 ms"),
+        ("gear-shift", "torque settling within 2 % below 1 s"),
+    ] {
+        let (plan, demands) = shape(name, &[]);
+        let own: [Own; 1] = [requirement.parse().unwrap()];
+        let inputs = capability::CanInputs { own: &own, samples: 2, ..bench.inputs(Demand::Plan(&plan, &demands)) };
+        let error = can(&inputs, silent()).unwrap_err().to_string();
+        let signal = requirement.split(" below").next().unwrap();
+        assert!(error.contains(signal) && error.contains("its demand"), "{name}: {error}");
+    }
+}
+
+/// How many benches of two are not stable.
+fn runs(bench: &crate::support::Bench, demand: Demand<'_>) -> usize {
+    let friction = FrictionSpread { coulomb_nm: (0.0, 2.0), viscous_nm_s_per_rad: (0.0, 0.03), ..FrictionSpread::NONE };
+    let inputs = capability::CanInputs { samples: 2, friction, ..bench.inputs(demand) };
+    can(&inputs, silent()).unwrap().unstable.count
+}
+
+/// Models that estimates give: ω_d* late or early in the error and in the feed-forward, with delays of parts of a sample.
+#[test]
+fn regress_no_lead_of_the_demand_makes_a_test_fail() {
+    let mut bench = bench();
+    bench.limits = Limits {
+        shaft_torque_slew_nm_per_s: Some(1e6),
+        torque_slew_nm_per_s: Some(1e6),
+        speed_gradient_rad_s2: Some(1e4),
+        power_w: Some(1e6),
+        time_at_resonance_s: Some(1e3),
+        drive_heat: Some(DriveHeat { continuous_torque_nm: 200.0, time_constant_s: 10.0 }),
+        ..bench.limits
+    };
+    let (nominal, engine_map) = (bench.model.clone(), map());
+    let reference = builtin("whtc").unwrap().reference(&engine_map).unwrap();
+    let second = |values: &[f64]| values[..60].to_vec();
+    let reference = Reference::of_itself(0.0, second(&reference.speed_rad_s), second(&reference.torque_nm));
+    for (error_ms, fed_ms) in [(0.0, -1.0), (-1.0, 0.0), (-2.0, -6.0), (3.0, -5.0), (2.0, 4.0), (0.4, -0.6)] {
+        let delay_s = 2.06e-3;
+        let pi = nominal.speed_controller.unwrap();
+        let demand_delay_s = delay_s + 1e-3 * error_ms;
+        bench.model.speed_controller = Some(PiController { delay_s, demand_delay_s, ..pi });
+        bench.model.feed_forward = nominal.feed_forward.map(|fed| FeedForwardGains { delay_s: 1e-3 * fed_ms, ..fed });
+        let demand = Demand::Cycle(CycleDemand { reference: &reference, map: Some(&engine_map) });
+        assert_eq!(runs(&bench, demand), 0);
+        for shape in &shapes::ALL {
+            let (plan, demands) = self::shape(shape.name, &[]);
+            let unstable = runs(&bench, Demand::Plan(&plan, &demands));
+            assert_eq!(unstable, 0, "{}, {error_ms} and {fed_ms} ms", shape.name);
+        }
+    }
 }

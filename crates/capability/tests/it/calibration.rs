@@ -5,11 +5,12 @@
 
 use std::ops::RangeInclusive;
 
+use bench_model::document::Validity;
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance};
 use bench_testkit::benches::bench_file;
 use bench_testkit::recordings::BENCH_A;
 use capability::{CanInputs, Demand, LimitOf, can, shapes};
-use design::safety::{BenchSpread, Proportion};
+use design::safety::{BenchSpread, FrictionSpread, Proportion};
 use numerics::parallel;
 use numerics::random::Stream;
 use rig::bench_file::Limits;
@@ -122,8 +123,10 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
         engine: &known.truth.engine,
         pulses: &KnownPulses::Stated,
         limits: Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() },
+        validity: Validity::default(),
         spread: BenchSpread::Estimated(&known.uncertainty),
         slowest_engine_control: 1.0,
+        friction: FrictionSpread::NONE,
         filter_hz: None,
         sets: &[],
         own: &[],

@@ -5,13 +5,14 @@ use std::f64::consts::TAU;
 use bench_model::simulate::{
     DynoInput, EngineSpeedControl, InitialState, Inputs, Response, simulate, simulate_governed,
 };
-use capability::LimitOf;
 use capability::gradient::gradients;
 use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted};
-use design::safety::{BenchSpread, Prior};
+use capability::{CanInputs, Demand, LimitOf, can};
+use design::safety::{BenchSpread, FrictionSpread, Prior};
 use rig::bench_file::Limits;
 use rig::engine_pulses::KnownPulses;
+use rig::experiment::{Demands, ExperimentPlan, Waveform};
 use units::RPM_RAD_S;
 
 use crate::support::{Bench, bench};
@@ -26,6 +27,7 @@ fn inputs(bench: &Bench) -> MapInputs<'_> {
         pulses: &KnownPulses::Stated,
         limits: bench.limits,
         spread: BenchSpread::Prior(Prior::default()),
+        friction: FrictionSpread::NONE,
         torque_nm: TORQUE_NM,
         samples: 20,
         seed: 1,
@@ -36,6 +38,7 @@ fn inputs(bench: &Bench) -> MapInputs<'_> {
 fn smooth() -> Bench {
     let mut bench = bench();
     bench.engine.firing_harmonics.clear();
+    bench.engine.cycle_variation = 0.0;
     bench.limits = Limits {
         torque_nm: Some(250.0),
         shaft_torque_nm: Some(180.0),
@@ -104,6 +107,68 @@ fn ref_amplitudes_of_the_map_use_the_limits_to_three_per_cent() {
     }
 }
 
+/// Largest part of a limit that a sine uses on a bench whose engine fires; it rises slowly from nothing.
+fn used_fired(bench: &Bench, of: SineOf, speed: f64, frequency_hz: f64, amplitude: f64) -> f64 {
+    let duration_s = (8.0 / frequency_hz).max(8.0);
+    let sine = |mean: f64, amplitude: f64| Waveform::Sampled {
+        sample_time_s: 1e-3,
+        values: (0..(duration_s * 1e3) as usize)
+            .map(|k| k as f64 * 1e-3)
+            .map(|time_s| {
+                let risen = (2.0 * time_s / duration_s).min(1.0);
+                mean + risen * amplitude * (TAU * frequency_hz * time_s).sin()
+            })
+            .collect(),
+    };
+    let base = match of {
+        SineOf::Speed => ExperimentPlan::levels_n_nt(speed / RPM_RAD_S, duration_s),
+        SineOf::Torque => ExperimentPlan::step_t_tn(speed / RPM_RAD_S, duration_s),
+    };
+    let (of_speed, of_torque) = if of == SineOf::Speed { (amplitude, 0.0) } else { (0.0, amplitude) };
+    let plan = ExperimentPlan {
+        speed_rad_s: sine(speed, of_speed),
+        dyno_torque_nm: sine(TORQUE_NM, of_torque),
+        engine_torque_nm: Waveform::Constant { value: TORQUE_NM },
+        ..base
+    };
+    let demands = Demands::of(&plan, 1, 1e-3);
+    let nominal = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
+    let inputs = CanInputs { spread: nominal, samples: 1, ..bench.inputs(Demand::Plan(&plan, &demands)) };
+    let verdict = can(&inputs, &|_, _| ()).unwrap();
+    let use_of = |one: &capability::LimitVerdict| Some(one.values.quantile(0.5) / one.limit?);
+    verdict.limits.iter().filter_map(use_of).fold(0.0, f64::max)
+}
+
+/// Sines that move the engine's torque, or its speed through the resonance with its firing at 540 rpm.
+#[test]
+fn ref_sines_that_meet_the_resonance_with_the_firing_use_no_more_than_the_limits() {
+    let mut bench = bench();
+    bench.limits = Limits {
+        torque_nm: Some(400.0),
+        shaft_torque_nm: Some(330.0),
+        shaft_torque_slew_nm_per_s: Some(30_000.0),
+        speed_rad_s: Some(2500.0 * RPM_RAD_S),
+        speed_gradient_rad_s2: Some(4000.0 * RPM_RAD_S),
+        ..Limits::default()
+    };
+    let nominal = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
+    let inputs = MapInputs { spread: nominal, samples: 1, ..inputs(&bench) };
+    for (of, rpm, frequencies) in [
+        (SineOf::Torque, 700.0, [1.0, 5.0]),
+        (SineOf::Torque, 1500.0, [1.0, 5.0]),
+        (SineOf::Speed, 800.0, [0.5, 2.0]),
+        (SineOf::Speed, 1200.0, [0.5, 2.0]),
+    ] {
+        let speed = rpm * RPM_RAD_S;
+        let found = map(&inputs, of, &frequencies, &[speed]).unwrap();
+        for (frequency, place) in frequencies.iter().zip(&found.places[0]) {
+            let used = used_fired(&bench, of, speed, *frequency, place.amplitude[1]);
+            println!("{of:?} {rpm} rpm {frequency} Hz: {:.2}, uses {used:.3} of {:?}", place.amplitude[1], place.binds);
+            assert!(used < 1.03, "{of:?} {rpm} rpm {frequency} Hz, {place:?}: {used}");
+        }
+    }
+}
+
 #[test]
 fn exact_the_resonance_binds_the_shaft_torque() {
     let bench = smooth();
@@ -165,6 +230,25 @@ fn exact_a_wish_is_held_against_the_map() {
     assert_eq!((answer.is_yes(), answer.places[0].kept.count), (false, 0));
     // Downwards the engine pushes against the dynamometer.
     assert!(steep.down_rad_s2[1] < steep.up_rad_s2[1], "{steep:?}");
+}
+
+#[test]
+fn exact_gradients_leave_the_limits_to_inertia_and_pulses() {
+    let mut bench = smooth();
+    bench.model.mechanics.dyno_inertia_kg_m2 = 0.55;
+    bench.model.mechanics.engine_inertia_kg_m2 = 0.28;
+    bench.limits = Limits { torque_nm: Some(400.0), ..Limits::default() };
+    let nominal = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
+    let steepest = |bench: &Bench, torque: f64| {
+        let inputs = MapInputs { spread: nominal, samples: 1, ..inputs(bench) };
+        gradients(&inputs, &[SPEED], &[torque]).unwrap()[0].up_rad_s2[1] / RPM_RAD_S
+    };
+    // 400 Nm on 0.83 kg m².
+    assert_eq!(steepest(&bench, 0.0).round(), 4602.0);
+    let smooth = steepest(&bench, 80.0);
+    bench.engine = crate::support::bench().engine;
+    let with_pulses = steepest(&bench, 80.0);
+    assert!(with_pulses < smooth && with_pulses > 0.5 * smooth, "{with_pulses} {smooth}");
 }
 
 #[test]

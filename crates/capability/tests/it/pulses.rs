@@ -12,21 +12,31 @@ use crate::support::{Bench, bench};
 /// Length of the runs, s.
 const DURATION_S: f64 = 8.0;
 
-/// Largest shaft torque, Nm, and slew, Nm/s, of the nominal bench.
-fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; 2] {
+/// What pulses move.
+const MOVED: [LimitOf; 7] = [
+    LimitOf::ShaftTorque,
+    LimitOf::ShaftTorqueSlew,
+    LimitOf::TorqueDemand,
+    LimitOf::TorqueSlew,
+    LimitOf::Speed,
+    LimitOf::SpeedGradient,
+    LimitOf::Power,
+];
+
+/// The largest value of each on the nominal bench.
+fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; MOVED.len()] {
     let nominal = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
     let inputs = CanInputs { spread: BenchSpread::Prior(nominal), samples: 1, ..bench.inputs(demand) };
     let verdict = can(&inputs, &|_, _| {}).unwrap();
-    [LimitOf::ShaftTorque, LimitOf::ShaftTorqueSlew]
-        .map(|of| verdict.limits.iter().find(|one| one.of == of).unwrap().values.quantile(0.5))
+    MOVED.map(|of| verdict.limits.iter().find(|one| one.of == of).unwrap().values.quantile(0.5))
 }
 
 /// Bound and simulation of a run from one speed, rpm, straight to another.
-fn both(from: f64, to: f64) -> ([f64; 2], [f64; 2]) {
+fn both(from: f64, to: f64) -> ([f64; MOVED.len()], [f64; MOVED.len()]) {
     both_of(&bench(), 80.0, (from, to))
 }
 
-fn both_of(bench: &Bench, torque: f64, (from, to): (f64, f64)) -> ([f64; 2], [f64; 2]) {
+fn both_of(bench: &Bench, torque: f64, (from, to): (f64, f64)) -> ([f64; MOVED.len()], [f64; MOVED.len()]) {
     let speed = |k: f64| (from + k * (to - from)) * RPM_RAD_S;
     let seconds = (0..=DURATION_S as usize).map(|k| speed(k as f64 / DURATION_S)).collect();
     let reference = Reference::of_itself(0.0, seconds, vec![torque; DURATION_S as usize + 1]);
@@ -44,10 +54,17 @@ fn both_of(bench: &Bench, torque: f64, (from, to): (f64, f64)) -> ([f64; 2], [f6
 fn ref_the_bound_of_pulses_is_what_a_speed_that_is_held_gives() {
     for rpm in [700.0, 900.0, 1100.0, 1500.0, 2000.0, 3000.0, 4500.0] {
         let (bound, simulated) = both(rpm, rpm);
-        let [torque, slew] = [0, 1].map(|k| bound[k] / simulated[k]);
-        println!("{rpm} rpm: {simulated:.1?}, bound over it {torque:.3} and {slew:.3}");
-        assert!((0.98..1.1).contains(&torque), "{rpm} rpm: {bound:.1?} against {simulated:.1?}");
-        assert!((0.97..1.1).contains(&slew), "{rpm} rpm: {bound:.0?} against {simulated:.0?}");
+        for ((of, bound), simulated) in MOVED.into_iter().zip(bound).zip(simulated) {
+            let ratio = bound / simulated;
+            println!("{rpm} rpm, {of:?}: {simulated:.1}, bound over it {ratio:.3}");
+            // Away from the resonance, changes are those of single strong firings, of which there is a bound alone.
+            let slack = match of {
+                LimitOf::SpeedGradient => 6.0,
+                LimitOf::TorqueSlew => 200.0,
+                _ => 0.0,
+            };
+            assert!(ratio > 0.97 && bound < 1.1 * simulated + slack, "{rpm} rpm, {of:?}: {bound} against {simulated}");
+        }
     }
 }
 
@@ -70,6 +87,8 @@ fn ref_the_bound_holds_where_pulses_do_not_grow_with_the_torque_alone() {
 #[test]
 fn ref_a_resonance_that_is_passed_gives_no_more_than_the_bound() {
     let (bound, simulated) = both(450.0, 1200.0);
-    println!("passed: {simulated:.1?}, bound {bound:.1?}");
-    assert!(bound[0] > 0.97 * simulated[0] && bound[1] > 0.97 * simulated[1], "{bound:.1?} against {simulated:.1?}");
+    for ((of, bound), simulated) in MOVED.into_iter().zip(bound).zip(simulated) {
+        println!("passed, {of:?}: {simulated:.1}, bound {bound:.1}");
+        assert!(bound > 0.97 * simulated, "{of:?}: {bound} against {simulated}");
+    }
 }

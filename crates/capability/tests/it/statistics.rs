@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use bench_model::document::Validity;
 use capability::{CanInputs, Demand, shapes};
 use cycle::{Feedback, Reference, RequirementSet, requirement, validate};
-use design::safety::BenchSpread;
+use design::safety::{BenchSpread, FrictionSpread};
 use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
@@ -81,8 +82,10 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         engine: &truth.engine,
         pulses: &KnownPulses::Stated,
         limits: Limits::default(),
+        validity: Validity::default(),
         spread: BenchSpread::Estimated(&uncertainty),
         slowest_engine_control: 1.0,
+        friction: FrictionSpread::NONE,
         filter_hz: None,
         sets: std::slice::from_ref(&set),
         own: &[],

@@ -1,9 +1,10 @@
 //! What the tests share.
 
+use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use capability::{CanInputs, Demand};
 use cycle::EngineMap;
-use design::safety::{BenchSpread, Prior};
+use design::safety::{BenchSpread, FrictionSpread, Prior};
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters};
 use rig::engine_pulses::KnownPulses;
@@ -38,8 +39,10 @@ impl Bench {
             engine: &self.engine,
             pulses: &KnownPulses::Stated,
             limits: self.limits,
+            validity: Validity::default(),
             spread: BenchSpread::Prior(Prior::default()),
             slowest_engine_control: 1.0,
+            friction: FrictionSpread::NONE,
             filter_hz: None,
             sets: &[],
             own: &[],

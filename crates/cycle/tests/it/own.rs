@@ -49,9 +49,52 @@ fn exact_texts_are_read_with_their_units() {
         ("speed faster than light", "after the signal"),
         ("torque rise 50 ms", "below"),
         ("speed within 1 rpm for 150 %", "share"),
+        ("speed within -5 rpm for 95 %", "error"),
+        ("speed within 0 rpm for 95 %", "error"),
+        ("speed within 10 rpm for 0 %", "share"),
+        ("torque rise below 0 ms", "time"),
+        ("torque settling within 0 % below 1 s", "band"),
+        ("torque settling within 2 % below -1 s", "time"),
+        ("speed overshoot below -1 %", "overshoot"),
+        ("torque phase at 5 Hz below 0 deg", "angle"),
+        ("torque amplitude at 5 Hz below 0 Nm", "amplitude"),
     ] {
         let error = text.parse::<Own>().unwrap_err().to_string();
         assert!(error.contains(problem) && error.contains(text), "{error}");
+    }
+}
+
+/// Whether a demand that is followed exactly can be judged.
+fn checked(text: &str, demand: &[f64]) -> Result<(), String> {
+    let course = Course { sample_time_s: 1e-3, demand, value: demand, timed_demand: None };
+    text.parse::<Own>().unwrap().check(&course).map_err(|error| error.to_string())
+}
+
+#[test]
+fn regress_what_needs_a_step_is_refused_where_the_demand_has_none() {
+    let (step, _) = step();
+    let flat = vec![5.0; 1000];
+    let there_and_back: Vec<f64> = (0..1000).map(|k| if (300..600).contains(&k) { 1.0 } else { 0.0 }).collect();
+    let sweep: Vec<f64> = (0..1000).map(|k| 3.0 * (TAU * 5.3e-3 * f64::from(k)).sin()).collect();
+    for text in ["torque rise below 50 ms", "torque overshoot below 5 %", "torque settling within 2 % below 0.5 s"] {
+        assert!(checked(text, &step).is_ok(), "{text}");
+        for (demand, problem) in [(&flat, "no step"), (&there_and_back, "no step"), (&sweep, "is no step")] {
+            let error = checked(text, demand).unwrap_err();
+            let signal = text.split(" below").next().unwrap();
+            assert!(error.contains(problem) && error.contains(signal), "{error}");
+        }
+        assert!(checked("torque within 1 Nm for 95 %", &flat).is_ok());
+    }
+}
+
+#[test]
+fn regress_a_phase_is_refused_where_the_demand_has_the_frequency_once() {
+    let ramp: Vec<f64> = (0..4000).map(|k| 50.0 + 100.0 * ((f64::from(k) - 1000.0) / 150.0).clamp(0.0, 1.0)).collect();
+    let error = checked("torque phase at 5 Hz below 60 deg", &ramp).unwrap_err();
+    assert!(error.contains("no part at 5 Hz that lasts"), "{error}");
+    let (sweep, _) = sweep();
+    for text in ["torque phase at 3 Hz below 60 deg", "torque phase at 15 Hz below 60 deg"] {
+        assert!(checked(text, &sweep).is_ok(), "{text}");
     }
 }
 

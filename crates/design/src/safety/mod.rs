@@ -7,6 +7,7 @@
 mod allowed;
 mod checked;
 mod course;
+mod friction;
 mod ladder;
 mod quantity;
 mod run;
@@ -22,7 +23,8 @@ use serde::Serialize;
 
 pub use checked::Checked;
 pub use course::{AtResonance, largest_change};
-pub use quantity::{Quantity, reaches};
+pub use friction::{FrictionFrom, FrictionSpread};
+pub use quantity::{Quantity, SPEED_CHANGE_S, reaches};
 use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
 use spread::Drawn;
@@ -47,6 +49,8 @@ pub struct SafetyInputs<'a> {
     /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the resonance: its
     /// bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see [`ASSUMED_ENGINE`].
     pub slowest_engine_control: f64,
+    /// How the friction of their dynamometers differs; that of `prediction` has no part in it.
+    pub friction: FrictionSpread,
     /// Benches drawn; from 72 on, none of which reaches a limit, the 95 % interval of its probability ends below 5 %.
     pub samples: usize,
     /// Seed of the draws; equal seeds give equal results, however many threads work.
@@ -109,6 +113,7 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
     }
     let nominal = inputs.prediction.model;
     let mut random = Source::Safety.stream(inputs.seed);
+    let mut of_friction = Source::Friction.stream(inputs.seed);
     let benches = (0..inputs.samples)
         .map(|i| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
@@ -116,7 +121,8 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
             let inertia = model.mechanics.engine_inertia_kg_m2;
             let engine = inputs.pulses.draw(inputs.prediction.engine, inertia, &mut random);
             let firing_seed = inputs.seed.wrapping_add(i as u64);
-            Ok(Drawn { model, engine: spread::slowed(&engine, speed), firing_seed })
+            let friction = inputs.friction.draw(&mut of_friction);
+            Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
     let outcomes = outcomes(&inputs.prediction, &benches, progress)?;

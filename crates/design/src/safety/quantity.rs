@@ -9,6 +9,9 @@ use serde::Serialize;
 use super::course::{AtResonance, largest_change};
 use super::ladder::demand_samples;
 
+/// Changes of the speed count over this time, s.
+pub const SPEED_CHANGE_S: f64 = 0.05;
+
 /// A number of a run that matters for safety.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -23,6 +26,10 @@ pub enum Quantity {
     TorqueSlew,
     /// Largest |N_d| or |N_e|, rad/s.
     Speed,
+    /// Largest change of N_d within 50 ms over that time, rad/s².
+    SpeedGradient,
+    /// Largest |T_d* N_d|, W.
+    Power,
     /// Longest stay, s, during which the firing frequency, or the sine of a sine test, lies within 10 % of the resonance.
     TimeAtResonance,
     /// Lowest |N_d| or |N_e|, rad/s; no limit.
@@ -33,12 +40,13 @@ pub enum Quantity {
 
 impl Quantity {
     /// How many there are.
-    pub(super) const COUNT: usize = 8;
+    pub(super) const COUNT: usize = 10;
 
     /// Those that a plan has.
     pub(super) fn of_plan(plan: &ExperimentPlan) -> &'static [Quantity] {
         use Quantity::{
-            LimitedShare, LowestSpeed, ShaftTorque, ShaftTorqueSlew, Speed, TimeAtResonance, TorqueDemand, TorqueSlew,
+            LimitedShare, LowestSpeed, Power, ShaftTorque, ShaftTorqueSlew, Speed, SpeedGradient, TimeAtResonance,
+            TorqueDemand, TorqueSlew,
         };
         match plan.has_shaft {
             true => &[
@@ -47,11 +55,13 @@ impl Quantity {
                 TorqueDemand,
                 TorqueSlew,
                 Speed,
+                SpeedGradient,
+                Power,
                 TimeAtResonance,
                 LowestSpeed,
                 LimitedShare,
             ],
-            false => &[TorqueDemand, TorqueSlew, Speed, LowestSpeed, LimitedShare],
+            false => &[TorqueDemand, TorqueSlew, Speed, SpeedGradient, Power, LowestSpeed, LimitedShare],
         }
     }
 
@@ -63,6 +73,8 @@ impl Quantity {
             Quantity::TorqueDemand => limits.torque_nm,
             Quantity::TorqueSlew => limits.torque_slew_nm_per_s,
             Quantity::Speed => limits.speed_rad_s,
+            Quantity::SpeedGradient => limits.speed_gradient_rad_s2,
+            Quantity::Power => limits.power_w,
             Quantity::TimeAtResonance => limits.time_at_resonance_s,
             Quantity::LowestSpeed | Quantity::LimitedShare => None,
         }
@@ -100,6 +112,10 @@ pub(super) fn values(
     set(Quantity::TorqueDemand, largest(&response.torque_demand_nm));
     set(Quantity::TorqueSlew, slew(&response.torque_demand_nm, demand_samples(step_s), step_s));
     set(Quantity::Speed, speeds().fold(0.0, f64::max));
+    let apart = ((SPEED_CHANGE_S / step_s).round() as usize).max(1);
+    set(Quantity::SpeedGradient, slew(&response.dyno_speed_rad_s, apart, step_s));
+    let power = response.torque_demand_nm.iter().zip(&response.dyno_speed_rad_s).map(|(torque, speed)| torque * speed);
+    set(Quantity::Power, power.fold(0.0, |most: f64, power| most.max(power.abs())));
     set(Quantity::LowestSpeed, speeds().fold(f64::INFINITY, f64::min));
     set(Quantity::LimitedShare, response.limited_share);
     if prediction.has_shaft {

@@ -26,7 +26,8 @@ pub(super) fn outcomes(
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| {
         let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
-        outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, firing_seed, ..*inputs })
+        let (model, engine, friction) = (&bench.model, &bench.engine, bench.friction);
+        outcome(&PredictionInputs { model, engine, friction, firing_seed, ..*inputs })
     };
     parallel::map_with_progress(benches, run, progress).into_iter().collect()
 }

@@ -1,5 +1,6 @@
 //! Benches that could be the one at hand.
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::{BenchModel, Mechanics, ModelUncertainty};
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
@@ -10,6 +11,7 @@ use signal::distributions::normal_quantile;
 pub(super) struct Drawn {
     pub(super) model: BenchModel,
     pub(super) engine: EngineParameters,
+    pub(super) friction: DynoFriction,
     /// How its firings vary.
     pub(super) firing_seed: u64,
 }

@@ -1,8 +1,11 @@
 //! Whether experiments are safe on benches that are not known exactly.
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::PredictionInputs;
-use design::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
+use design::safety::{
+    BenchSpread, Checked, FrictionSpread, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check,
+};
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
 use rig::engine_pulses::KnownPulses;
@@ -44,6 +47,7 @@ impl Case<'_> {
             model: &model,
             engine: &parameters.engine,
             firing_seed: None,
+            friction: DynoFriction::default(),
             limits: self.limits,
         };
         let inputs = SafetyInputs {
@@ -51,6 +55,7 @@ impl Case<'_> {
             spread: self.spread,
             pulses: &KnownPulses::Stated,
             slowest_engine_control: 1.0,
+            friction: FrictionSpread::NONE,
             samples: self.samples,
             seed,
         };
@@ -183,14 +188,58 @@ fn normal_cdf(z: f64) -> f64 {
     if z > 0.0 { 1.0 - beyond } else { beyond }
 }
 
+/// In torque control the shaft has T_d and the friction of the dynamometer.
+#[test]
+fn exact_friction_counts_in_torque_control() {
+    let plan = ExperimentPlan::step_t_tn(3000.0, 4.0);
+    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
+    let engine = BenchParameters::default().engine;
+    let (limits, friction) = (shaft_limit(140.0), DynoFriction::default());
+    let prediction = PredictionInputs {
+        plan: &plan,
+        demands: &demands,
+        model: &model,
+        engine: &engine,
+        firing_seed: None,
+        friction,
+        limits,
+    };
+    let peak = |friction: FrictionSpread| {
+        let spread = BenchSpread::Prior(EXACT);
+        let inputs = SafetyInputs { prediction, spread, slowest_engine_control: 1.0, friction, samples: 200, seed: 3 };
+        let checked = check(&inputs, &|_, _| ()).unwrap();
+        [0.05, 0.95].map(|share| of(&checked, Quantity::ShaftTorque).quantile(share))
+    };
+    let without = peak(FrictionSpread::NONE)[0];
+    let exactly =
+        FrictionSpread { coulomb_nm: (1.2, 1.2), viscous_nm_s_per_rad: (0.018, 0.018), ..FrictionSpread::NONE };
+    let friction = exactly.middle().torque_nm(3000.0 * RPM_RAD_S);
+    let [low, high] = peak(exactly);
+    assert!((low - without - friction).abs() < 0.3 && high - low < 1e-9, "{low} {without} {friction}");
+    // What nothing is known of is between none and the most.
+    let most = FrictionSpread { coulomb_nm: (0.0, 2.4), viscous_nm_s_per_rad: (0.0, 0.03), ..FrictionSpread::NONE };
+    let [low, high] = peak(most);
+    assert!(
+        low > without && low < without + 3.0 && high > without + 8.0 && high < without + 12.0,
+        "{low} {high} {without}"
+    );
+}
+
 #[test]
 fn prop_an_engine_of_slow_speed_control_damps_less() {
     let plan = sine(20.0);
     let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
     let engine = BenchParameters::default().engine;
-    let limits = shaft_limit(140.0);
-    let prediction =
-        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, firing_seed: None, limits };
+    let (limits, friction) = (shaft_limit(140.0), DynoFriction::default());
+    let prediction = PredictionInputs {
+        plan: &plan,
+        demands: &demands,
+        model: &model,
+        engine: &engine,
+        firing_seed: None,
+        friction,
+        limits,
+    };
     let peak = |slowest_engine_control: f64| {
         let spread = BenchSpread::Prior(EXACT);
         let inputs = SafetyInputs {
@@ -198,6 +247,7 @@ fn prop_an_engine_of_slow_speed_control_damps_less() {
             spread,
             pulses: &KnownPulses::Stated,
             slowest_engine_control,
+            friction: FrictionSpread::NONE,
             samples: 20,
             seed: 3,
         };
@@ -256,6 +306,7 @@ fn regress_control_of_the_shaft_torque_is_refused() {
         model: &model,
         engine: &parameters.engine,
         firing_seed: None,
+        friction: DynoFriction::default(),
         limits,
     };
     let inputs = SafetyInputs {
@@ -263,6 +314,7 @@ fn regress_control_of_the_shaft_torque_is_refused() {
         spread: BenchSpread::Prior(Prior::default()),
         pulses: &KnownPulses::Stated,
         slowest_engine_control: 1.0,
+        friction: FrictionSpread::NONE,
         samples: 3,
         seed: 1,
     };

@@ -1,8 +1,9 @@
 //! Predicted probabilities against what virtual benches do that are drawn from the same spread.
 
+use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
-use design::safety::{BenchSpread, Prior, Proportion, Quantity, SafetyInputs, check};
+use design::safety::{BenchSpread, FrictionSpread, Prior, Proportion, Quantity, SafetyInputs, check};
 use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, MechanicsParameters};
@@ -69,6 +70,7 @@ fn of_prediction(plan: &ExperimentPlan) -> Vec<f64> {
         model: &model,
         engine: &parameters.engine,
         firing_seed: Some(SEED),
+        friction: DynoFriction::default(),
         limits: Limits::default(),
     };
     let inputs = SafetyInputs {
@@ -76,6 +78,7 @@ fn of_prediction(plan: &ExperimentPlan) -> Vec<f64> {
         spread: BenchSpread::Prior(Prior::default()),
         pulses: &KnownPulses::Stated,
         slowest_engine_control: 1.0,
+        friction: FrictionSpread::NONE,
         samples: PREDICTED,
         seed: SEED,
     };

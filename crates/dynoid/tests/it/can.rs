@@ -295,11 +295,68 @@ fn exact_the_requirements_of_the_documentation_work() {
     let campaign = campaign();
     let documentation = include_str!("../../../../docs/src/can.md");
     let requirements = documentation.lines().filter_map(|line| line.strip_prefix("--require \"")?.strip_suffix('"'));
-    let arguments: Vec<&str> = requirements.flat_map(|requirement| ["--require", requirement]).collect();
-    assert!(arguments.iter().any(|one| one.contains("phase at") && one.ends_with("deg")), "{arguments:?}");
-    let can = ["can", "bench.toml", "sine-sweep", "--samples", "72", "--json"];
-    let ran = campaign.run(&[&can[..], &arguments].concat());
-    assert_eq!(ran.json()["own"].as_array().map(Vec::len), Some(arguments.len() / 2), "{}", ran.stderr);
+    let requirements: Vec<&str> = requirements.collect();
+    assert!(requirements.iter().any(|one| one.contains("phase at") && one.ends_with("deg")), "{requirements:?}");
+    for requirement in requirements {
+        // A test that shows it.
+        let test = match requirement.split(' ').take(2).collect::<Vec<_>>()[..] {
+            ["speed", "overshoot"] => "speed-step",
+            ["torque", "rise" | "settling"] => "torque-step",
+            _ => "sine-sweep",
+        };
+        let ran = campaign.run(&["can", "bench.toml", test, "--samples", "72", "--json", "--require", requirement]);
+        assert_eq!(ran.json()["own"].as_array().map(Vec::len), Some(1), "{requirement}: {}", ran.stderr);
+    }
+}
+
+#[test]
+fn regress_what_a_test_does_not_show_and_what_no_engine_does_is_refused() {
+    let campaign = campaign();
+    let can =
+        |test: &str, more: &[&str]| campaign.run(&[&["can", "bench.toml", test, "--samples", "72"], more].concat());
+    for (test, requirement) in [
+        ("tip-in", "speed overshoot below 5 %"),
+        ("tip-in", "torque phase at 5 Hz below 60 deg"),
+        ("coast-down", "torque rise below 1 ms"),
+    ] {
+        let ran = can(test, &["--require", requirement]);
+        assert!(ran.code != Some(0) && ran.stderr.contains("its demand"), "{test}, {requirement}: {}", ran.stderr);
+    }
+    for requirement in ["speed within -5 rpm for 95 %", "speed within 10 rpm for 0 %", "torque rise below 0 ms"] {
+        can("speed-step", &["--require", requirement]).assert_refused(2, &["is no requirement", "above 0"]);
+    }
+    let backwards = can("tip-in", &["--speed", "-1500"]);
+    assert!(backwards.code != Some(0) && backwards.stderr.contains("turns forwards"), "{}", backwards.stderr);
+    let check = campaign.run(&["experiment", "check", "bench.toml", "BS_T_NT", "--speed", "-1500", "--samples", "72"]);
+    assert!(check.code != Some(0) && check.stderr.contains("turns forwards"), "{}", check.stderr);
+    campaign.run(&["can", "bench.toml", "map", "--speed", "-1500"]).assert_refused(2, &["turns forwards"]);
+}
+
+#[test]
+fn regress_a_torque_beyond_the_map_is_the_engine_s() {
+    let campaign = campaign();
+    let rows = [(0, 2000, 50), (1, 2000, 50), (2, 2000, 320), (3, 2000, 50), (4, 2000, 50)];
+    let table: String = rows.iter().map(|(time, speed, torque)| format!("{time},{speed},{torque}\n")).collect();
+    campaign.write("beyond.csv", format!("time [s],speed [rpm],torque [Nm]\n{table}").as_bytes());
+    let arguments = ["can", "bench.toml", "beyond.csv", "--engine-map", "engine.csv", "--samples", "72"];
+    let ran = campaign.run(&arguments);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    let title = ran.stdout.lines().take(2).collect::<Vec<_>>().join(" ");
+    assert!(title.contains("the engine gives 190 Nm at 2000 rpm, and the test asks it for 320 Nm"), "{title}");
+    let json = campaign.run(&[&arguments[..], &["--json"]].concat()).json();
+    assert_eq!(json["beyond"][0]["numbers"]["of"].as_str(), Some("engine_torque"), "{json}");
+    assert_eq!(json["friction"]["from"].as_str(), Some("assumed"));
+}
+
+#[test]
+#[ignore = "slow: half an hour of a cycle on 72 benches"]
+fn exact_the_command_of_the_readme_runs() {
+    let campaign = campaign();
+    let readme = include_str!("../../../../README.md");
+    let command = readme.split('`').find(|text| text.starts_with("dynoid can bench.toml")).unwrap();
+    let arguments: Vec<&str> = command.split(' ').skip(1).collect();
+    let ran = campaign.run(&[&arguments[..], &["--samples", "72"]].concat());
+    assert!(ran.code.is_some_and(|code| code <= 1) && ran.stdout.contains("WHTC"), "{command}: {}", ran.stderr);
 }
 
 /// T_d at 4 ms and T_d* at 1 ms, or at 4 ms as well: the phase of the recording is that of the model.

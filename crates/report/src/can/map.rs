@@ -1,15 +1,18 @@
 //! How large a sine may be, over frequency and speed.
 
-use capability::LimitOf;
 use capability::gradient::GradientPlace;
 use capability::map::{CapabilityMap, Place, SineOf};
 use capability::wanted::WantedAnswer;
+use capability::{Beyond, LimitOf};
+use design::safety::FrictionSpread;
 use page::{Abscissa, Align, Axis, Block, Cell, Figure, Layer, Page, Panel, Style, Table, rounded};
 use rig::engine_pulses::KnownPulses;
 use units::RPM_RAD_S;
 
+use super::predicted::beyond;
 use super::wanted;
 use super::words::short;
+use crate::assumptions::friction;
 use crate::wording::{self, number};
 
 /// Height of a panel on the page.
@@ -30,11 +33,17 @@ pub struct MapPage<'a> {
     pub wanted: &'a [WantedAnswer],
     /// What is known of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
+    /// Where speeds and torque of the map leave the range of the recordings that the model is from.
+    pub beyond: &'a [Beyond],
+    /// Friction of the dynamometer.
+    pub friction: FrictionSpread,
 }
 
 /// Answers to what was asked for, maps of speed and torque, and the largest gradients.
 pub fn page(shown: &MapPage<'_>) -> Page {
-    let mut all = wanted::answers(shown.wanted);
+    let mut all = wanted::answers(shown.wanted, !shown.beyond.is_empty());
+    all.push(beyond(shown.beyond));
+    all.push(friction(&shown.friction));
     all.push(Block::paragraph(wording::engine_pulses(shown.pulses)));
     for map in shown.maps {
         all.push(Block::heading(name(map.of)));

@@ -9,6 +9,7 @@ mod words;
 
 pub use changes::change;
 pub use map::{MapPage, page as map};
+pub(crate) use predicted::beyond as beyond_findings;
 pub use predicted::{Asked, page as predicted};
 pub use recorded::{AlignedOn, JudgedOwn, RecordedRun, Referred, ScalesOf, page as recorded};
-pub use words::{answer, limit_of, omission, own, required, statistic, value_of};
+pub use words::{answer, beyond, limit_of, omission, own, required, statistic, value_of};

@@ -1,8 +1,8 @@
 //! The answer to whether a bench can run a test.
 
-use capability::{Answer, Easier, LimitOf, Verdict};
+use capability::{Answer, Beyond, Easier, LimitOf, Verdict};
 use cycle::RequirementSet;
-use design::safety::Proportion;
+use design::safety::{FrictionSpread, Proportion};
 use page::{
     Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone, rounded,
 };
@@ -11,7 +11,7 @@ use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
 use super::{changes, words};
-use crate::assumptions::{assumptions, prior_ranges};
+use crate::assumptions::{assumptions, friction, prior_ranges};
 use crate::wording::{self, number};
 
 /// Height of a panel on the page.
@@ -38,6 +38,8 @@ pub struct Asked<'a> {
     pub pulses: &'a KnownPulses,
     /// What the answer takes for granted.
     pub assumptions: &'a [Assumption],
+    /// Friction of the dynamometer.
+    pub friction: FrictionSpread,
 }
 
 /// The answer, what limits it, and the courses.
@@ -68,7 +70,7 @@ pub fn page(asked: &Asked<'_>) -> Page {
 fn tone(asked: &Asked<'_>) -> Tone {
     match asked.verdict.answer {
         Answer::Yes if asked.verdict.unchecked.is_empty() => Tone::Good,
-        Answer::Yes | Answer::Perhaps | Answer::NotJudged => Tone::Caution,
+        Answer::Yes | Answer::Perhaps | Answer::NotShown | Answer::NotJudged => Tone::Caution,
         Answer::No => Tone::Bad,
     }
 }
@@ -170,6 +172,7 @@ fn findings(asked: &Asked<'_>) -> Blocks {
     let verdict = asked.verdict;
     let finding = |tone, what: &str, words: String| Block::Finding(Finding::new(tone, what, words));
     let mut all = Blocks::default();
+    all.push(beyond(&verdict.beyond));
     let drawn = match asked.has_study {
         true => "by the covariance of the study's estimates".to_owned(),
         false => prior_ranges(),
@@ -190,15 +193,31 @@ fn findings(asked: &Asked<'_>) -> Blocks {
         let words = format!("{} of the benches drawn", number::proportion(&verdict.unstable));
         all.push(finding(Tone::Bad, "not stable", words));
     }
+    all.push(friction(&asked.friction));
     if asked.is_cycle {
         let engine = "The engine gives the demanded torque at its flywheel, through the intake of [virtual_bench.engine]. Its controller \
                       adds what its own inertia needs. The test of the torque therefore judges the bench, not the engine.";
         all.push(finding(Tone::Plain, "assumed", engine.to_owned()));
-        let pulses = "Firing pulses count with the response of the shaft at each speed. Where the cycle passes a resonance quickly, less \
-                      comes of them.";
+        let pulses = "Firing pulses count for every limit, with the response of the bench at each speed. Where the cycle passes a \
+                      resonance quickly, less comes of them.";
         all.push(finding(Tone::Plain, "bound", pulses.to_owned()));
     }
     all
+}
+
+/// What no bench drawn can show, each as a finding.
+pub(crate) fn beyond(all: &[Beyond]) -> Blocks {
+    let finding = |one: &Beyond| {
+        let (what, remedy) = match one.is_of_engine() {
+            true => ("beyond the engine", "Take an engine, or a map, that has it."),
+            false => {
+                ("beyond the model", "Record the bench there and study it again. Nobody has tested the model there.")
+            }
+        };
+        let words = format!("{}. {remedy}", wording::capitalised(&words::beyond(one)));
+        Block::Finding(Finding::new(Tone::Caution, what, words))
+    };
+    all.iter().map(finding).collect()
 }
 
 fn courses(verdict: &Verdict) -> Figure {

@@ -8,10 +8,11 @@ use units::RPM_RAD_S;
 use super::words::short;
 use crate::wording::number;
 
-/// A table of each, speed by speed.
-pub(super) fn answers(wanted: &[WantedAnswer]) -> Blocks {
+/// A table of each, speed by speed; beyond the range of the model there is no plain yes.
+pub(super) fn answers(wanted: &[WantedAnswer], is_beyond: bool) -> Blocks {
     let one = |answer: &WantedAnswer| {
         let (tone, verdict) = match (answer.is_yes(), answer.places.iter().any(WantedPlace::is_yes)) {
+            (true, _) if is_beyond => (Tone::Caution, "not shown: yes by the model, but beyond its range"),
             (true, _) => (Tone::Good, "yes"),
             (false, true) => (Tone::Caution, "yes at some speeds"),
             (false, false) => (Tone::Bad, "no"),

@@ -1,6 +1,7 @@
 //! Words of requirements, statistics and limits.
 
-use capability::{Answer, LimitOf, Verdict};
+use bench_model::document::Range;
+use capability::{Answer, Beyond, LimitOf, Verdict};
 use cycle::{Checked, Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
 use design::safety::Proportion;
 use page::{Finding, Tone};
@@ -189,10 +190,53 @@ pub fn required(set: &RequirementSet) -> Finding {
     Finding::new(tone, severity, words)
 }
 
-/// The answer in a sentence.
+/// What a test asks for beyond what is known, in words.
+pub fn beyond(beyond: &Beyond) -> String {
+    let whole = |value: f64| number::significant(value.round(), 5);
+    let between = |(low, high): Range| format!("{} … {}", whole(low), whole(high));
+    let rpm = |(low, high): Range| between((low / RPM_RAD_S, high / RPM_RAD_S));
+    match *beyond {
+        Beyond::EngineSpeed { map_rad_s, test_rad_s } => {
+            format!("the engine's map has speeds of {} rpm, and the test needs {} rpm", rpm(map_rad_s), rpm(test_rad_s))
+        }
+        Beyond::EngineTorque { asked_nm, given_nm, speed_rad_s, time_s } => format!(
+            "the engine gives {} Nm at {} rpm, and the test asks it for {} Nm at {} s",
+            whole(given_nm),
+            whole(speed_rad_s / RPM_RAD_S),
+            whole(asked_nm),
+            number::significant(time_s, 4)
+        ),
+        Beyond::ModelSpeed { model_rad_s, test_rad_s } => format!(
+            "recordings have tested the model at {} rpm, and the test needs {} rpm",
+            rpm(model_rad_s),
+            rpm(test_rad_s)
+        ),
+        Beyond::ModelTorque { model_nm, test_nm } => format!(
+            "recordings have tested the model at T_d of {} Nm, and the test needs {} Nm",
+            between(model_nm),
+            between(test_nm)
+        ),
+    }
+}
+
+/// The answer in a sentence. Where the test goes beyond what is known, it begins with that; a no does only if the engine is meant.
 pub fn answer(verdict: &Verdict) -> String {
     let missed = missed(verdict);
+    let first = verdict.beyond.first().map(beyond);
+    let of_engine = verdict.beyond.iter().find(|one| one.is_of_engine()).map(beyond);
     match verdict.answer {
+        Answer::NotShown => format!(
+            "not shown: {}; by the model {} of the benches like yours keep everything",
+            first.unwrap_or_default(),
+            number::proportion(&verdict.kept)
+        ),
+        Answer::Perhaps if first.is_some() => format!(
+            "perhaps: {}; {} of the benches like yours{}",
+            first.unwrap_or_default(),
+            number::proportion(&verdict.kept),
+            with(missed)
+        ),
+        Answer::No if of_engine.is_some() => format!("no: {}{}", of_engine.unwrap_or_default(), with(missed)),
         Answer::Yes => yes(verdict, &verdict.kept),
         Answer::NotJudged => "not judged: no limit is stated, and nothing is required".to_owned(),
         Answer::Perhaps => {

@@ -104,6 +104,8 @@ pub fn quantity(of: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::TorqueDemand => ("peak |T_d*|", "Nm", 1.0),
         Quantity::TorqueSlew => ("slew of T_d*", "Nm/s", 1.0),
         Quantity::Speed => ("highest speed", "rpm", RPM_RAD_S),
+        Quantity::SpeedGradient => ("speed gradient", "rpm/s", RPM_RAD_S),
+        Quantity::Power => ("power of the dynamometer", "kW", 1e3),
         Quantity::TimeAtResonance => ("time at resonance", "s", 1.0),
         Quantity::LowestSpeed => ("lowest speed", "rpm", RPM_RAD_S),
         Quantity::LimitedShare => ("T_d* at its limit", "% of time", 0.01),

@@ -1,5 +1,6 @@
 //! What to record next, in words.
 
+use design::safety::Safety;
 use report::next::{best, choices, recommendation};
 use rig::ExperimentLabel;
 use rig::results::Quantity;
@@ -11,7 +12,7 @@ fn gain(quantity: Quantity, now: Option<f64>, then: f64) -> Gain {
 
 fn candidate(label: ExperimentLabel, is_designed: bool, gains: Vec<Gain>) -> Candidate {
     let (speed_rpm, duration_s) = (1200.0, 60.0);
-    Candidate { label, is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
+    Candidate { label, is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, safety: None, gains }
 }
 
 /// An experiment that was tried with two demands is one entry, which says what each of them buys.
@@ -40,4 +41,25 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
     found.candidates[1].gains.clear();
     let words = recommendation(&found);
     assert!(words.ends_with("With the demand of the method, the same experiment gains nothing."), "{words}");
+}
+
+#[test]
+fn regress_an_experiment_that_reaches_a_limit_is_not_recommended() {
+    let gains = || vec![gain(Quantity::Stiffness, Some(10.0), 1.0)];
+    let mut candidates = vec![
+        candidate(ExperimentLabel::MULTISINE_T_TN, true, gains()),
+        candidate(ExperimentLabel::MULTISINE_T_TN, false, gains()),
+        candidate(ExperimentLabel::BS_T_NT, false, gains()),
+    ];
+    candidates[0].safety = Some(Safety::Unsafe);
+    candidates[2].safety = Some(Safety::Unsafe);
+    let mut found = NextExperiments { now: Vec::new(), candidates, enough: 0.01, assumptions: Vec::new() };
+    assert_eq!(best(&found).len(), 1);
+    let words = recommendation(&found);
+    assert!(words.starts_with("Record Multisine_T_TN, 60 s"), "{words}");
+    assert!(words.contains("Not recommended: Multisine_T_TN (designed for this shaft)"), "{words}");
+    assert!(words.contains("the same experiment reaches a limit of the bench"), "{words}");
+    found.candidates[1].safety = Some(Safety::Unsafe);
+    let words = recommendation(&found);
+    assert!(best(&found).is_empty() && words.starts_with("Not recommended:"), "{words}");
 }

@@ -24,6 +24,7 @@ const BENCH_KEYS: &[&str] = &[
     "dynamometer_inertia",
     "dynamometer_inertia_uncertainty_percent",
     "dynamometer_friction",
+    "dynamometer_coulomb_friction",
     "dynamometer_friction_uncertainty_percent",
     "engine_inertia",
     "engine_inertia_uncertainty_percent",
@@ -32,6 +33,7 @@ const DYNAMOMETER_INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
 const ENGINE_INERTIA_EXAMPLE: &str = "\"0.2 kg m²\"";
 const SPEED_LIMIT_EXAMPLE: &str = "\"6000 rpm\"";
 const FRICTION_EXAMPLE: &str = "\"0.01 Nm s/rad\"";
+const COULOMB_EXAMPLE: &str = "\"1 Nm\"";
 
 /// Reads a bench file and notes every fault in it.
 pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
@@ -89,6 +91,7 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let dynamometer_uncertainty = read_uncertainty(&bench, "dynamometer_inertia", 100.0, faults);
     let engine_uncertainty = read_uncertainty(&bench, "engine_inertia", 100.0, faults);
     let friction = read_limit(&bench, "dynamometer_friction", Quantity::Damping, FRICTION_EXAMPLE, faults);
+    let coulomb = read_limit(&bench, "dynamometer_coulomb_friction", Quantity::Torque, COULOMB_EXAMPLE, faults);
     let friction_uncertainty = read_uncertainty(&bench, "dynamometer_friction", 1000.0, faults);
     if friction_uncertainty.is_some() {
         bench.require("dynamometer_friction", FRICTION_EXAMPLE, faults);
@@ -111,6 +114,7 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         dynamometer_inertia_kg_m2: dynamometer_inertia?,
         dynamometer_inertia_uncertainty_percent: dynamometer_uncertainty,
         dynamometer_friction_nm_s_per_rad: friction,
+        dynamometer_coulomb_friction_nm: coulomb,
         dynamometer_friction_uncertainty_percent: friction_uncertainty,
         engine_inertia_kg_m2: engine_inertia?,
         engine_inertia_uncertainty_percent: engine_uncertainty,

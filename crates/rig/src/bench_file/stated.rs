@@ -26,7 +26,9 @@ pub struct BenchFile {
     pub dynamometer_inertia_uncertainty_percent: Option<f64>,
     /// Slope of the dynamometer's bearing friction over speed, Nm s/rad, if stated.
     pub dynamometer_friction_nm_s_per_rad: Option<f64>,
-    /// Standard uncertainty of that slope, % of it, if stated.
+    /// Friction of the dynamometer's bearings that does not depend on the speed, Nm, if stated.
+    pub dynamometer_coulomb_friction_nm: Option<f64>,
+    /// Standard uncertainty of both, % of each, if stated.
     pub dynamometer_friction_uncertainty_percent: Option<f64>,
     /// J_e, flywheel included, kg m².
     pub engine_inertia_kg_m2: f64,

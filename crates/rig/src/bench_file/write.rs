@@ -59,6 +59,8 @@ dynamometer_inertia = "{PLACEHOLDER}"
 # dynamometer_inertia_uncertainty_percent = 2
 # Slope of its bearing friction over speed (c_1 of `dynoid friction`), if it is known.
 # dynamometer_friction = "0.01 Nm s/rad"
+# The part of its friction that does not depend on the speed (c_0 of `dynoid friction`), if it is known.
+# dynamometer_coulomb_friction = "1 Nm"
 # Inertia of the engine, flywheel included, e.g. "0.2 kg m²".
 engine_inertia = "{PLACEHOLDER}"
 # Without it dynoid takes 2 %.
@@ -113,7 +115,11 @@ engine_inertia = "{PLACEHOLDER}"
         if let Some(percent) = self.dynamometer_inertia_uncertainty_percent {
             let _ = writeln!(text, "dynamometer_inertia_uncertainty_percent = {percent}");
         }
-        write_values(&mut text, &[("dynamometer_friction", self.dynamometer_friction_nm_s_per_rad, "Nm s/rad")]);
+        let friction = [
+            ("dynamometer_friction", self.dynamometer_friction_nm_s_per_rad, "Nm s/rad"),
+            ("dynamometer_coulomb_friction", self.dynamometer_coulomb_friction_nm, "Nm"),
+        ];
+        write_values(&mut text, &friction);
         if let Some(percent) = self.dynamometer_friction_uncertainty_percent {
             let _ = writeln!(text, "dynamometer_friction_uncertainty_percent = {percent}");
         }

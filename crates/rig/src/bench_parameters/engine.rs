@@ -1,5 +1,6 @@
 //! The engine and its control.
 
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
@@ -143,18 +144,25 @@ impl EngineParameters {
     /// The complex amplitudes of the torque at the harmonics of the working cycle, the first first, Nm, of the engine fired with a mean
     /// torque at a speed. Unequal cylinders give harmonics below that of the firing. The cylinders on a crankshaft are no part of it.
     pub fn waves(&self, torque_nm: f64, speed_rad_s: f64) -> Vec<Complex64> {
+        self.harmonics_of_cycle().iter().map(|harmonic| harmonic.at(torque_nm, speed_rad_s)).collect()
+    }
+
+    /// The harmonics of the working cycle, the first first: those given, or what the factors of the cylinders and the harmonics of the
+    /// firing order make.
+    pub fn harmonics_of_cycle(&self) -> Cow<'_, [CycleHarmonic]> {
         if !self.cycle_harmonics.is_empty() {
-            return self.cycle_harmonics.iter().map(|harmonic| harmonic.at(torque_nm, speed_rad_s)).collect();
+            return Cow::Borrowed(&self.cycle_harmonics);
         }
         let cylinders = self.cylinder_factors.len();
         let points = PHASES * cylinders;
-        let torques: Vec<f64> = (0..points).map(|k| torque_nm * self.relative(k)).collect();
-        let wave = |m: usize| {
+        let torques: Vec<f64> = (0..points).map(|k| self.relative(k)).collect();
+        let harmonic = |m: usize| {
             let part =
                 |(k, torque): (usize, &f64)| torque * Complex64::cis(-TAU * (m * k % points) as f64 / points as f64);
-            torques.iter().enumerate().map(part).sum::<Complex64>() * 2.0 / points as f64
+            let wave = torques.iter().enumerate().map(part).sum::<Complex64>() * 2.0 / points as f64;
+            CycleHarmonic { of_torque: [wave.re, wave.im], ..CycleHarmonic::default() }
         };
-        (1..=cylinders * self.firing_harmonics.len()).map(wave).collect()
+        (1..=cylinders * self.firing_harmonics.len()).map(harmonic).collect()
     }
 
     /// The torque over its level, `k` of [`PHASES`] parts of a firing after the first cylinder fired.

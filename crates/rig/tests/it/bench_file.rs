@@ -185,6 +185,8 @@ fn exact_friction_and_what_is_uncertain() {
         stated("dynamometer_friction = \"0.02 Nm s/rad\"\ndynamometer_friction_uncertainty_percent = 300").unwrap();
     assert_eq!(file.dynamometer_friction_nm_s_per_rad, Some(0.02));
     assert_eq!(file.dynamometer_friction_uncertainty_percent, Some(300.0));
+    let file = stated("dynamometer_coulomb_friction = \"1.2 Nm\"").unwrap();
+    assert_eq!(file.dynamometer_coulomb_friction_nm, Some(1.2));
     assert_eq!(parse(&file.to_toml()).unwrap(), file);
     let engine = parse(&GOOD.replace("= 0.2\n", "= 0.2\nengine_inertia_uncertainty_percent = 5\n")).unwrap();
     assert_eq!(engine.engine_inertia_uncertainty_percent, Some(5.0));
@@ -192,6 +194,7 @@ fn exact_friction_and_what_is_uncertain() {
     for (lines, key) in [
         ("dynamometer_friction_uncertainty_percent = 50", "bench.dynamometer_friction"),
         ("dynamometer_friction = \"0.02 Nm\"", "bench.dynamometer_friction"),
+        ("dynamometer_coulomb_friction = \"1 Nm s/rad\"", "bench.dynamometer_coulomb_friction"),
         ("dynamometer_friction = \"-0.02 Nm s/rad\"", "bench.dynamometer_friction"),
     ] {
         let faults = stated(lines).unwrap_err().faults;

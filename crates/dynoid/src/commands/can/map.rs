@@ -1,6 +1,7 @@
 //! The capability map.
 
 use capability::LimitOf;
+use capability::beyond::of_model;
 use capability::gradient::gradients;
 use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted, WantedAnswer};
@@ -8,7 +9,7 @@ use report::can::MapPage;
 use serde_json::json;
 use units::RPM_RAD_S;
 
-use super::predicted::spread;
+use super::predicted::{spread, words_and_numbers};
 use crate::cli::can::CanArguments;
 use crate::commands::experiment::check::pulses_from;
 use crate::commands::experiment::planned;
@@ -33,7 +34,11 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
     let (torque_nm, wishes) = (torque_nm(arguments)?, wishes(arguments)?);
     let is_possible = |speed: &f64| limits.speed_rad_s.is_none_or(|limit| *speed < limit);
     let speeds: Vec<f64> = match arguments.on.plan.speed {
-        Some(rpm) => vec![rpm * RPM_RAD_S],
+        Some(rpm) if rpm > 0.0 => vec![rpm * RPM_RAD_S],
+        Some(rpm) => {
+            let what = format!("--speed {rpm}: a map needs a speed above 0 rpm, since an engine turns forwards");
+            return Err(CliError::Usage { what });
+        }
         None => SPEEDS_RPM.into_iter().map(|rpm| rpm * RPM_RAD_S).filter(is_possible).collect(),
     };
     let inputs = MapInputs {
@@ -42,6 +47,7 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         pulses: &bench.stated.pulses,
         limits,
         spread: spread(&bench),
+        friction: bench.friction(),
         torque_nm,
         samples: arguments.samples as usize,
         seed: arguments.on.plan.seed(),
@@ -66,18 +72,25 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         .collect::<Result<Vec<_>, _>>()
         .map_err(failed)?;
     let title = format!("{}, mean torque {torque_nm} Nm", bench.file.name);
+    let beyond = of_model(&bench.validity, &speeds, &[torque_nm]);
     let shown = MapPage {
         title: &title,
         maps: &maps,
         in_table_hz: &FREQUENCIES_HZ,
         gradients: &gradients,
         wanted: &answers,
+        beyond: &beyond,
+        friction: inputs.friction,
         pulses: &bench.stated.pulses,
     };
-    let json = || json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "engine_pulses": pulses_from(&bench.stated.pulses), "wanted": answers, "maps": maps, "gradients": gradients});
+    let json = || {
+        let beyond: Vec<_> = beyond.iter().map(words_and_numbers).collect();
+        json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "beyond": beyond, "friction": inputs.friction,
+            "engine_pulses": pulses_from(&bench.stated.pulses), "wanted": answers, "maps": maps, "gradients": gradients})
+    };
     show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
-    // A yes that leaves a limit out is none, as for a test.
-    let is_complete = answers.is_empty() || unstated.is_empty() || arguments.allow_unchecked;
+    // A yes that leaves a limit out, or goes beyond the model, is none, as for a test.
+    let is_complete = answers.is_empty() || beyond.is_empty() && (unstated.is_empty() || arguments.allow_unchecked);
     Ok(if is_complete && answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })
 }
 

@@ -1,6 +1,6 @@
 //! The answer from the model.
 
-use capability::{Answer, CanInputs, Easier, LimitVerdict, can, easier};
+use capability::{Answer, Beyond, CanInputs, Easier, LimitVerdict, can, easier};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior};
 use report::can::{Asked, answer, limit_of, statistic};
 use serde_json::json;
@@ -35,8 +35,10 @@ pub(super) fn run(
         engine: &bench.stated.parameters.engine,
         pulses: &bench.stated.pulses,
         limits: bench.file.limits,
+        validity: bench.validity,
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
+        friction: bench.friction(),
         filter_hz: None,
         sets: &wanted.sets,
         own: &wanted.own,
@@ -52,7 +54,7 @@ pub(super) fn run(
             let progress = terminal.long("looking for what would make it possible");
             easier(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?
         }
-        Answer::Yes | Answer::Perhaps | Answer::NotJudged => Vec::new(),
+        Answer::Yes | Answer::Perhaps | Answer::NotShown | Answer::NotJudged => Vec::new(),
     };
     let asked = Asked {
         test: &test.title,
@@ -64,6 +66,7 @@ pub(super) fn run(
         is_cycle: matches!(test.what, What::Cycle { .. }),
         pulses: &bench.stated.pulses,
         assumptions: &assumptions,
+        friction: inputs.friction,
     };
     show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
     let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
@@ -77,6 +80,11 @@ pub(super) fn spread(bench: &Bench) -> BenchSpread<'_> {
         Some(assembled) => BenchSpread::Estimated(&assembled.uncertainty),
         None => BenchSpread::Prior(Prior::default()),
     }
+}
+
+/// What a test asks for beyond what is known, with its words.
+pub(super) fn words_and_numbers(beyond: &Beyond) -> serde_json::Value {
+    json!({"words": report::can::beyond(beyond), "numbers": beyond})
 }
 
 fn facts(asked: &Asked<'_>) -> serde_json::Value {
@@ -107,6 +115,7 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "duration_s": asked.duration_s,
         "answer": verdict.answer,
         "sentence": answer(verdict),
+        "beyond": verdict.beyond.iter().map(words_and_numbers).collect::<Vec<_>>(),
         "kept": verdict.kept,
         "unstable": verdict.unstable,
         "samples": verdict.kept.of,
@@ -119,5 +128,6 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "spread": if asked.has_study { "study" } else { "prior" },
         "engine_pulses": pulses_from(asked.pulses),
         "assumptions": asked.assumptions,
+        "friction": asked.friction,
     })
 }

@@ -69,6 +69,7 @@ pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> Benc
         dynamometer_inertia_kg_m2: parameters.mechanics.dyno_inertia_kg_m2,
         dynamometer_inertia_uncertainty_percent: None,
         dynamometer_friction_nm_s_per_rad: None,
+        dynamometer_coulomb_friction_nm: None,
         dynamometer_friction_uncertainty_percent: None,
         engine_inertia_kg_m2: parameters.mechanics.engine_inertia_kg_m2,
         engine_inertia_uncertainty_percent: None,

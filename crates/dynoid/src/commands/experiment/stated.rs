@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use ::bench_model::document::Validity;
 use ::bench_model::model::{AssembledModel, BenchModel};
+use design::safety::FrictionSpread;
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
 use rig::facts::StatedInertia;
@@ -24,6 +26,8 @@ pub(in crate::commands) struct Bench {
     pub(in crate::commands) file: BenchFile,
     pub(in crate::commands) assembled: Option<AssembledModel>,
     pub(in crate::commands) stated: StatedBench,
+    /// The range of the recordings that the model is from.
+    pub(in crate::commands) validity: Validity,
 }
 
 impl Bench {
@@ -37,7 +41,7 @@ impl Bench {
             return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
         }
         let (file, _) = read_bench(path)?;
-        let assembled = study.map(read_model).transpose()?;
+        let (assembled, validity) = study.map(read_model).transpose()?.unzip();
         let stated = StatedBench::of(&file, assembled.as_ref().map(|assembled| &assembled.model))
             .map_err(|source| CliError::VirtualBench { path: path.to_owned(), source })?
             .with_pulses(assembled.as_ref().and_then(|assembled| assembled.engine_pulses.as_ref()));
@@ -57,7 +61,12 @@ impl Bench {
                 ));
             }
         }
-        Ok(Bench { file, assembled, stated })
+        Ok(Bench { file, assembled, stated, validity: validity.unwrap_or_default() })
+    }
+
+    /// Friction of the dynamometer, as the bench file states it or as dynamometers have it.
+    pub(in crate::commands) fn friction(&self) -> FrictionSpread {
+        FrictionSpread::of(&self.file, self.stated.parameters.drive.torque_limit_nm)
     }
 
     /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
@@ -78,23 +87,19 @@ impl Bench {
     }
 
     fn any_model(&self) -> BenchModel {
-        let model = BenchModel::of(&self.stated.parameters);
-        let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
-        BenchModel {
-            speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),
-            encoder_gate_s: assembled.map_or(model.encoder_gate_s, |model| model.encoder_gate_s),
-            ..model
-        }
+        self.stated.linear_model(self.assembled.as_ref().map(|assembled| &assembled.model))
     }
 }
 
-fn read_model(path: &Path) -> Result<AssembledModel, CliError> {
+fn read_model(path: &Path) -> Result<(AssembledModel, Validity), CliError> {
     let text = bench_model::text(path, WANTED)?;
     match Kind::of(&text) {
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
         Kind::Bench | Kind::Study => {
-            report::model(&text).map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
+            let model = report::model(&text);
+            let model = model.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })?;
+            Ok((model, report::validity(&text)))
         }
     }
 }
