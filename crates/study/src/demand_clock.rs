@@ -14,8 +14,8 @@ const APART_S: f64 = 1.5e-3;
 const TRIED_S: (f64, f64, f64) = (-0.02, 0.03, 2.5e-4);
 /// Changes over so long are compared, s: the drive's ripple at 100 Hz is as it was.
 const CHANGE_S: f64 = 0.04;
-/// A delay is seen where it leaves less than this part of the changes of T_d,calc; delays that leave only so little more, as a part of
-/// what the best explains, are as good. The middle of these is 0 to 4.6 ms later than the lag on 130 recordings of 29 simulated benches.
+/// A delay is seen where it leaves less than this part of the changes of T_d,calc. Delays that leave hardly more are as good: the second
+/// is by how much more. On 130 recordings of 29 simulated benches their middle is 0 to 4.6 ms later than the lag.
 const LEAVES: (f64, f64) = (0.5, 0.02);
 
 /// Doubts each recording in which T_d,calc is ahead of T_d*; `lag_s` is how late the torque control makes it beside its pure delay.

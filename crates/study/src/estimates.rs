@@ -7,14 +7,13 @@ use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
 use numerics::order::upper_median;
-use numerics::parallel::{join, map};
+use numerics::parallel::map;
 use part_controller::speed_controller::SpeedControllerFit;
 use part_shaft::{Parts, shaft};
 use part_torque::timing;
-use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::{EstimateError, first};
 use rig::experiment::{Choice, Sought};
-use rig::facts::{BenchVariant, StatedInertia};
+use rig::facts::StatedInertia;
 use rig::results::{
     Estimate, FeedForward, Outcome, Parameter, Part, Quantity, Reason, Shaft, SpeedController, Timing, TorqueControl,
 };
@@ -22,8 +21,9 @@ use rig::{Experiment, Finding, Role, Severity};
 
 use crate::Progress;
 use crate::findings::Findings;
+use crate::fits::Fits;
 use crate::folded_pulses::Folded;
-use crate::whole::{self, Pieces, Whole};
+use crate::whole::{self, Whole};
 use crate::{demand_clock, firing, pulse_path, ripple_clock, struck};
 
 /// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
@@ -59,66 +59,6 @@ pub(super) struct Estimates {
     pub(super) model: Option<AssembledModel>,
     pub(super) skews: Option<SignalSkews>,
     pub(super) replays: Vec<Replay>,
-}
-
-/// The parts that the recordings allow.
-pub(super) struct Fits<'p> {
-    pub(super) controller: Result<&'p SpeedControllerFit, Vec<Reason>>,
-    pub(super) feed_forward: Result<FeedForward, Vec<Reason>>,
-    /// Its delays are without the skew of T_d,calc, where the shaft shows one.
-    pub(super) torque_control: Result<TorqueControlFit, Vec<Reason>>,
-    pub(super) shaft: Result<Shaft, Vec<Reason>>,
-    /// From which recording each is, and why.
-    pub(super) choices: Vec<Choice>,
-}
-
-impl<'p> Fits<'p> {
-    pub(super) fn of(parts: &'p Parts<'_>) -> Self {
-        let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
-        let (controller, torque_control) = join(|| controllers.chosen(), || torque_controls.chosen());
-        let (feed_forward, (shaft, inertias)) = join(
-            || controllers.chosen_feed_forward(),
-            || join(|| parts.chosen_shaft(), || parts.chosen_inertias().ok()),
-        );
-        let choices = [
-            controller.ok().map(|chosen| &chosen.choice),
-            feed_forward.as_ref().ok().map(|chosen| &chosen.choice),
-            torque_control.ok().map(|chosen| &chosen.choice),
-            shaft.ok().map(|chosen| &chosen.choice),
-            inertias.as_ref().map(|chosen| &chosen.choice),
-        ];
-        let choices = choices.into_iter().flatten().cloned().collect();
-        let shaft_estimate = shaft.ok().map(|chosen| &chosen.fit.estimate);
-        let torque_skew = shaft_estimate.and_then(|estimate| estimate.parameter(Quantity::AirGapTorqueSkew));
-        let torque_skew = torque_skew.filter(|_| parts.bench.variant == BenchVariant::LoadCell);
-        let inertias = inertias.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
-        Fits {
-            choices,
-            controller: controller.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
-            feed_forward: feed_forward.map(|chosen| chosen.fit.as_ref().clone()),
-            torque_control: torque_control.map(|chosen| without_skew(&chosen.fit, torque_skew)).map_err(Clone::clone),
-            shaft: shaft.map(|chosen| Shaft { inertias, ..chosen.fit.as_ref().clone() }).map_err(Clone::clone),
-        }
-    }
-
-    /// What a model is made of; none without a shaft.
-    pub(super) fn pieces(&self) -> Option<Pieces<'_>> {
-        Some(Pieces {
-            shaft: self.shaft.as_ref().ok()?,
-            controller: self.controller.as_ref().ok().copied(),
-            feed_forward: self.feed_forward.as_ref().ok(),
-            torque_control: self.torque_control.as_ref().ok(),
-        })
-    }
-}
-
-/// The torque control on the clock of N_d. On a bench with a load cell, the shaft's estimate dates T_d,calc, which is its torque.
-fn without_skew(fit: &TorqueControlFit, torque_skew: Option<&Parameter>) -> TorqueControlFit {
-    let recorded = fit.clone();
-    match torque_skew {
-        Some(skew) => TorqueControlFit { result: recorded.result.without_skew(skew), ..recorded },
-        None => recorded,
-    }
 }
 
 /// Estimates every part the recordings allow, checks one recording by another, and replays the model.

@@ -7,6 +7,7 @@ mod demand_clock;
 mod estimates;
 mod findings;
 mod firing;
+mod fits;
 mod folded_pulses;
 mod gather;
 mod next;

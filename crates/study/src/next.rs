@@ -20,7 +20,7 @@ use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_with_progress};
 
-use crate::estimates::Fits;
+use crate::fits::Fits;
 use crate::gather::{Prepared, experiment_of};
 use crate::whole::model_of;
 use crate::{Source, StudyError};

@@ -3,8 +3,8 @@
 use rig::results::{Part, Quantity, Reason, Timing};
 use rig::{Diagnostic, Finding, Role, Severity};
 
-use crate::estimates::Fits;
 use crate::findings::Findings;
+use crate::fits::Fits;
 
 /// Strikes every part that an error concerns, and every part that rests on one of these.
 pub(super) fn strike(fits: &mut Fits<'_>, timing: &mut Result<Timing, Vec<Reason>>, findings: &mut Findings<'_>) {

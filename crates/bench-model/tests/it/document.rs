@@ -218,7 +218,8 @@ fn regress_correlations_that_contradict_each_other_are_refused() {
             covariance: (0..3).map(|i| (0..3).map(|j| entry(i, j)).collect()).collect(),
             degrees_of_freedom: 40.0,
         };
-        let assembled = AssembledModel { model: bench_a(), uncertainty: ModelUncertainty::new(&[part]).unwrap() };
+        let uncertainty = ModelUncertainty::new(&[part]).unwrap();
+        let assembled = AssembledModel { model: bench_a(), uncertainty, engine_pulses: None };
         let whole = document(1.0, 3.0);
         BenchModelDocument::from_json(
             &BenchModelDocument::new(assembled, whole.bench, whole.provenance).to_json().unwrap(),

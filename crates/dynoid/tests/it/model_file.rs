@@ -12,8 +12,9 @@ use design::safety::{BenchSpread, SafetyInputs, check};
 use export::names::Names;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
+use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use rig::facts::{BenchFacts, BenchVariant};
+use rig::facts::{BenchFacts, BenchVariant, Engine};
 use serde_json::Value;
 use toolbox_report::models::{Model, bode};
 
@@ -79,7 +80,10 @@ fn valid() -> Value {
         seed: None,
         verdict: None,
     };
-    let mut document = BenchModelDocument::new(AssembledModel { model, uncertainty }, facts, provenance);
+    let mut pulses = EnginePulses::prior(Engine { cylinders: 4, strokes: 4 }, 0.28);
+    pulses.harmonics.truncate(2);
+    let assembled = AssembledModel { model, uncertainty, engine_pulses: Some(pulses) };
+    let mut document = BenchModelDocument::new(assembled, facts, provenance);
     document.validity.dyno_speed_rad_s = Some((80.0, 260.0));
     document.validity.air_gap_torque_nm = Some((-50.0, 220.0));
     document.validity.frequency_hz = Some((0.5, 60.0));
@@ -134,7 +138,9 @@ fn use_of(document: &BenchModelDocument) {
         limits,
     };
     let spread = BenchSpread::Estimated(&document.uncertainty);
-    let _ = check(&SafetyInputs { prediction, spread, slowest_engine_control: 1.0, samples: 3, seed: 1 }, &|_, _| {});
+    let pulses = &document.engine_pulses.clone().map_or(KnownPulses::Stated, KnownPulses::Estimated);
+    let inputs = SafetyInputs { prediction, spread, pulses, slowest_engine_control: 1.0, samples: 3, seed: 1 };
+    let _ = check(&inputs, &|_, _| {});
 }
 
 /// Every number at these places takes these values; returns how many files were read.

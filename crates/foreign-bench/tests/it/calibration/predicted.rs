@@ -6,6 +6,7 @@ use capability::{CanInputs, Verdict, can};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior, SafetyCheck, SafetyInputs, check};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
+use rig::engine_pulses::KnownPulses;
 use virtual_bench::StatedBench;
 
 use super::asked::Asked;
@@ -19,6 +20,7 @@ pub(crate) struct Predictor<'a> {
     /// Limits that its bench file states.
     pub(crate) limits: Limits,
     spread: BenchSpread<'a>,
+    pulses: KnownPulses,
     model: BenchModel,
     engine: EngineParameters,
 }
@@ -27,7 +29,8 @@ impl<'a> Predictor<'a> {
     /// None where the study gives no model.
     pub(crate) fn of(known: &'a Known) -> Option<Self> {
         let assembled = known.study.model.as_ref()?;
-        let stated = StatedBench::of(&known.file, Some(&assembled.model)).unwrap();
+        let stated =
+            StatedBench::of(&known.file, Some(&assembled.model)).unwrap().with_pulses(assembled.engine_pulses.as_ref());
         let of_stated = BenchModel::of(&stated.parameters);
         let model = BenchModel {
             speed_controller: assembled.model.speed_controller.or(of_stated.speed_controller),
@@ -37,13 +40,13 @@ impl<'a> Predictor<'a> {
         // The user knows how late the air path is.
         let engine = EngineParameters { intake_lag_s: known.bench.engine.air_lag_s, ..stated.parameters.engine };
         let spread = BenchSpread::Estimated(&assembled.uncertainty);
-        Some(Predictor { limits: known.file.limits, spread, model, engine })
+        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, model, engine })
     }
 
     /// Of a bench that is known exactly, but for its speed control in torque control.
     pub(crate) fn exact(model: BenchModel, engine: EngineParameters) -> Self {
         let spread = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
-        Predictor { limits: Limits::default(), spread, model, engine }
+        Predictor { limits: Limits::default(), spread, pulses: KnownPulses::Stated, model, engine }
     }
 
     /// J_e as the program knows it, kg m².
@@ -58,6 +61,7 @@ impl<'a> Predictor<'a> {
             engine: &self.engine,
             limits,
             spread: self.spread,
+            pulses: &self.pulses,
             slowest_engine_control: ASSUMED_ENGINE,
             filter_hz: None,
             sets: &asked.sets,
@@ -81,6 +85,7 @@ impl<'a> Predictor<'a> {
                 limits,
             },
             spread: self.spread,
+            pulses: &self.pulses,
             slowest_engine_control: ASSUMED_ENGINE,
             samples: SAMPLES,
             seed,
