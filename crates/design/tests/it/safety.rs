@@ -206,7 +206,9 @@ fn exact_friction_counts_in_torque_control() {
     };
     let peak = |friction: FrictionSpread| {
         let spread = BenchSpread::Prior(EXACT);
-        let inputs = SafetyInputs { prediction, spread, slowest_engine_control: 1.0, friction, samples: 200, seed: 3 };
+        let pulses = &KnownPulses::Stated;
+        let inputs =
+            SafetyInputs { prediction, spread, pulses, slowest_engine_control: 1.0, friction, samples: 200, seed: 3 };
         let checked = check(&inputs, &|_, _| ()).unwrap();
         [0.05, 0.95].map(|share| of(&checked, Quantity::ShaftTorque).quantile(share))
     };

@@ -8,7 +8,7 @@ use bench_model::model::{
     PiController, TorqueControlModel,
 };
 use bench_model::prediction::PredictionInputs;
-use design::safety::{BenchSpread, SafetyInputs, check};
+use design::safety::{BenchSpread, FrictionSpread, SafetyInputs, check};
 use export::names::Names;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
@@ -129,17 +129,20 @@ fn use_of(document: &BenchModelDocument) {
     let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
     let engine = &BenchParameters::default().engine;
     let limits = Limits { shaft_torque_nm: Some(600.0), ..Limits::default() };
+    let friction = FrictionSpread::NONE;
     let prediction = PredictionInputs {
         plan: &plan,
         demands: &demands,
         model: &document.model,
         engine,
         firing_seed: Some(1),
+        friction: friction.middle(),
         limits,
     };
     let spread = BenchSpread::Estimated(&document.uncertainty);
     let pulses = &document.engine_pulses.clone().map_or(KnownPulses::Stated, KnownPulses::Estimated);
-    let inputs = SafetyInputs { prediction, spread, pulses, slowest_engine_control: 1.0, samples: 3, seed: 1 };
+    let inputs =
+        SafetyInputs { prediction, spread, pulses, friction, slowest_engine_control: 1.0, samples: 3, seed: 1 };
     let _ = check(&inputs, &|_, _| {});
 }
 

@@ -1,9 +1,10 @@
 //! What the program says of a test, from the study of the bench, as its commands ask.
 
+use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
 use capability::{CanInputs, Verdict, can};
-use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior, SafetyCheck, SafetyInputs, check};
+use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, SafetyCheck, SafetyInputs, check};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::engine_pulses::KnownPulses;
@@ -21,6 +22,7 @@ pub(crate) struct Predictor<'a> {
     pub(crate) limits: Limits,
     spread: BenchSpread<'a>,
     pulses: KnownPulses,
+    friction: FrictionSpread,
     model: BenchModel,
     engine: EngineParameters,
 }
@@ -40,13 +42,15 @@ impl<'a> Predictor<'a> {
         // The user knows how late the air path is.
         let engine = EngineParameters { intake_lag_s: known.bench.engine.air_lag_s, ..stated.parameters.engine };
         let spread = BenchSpread::Estimated(&assembled.uncertainty);
-        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, model, engine })
+        let friction = FrictionSpread::of(&known.file, stated.parameters.drive.torque_limit_nm);
+        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, friction, model, engine })
     }
 
     /// Of a bench that is known exactly, but for its speed control in torque control.
     pub(crate) fn exact(model: BenchModel, engine: EngineParameters) -> Self {
         let spread = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
-        Predictor { limits: Limits::default(), spread, pulses: KnownPulses::Stated, model, engine }
+        let (pulses, friction) = (KnownPulses::Stated, FrictionSpread::NONE);
+        Predictor { limits: Limits::default(), spread, pulses, friction, model, engine }
     }
 
     /// J_e as the program knows it, kg m².
@@ -62,6 +66,9 @@ impl<'a> Predictor<'a> {
             limits,
             spread: self.spread,
             pulses: &self.pulses,
+            friction: self.friction,
+            // Shares and bands are compared, also beyond the recordings' range.
+            validity: Validity::default(),
             slowest_engine_control: ASSUMED_ENGINE,
             filter_hz: None,
             sets: &asked.sets,
@@ -82,10 +89,12 @@ impl<'a> Predictor<'a> {
                 model: &self.model,
                 engine: &self.engine,
                 firing_seed: Some(seed),
+                friction: self.friction.middle(),
                 limits,
             },
             spread: self.spread,
             pulses: &self.pulses,
+            friction: self.friction,
             slowest_engine_control: ASSUMED_ENGINE,
             samples: SAMPLES,
             seed,
