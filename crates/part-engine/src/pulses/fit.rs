@@ -168,7 +168,7 @@ impl Recording {
         Recording { file: file.to_owned(), sums: weakened.collect() }
     }
 
-    /// What it tells about torques at the firing order, for the order in which recordings are joined.
+    /// How much it shows of torques at the firing order, for the order in which recordings are joined.
     pub(super) fn weight(&self, cylinders: usize) -> f64 {
         self.sums.get(cylinders - 1).map_or(0.0, |sums| (0..3).map(|i| sums.information[i][i]).sum())
     }
@@ -187,7 +187,7 @@ pub(super) struct Joined {
 }
 
 impl Joined {
-    /// Of recordings, the most telling first.
+    /// Of recordings, those that show most first.
     pub(super) fn of(recordings: &[Recording], cylinders: usize) -> Self {
         let count = recordings.first().map_or(0, |one| one.sums.len());
         let mut joined = Joined { recordings: Vec::new(), sums: vec![Sums::default(); count], each: Vec::new() };

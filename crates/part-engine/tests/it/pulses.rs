@@ -92,20 +92,24 @@ fn regress_without_a_shaft_nothing_is_shown() {
 /// different mean torques show different ones.
 #[test]
 fn stat_once_a_turn_errors_of_encoders_do_not_grow_with_the_torque() {
-    let file = default_bench();
-    let mut experiments = Vec::new();
+    let file = bench_file("1.03", "0.2256", "600 Nm", BENCH_A);
     let mut bench = BenchParameters::default();
-    for (sign, value) in [(1.0, 80.0), (-1.0, 40.0)] {
-        (bench.sensors.dyno_eccentricity, bench.sensors.engine_eccentricity) = (sign * 3e-4, sign * 4.5e-4);
-        let torque = Waveform::Constant { value };
-        let constant = ExperimentPlan { engine_torque_nm: torque, ..ExperimentPlan::ramp_n_nt(1300.0, 15.0) };
-        experiments.extend(recorded(&bench, &[ExperimentPlan::bs_t_nt(1300.0, 15.0), constant], &file));
+    (bench.mechanics.dyno_inertia_kg_m2, bench.mechanics.engine_inertia_kg_m2) = (1.03, 0.2256);
+    (bench.mechanics.shaft_stiffness_nm_per_rad, bench.mechanics.shaft_damping_nm_s_per_rad) = (4850.0, 7.5);
+    let constant = |value| ExperimentPlan {
+        engine_torque_nm: Waveform::Constant { value },
+        ..ExperimentPlan::levels_n_nt(1700.0, 10.0)
+    };
+    let mut experiments = Vec::new();
+    for (sign, plan) in [(1.0, ExperimentPlan::bs_t_nt(1700.0, 10.0)), (-1.0, constant(45.0)), (1.0, constant(65.0))] {
+        (bench.sensors.dyno_eccentricity, bench.sensors.engine_eccentricity) = (sign * 3e-4, sign * -4.5e-4);
+        experiments.extend(recorded(&bench, &[plan], &file));
     }
     let found = estimated(&experiments, &file);
-    let at = (200.0, 140.0);
+    let at = (200.0, 178.0);
     let [amplitude, error, truth] = compared(&found, &bench, 2, at);
     println!("{amplitude:.3} ± {error:.3} Nm, true {truth:.3}, {:?}", found.harmonics[1]);
-    assert!((amplitude - truth).abs() < 2.5 * error && error < 5.0, "{amplitude} ± {error}, {truth}");
+    assert!((amplitude - truth).abs() < 2.5 * error && error < 6.0, "{amplitude} ± {error}, {truth}");
 }
 
 /// Firings come at the crank's own angle. Against its mean angle, strong pulses of a light engine swing it, which would move torque from each
