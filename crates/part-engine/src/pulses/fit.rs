@@ -34,19 +34,28 @@ const OF_MECHANICS: f64 = 0.01;
 /// A harmonic is estimated where recordings leave less than this part of the variance of the class, at the mean torque and speed.
 const SHOWN: f64 = 0.1;
 
-/// Sums of a regression on the three regressors, each over the standard deviation of its part in the class.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    information: [[f64; 3]; 3],
-    along: [Complex64; 3],
+/// The regressors of a recording: those of α, β and γ, and the errors of both encoders.
+const OF_RECORDING: usize = 5;
+
+/// Sums of a regression on N regressors, each over the standard deviation of its part in the class.
+#[derive(Debug, Clone, Copy)]
+struct Sums<const N: usize = 3> {
+    information: [[f64; N]; N],
+    along: [Complex64; N],
     squares: f64,
     windows: f64,
 }
 
-impl Sums {
-    fn add(&mut self, regressors: [f64; 3], (value, variance): (Complex64, f64)) {
-        for i in 0..3 {
-            for j in 0..3 {
+impl<const N: usize> Default for Sums<N> {
+    fn default() -> Self {
+        Sums { information: [[0.0; N]; N], along: [Complex64::default(); N], squares: 0.0, windows: 0.0 }
+    }
+}
+
+impl<const N: usize> Sums<N> {
+    fn add(&mut self, regressors: [f64; N], (value, variance): (Complex64, f64)) {
+        for i in 0..N {
+            for j in 0..N {
                 self.information[i][j] += regressors[i] * regressors[j] / variance;
             }
             self.along[i] += value * (regressors[i] / variance);
@@ -56,7 +65,7 @@ impl Sums {
     }
 
     /// These and others that are turned by an angle.
-    fn plus(&self, other: &Sums, turned_rad: f64) -> Sums {
+    fn plus(&self, other: &Self, turned_rad: f64) -> Self {
         let turn = Complex64::cis(-turned_rad);
         Sums {
             information: std::array::from_fn(|i| {
@@ -69,7 +78,7 @@ impl Sums {
     }
 
     /// With variances that are `times` as large.
-    fn weakened(&self, times: f64) -> Sums {
+    fn weakened(&self, times: f64) -> Self {
         Sums {
             information: self.information.map(|row| row.map(|one| one / times)),
             along: self.along.map(|one| one / times),
@@ -79,9 +88,9 @@ impl Sums {
     }
 
     /// The covariance of real and imaginary parts, with the class's of one.
-    fn covariance(&self) -> [[f64; 3]; 3] {
+    fn covariance(&self) -> [[f64; N]; N] {
         let own = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-        let precision = Mat::from_fn(3, 3, |i, j| self.information[i][j] + own(i, j));
+        let precision = Mat::from_fn(N, N, |i, j| self.information[i][j] + own(i, j));
         match Cholesky::new(precision.as_ref()) {
             Ok(factor) => {
                 let inverse = factor.inverse();
@@ -91,17 +100,41 @@ impl Sums {
         }
     }
 
-    fn solution(&self) -> [Complex64; 3] {
+    fn solution(&self) -> [Complex64; N] {
         let covariance = self.covariance();
-        std::array::from_fn(|i| (0..3).map(|j| self.along[j] * covariance[i][j]).sum())
+        std::array::from_fn(|i| (0..N).map(|j| self.along[j] * covariance[i][j]).sum())
     }
 
     /// How many times larger than stated the scatter about the regression is; at least once.
     fn scatter(&self) -> f64 {
         let solution = self.solution();
-        let explained: f64 = (0..3).map(|i| (self.along[i].conj() * solution[i]).re).sum();
-        let freedom = 2.0 * (self.windows - 3.0);
+        let explained: f64 = (0..N).map(|i| (self.along[i].conj() * solution[i]).re).sum();
+        let freedom = 2.0 * (self.windows - N as f64);
         if freedom > 0.0 { ((self.squares - explained) / freedom).max(1.0) } else { f64::INFINITY }
+    }
+}
+
+impl Sums<OF_RECORDING> {
+    /// What they say of α, β and γ, the errors of the encoders being anything that is probable: the Schur complement.
+    fn of_engine(&self) -> Sums {
+        let (of_engine, of_encoders) = ([0, 1, 2], [3, 4]);
+        let alone = Sums::<2> {
+            information: of_encoders.map(|i| of_encoders.map(|j| self.information[i][j])),
+            along: of_encoders.map(|i| self.along[i]),
+            squares: 0.0,
+            windows: 0.0,
+        };
+        let (errors, covariance) = (alone.solution(), alone.covariance());
+        let with = |i: usize, k: usize| self.information[i][of_encoders[k]];
+        let shared = |i: usize, j: usize| {
+            (0..4).map(|k| with(i, k / 2) * covariance[k / 2][k % 2] * with(j, k % 2)).sum::<f64>()
+        };
+        Sums {
+            information: of_engine.map(|i| of_engine.map(|j| self.information[i][j] - shared(i, j))),
+            along: of_engine.map(|i| self.along[i] - errors[0] * with(i, 0) - errors[1] * with(i, 1)),
+            squares: self.squares - (0..2).map(|k| (alone.along[k].conj() * errors[k]).re).sum::<f64>(),
+            windows: self.windows,
+        }
     }
 }
 
@@ -119,21 +152,23 @@ pub(super) fn scales(prior: &EnginePulses) -> Vec<[f64; 3]> {
 impl Recording {
     /// `windows` have a value for each of the first harmonics or none.
     pub(super) fn of(file: &str, windows: &[Seen], places: &[usize], scales: &[[f64; 3]]) -> Self {
-        let mut sums = vec![Sums::default(); scales.len()];
+        let mut sums = vec![Sums::<OF_RECORDING>::default(); scales.len()];
         for window in windows {
             for (place, wave) in places.iter().zip(&window.waves) {
                 let Some(wave) = wave else { continue };
-                sums[*place].add(regressors(&scales[*place], window.torque_nm, window.speed_rad_s), *wave);
+                let [of_none, of_torque, of_speed] = regressors(&scales[*place], window.torque_nm, window.speed_rad_s);
+                let [engine, dyno] = wave.of_encoders_nm.map(|one| one / SQRT_2);
+                sums[*place].add([of_none, of_torque, of_speed, engine, dyno], (wave.torque_nm, wave.variance));
             }
         }
         let weakened = sums.iter().map(|sums| match sums.scatter() {
-            scatter if scatter.is_finite() => sums.weakened(OVERLAP * scatter),
+            scatter if scatter.is_finite() => sums.weakened(OVERLAP * scatter).of_engine(),
             _ => Sums::default(),
         });
         Recording { file: file.to_owned(), sums: weakened.collect() }
     }
 
-    /// What it tells about torques at the firing order, for the order in which recordings are joined.
+    /// How much it shows of torques at the firing order, for the order in which recordings are joined.
     pub(super) fn weight(&self, cylinders: usize) -> f64 {
         self.sums.get(cylinders - 1).map_or(0.0, |sums| (0..3).map(|i| sums.information[i][i]).sum())
     }
@@ -152,7 +187,7 @@ pub(super) struct Joined {
 }
 
 impl Joined {
-    /// Of recordings, the most telling first.
+    /// Of recordings, those that show most first.
     pub(super) fn of(recordings: &[Recording], cylinders: usize) -> Self {
         let count = recordings.first().map_or(0, |one| one.sums.len());
         let mut joined = Joined { recordings: Vec::new(), sums: vec![Sums::default(); count], each: Vec::new() };
@@ -196,13 +231,22 @@ impl Joined {
         (evidence(best) > CLEAR.0).then(|| (best, evidence(best) - next > CLEAR.1))
     }
 
-    /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the recordings.
-    pub(super) fn pulses(&self, prior: &EnginePulses, values: &Values, at: (f64, f64)) -> Vec<PulseHarmonic> {
+    /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the recordings, whose
+    /// mean torque is uncertain by `friction_nm`, the root of its mean square.
+    pub(super) fn pulses(
+        &self,
+        prior: &EnginePulses,
+        (values, friction_nm): (&Values, f64),
+        at: (f64, f64),
+    ) -> Vec<PulseHarmonic> {
         let scales = scales(prior);
         let found = |place: usize| {
             let (of_class, scale) = (&prior.harmonics[place], &scales[place]);
             let (solution, covariance) = (self.sums[place].solution(), self.covariance(place));
-            let doubt = doubts(of_class.order, values);
+            let [of_none, of_torque, of_speed] = doubts(of_class.order, values);
+            // A torque that is T + f has β f in its α.
+            let of_friction = scale[1] * solution[1].norm() * friction_nm;
+            let doubt = [of_none.hypot(of_friction), of_torque, of_speed];
             let entry = |i: usize, j: usize| {
                 let of_mechanics = OF_MECHANICS * OF_MECHANICS * (solution[i] * solution[j].conj()).re;
                 scale[i] * scale[j] * (covariance[i][j] + of_mechanics) + if i == j { doubt[i].powi(2) } else { 0.0 }

@@ -27,6 +27,9 @@ use windows::{Record, Seen, firings_counted};
 const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
+/// The most friction that a dynamometer's bearings have, over its torque limit: at rest, and for each rad/s. The mean torque of the engine is
+/// known without it.
+const MOST_FRICTION: (f64, f64) = (4e-3, 5e-5);
 
 /// The pulses that the recordings show.
 ///
@@ -57,7 +60,9 @@ pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
     let joined = Joined::of(&recordings, cylinders);
     let mean = |of: fn(&Seen) -> f64| windows.iter().map(of).sum::<f64>() / windows.len().max(1) as f64;
     let at = (mean(|seen| seen.torque_nm), mean(|seen| seen.speed_rad_s));
-    let harmonics = joined.pulses(&prior, &values, at);
+    let most_nm = windows.iter().map(|seen| seen.torque_nm.abs()).fold(0.0, f64::max);
+    let friction_nm = parts.bench.limits.torque_nm.unwrap_or(most_nm) * friction(at.1);
+    let harmonics = joined.pulses(&prior, (&values, friction_nm), at);
     if !harmonics.get(cylinders - 1).is_some_and(|firing| firing.is_estimated) {
         return Err(reasons);
     }
@@ -65,6 +70,13 @@ pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
     let cycle_variation =
         variation(&windows, cylinders - 1, &harmonics[cylinders - 1]).unwrap_or(prior.cycle_variation);
     Ok(EnginePulses { cycle_variation, recordings: joined.recordings, harmonics, ..prior })
+}
+
+/// Root mean square of a dynamometer's friction at a speed, over its torque limit. Nothing of it is known but that each part is below its most,
+/// so it is as probable anywhere below.
+fn friction(speed_rad_s: f64) -> f64 {
+    let [dry, viscous] = [MOST_FRICTION.0, MOST_FRICTION.1 * speed_rad_s];
+    ((dry * dry + viscous * viscous) / 3.0 + 0.5 * dry * viscous).sqrt()
 }
 
 /// Places of the harmonics that are looked for.
@@ -104,7 +116,7 @@ fn every(signal: &Signal, step: usize) -> Option<Signal> {
 /// noise had no part of it. A window averages its firings.
 fn variation(windows: &[Seen], place: usize, firing: &PulseHarmonic) -> Option<f64> {
     let off = |seen: &Seen| {
-        let (wave, _) = (*seen.waves.get(place)?)?;
+        let wave = (*seen.waves.get(place)?)?.torque_nm;
         let expected_nm = firing.value.at(seen.torque_nm, seen.speed_rad_s).norm();
         Some((wave.norm() / expected_nm - 1.0).abs()).filter(|off| off.is_finite())
     };

@@ -27,6 +27,8 @@ const DRIFT: usize = 3;
 const INSEPARABLE: f64 = 10.0;
 /// Speeds below this are those of an engine at rest, rad/s.
 const AT_REST_RAD_S: f64 = 10.0;
+/// Orders that differ by less are the same.
+const SAME_ORDER: f64 = 1e-6;
 /// The error of an encoder at an order, of the speed: a disc that runs out by some hundredths of a millimetre.
 pub(super) fn encoder_error(order: f64) -> f64 {
     match order {
@@ -51,9 +53,20 @@ pub(super) struct Seen {
     pub(super) torque_nm: f64,
     /// Mean speed, rad/s.
     pub(super) speed_rad_s: f64,
-    /// At each harmonic that is separated: the torque's complex amplitude in the angle of the engine's crank, Nm, and the variance of its
-    /// real part, which that of the imaginary part equals.
-    pub(super) waves: Vec<Option<(Complex64, f64)>>,
+    /// At each harmonic that is separated.
+    pub(super) waves: Vec<Option<Wave>>,
+}
+
+/// The torque of a harmonic in a window.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wave {
+    /// Complex amplitude in the angle of the engine's crank, Nm.
+    pub(super) torque_nm: Complex64,
+    /// Variance of its real part, which that of the imaginary part equals.
+    pub(super) variance: f64,
+    /// What it has of the errors of both encoders, [`encoder_error`] of each being 1, the engine's first, Nm. Angles of these errors are
+    /// anywhere, so a quarter turn of both is left out, and what the damping turns them.
+    pub(super) of_encoders_nm: [f64; 2],
 }
 
 /// Signals of a recording, each with the time by which its values are late.
@@ -83,13 +96,20 @@ impl Record<'_> {
         let engine = window.waves(self.engine_speed, orders)?;
         // A T_d of too few samples shows nothing at these orders.
         let torque = window.waves(self.torque, orders).unwrap_or_else(|| vec![None; orders.len()]);
+        // The engine's crank is ahead of the dynamometer's by the twist.
+        let ahead = |k: usize| Complex64::cis(-orders[k] * twist_rad);
         let wave = |k: usize| {
             let of = [engine[k]?, dyno[k]?, torque[k].unwrap_or((Complex64::default(), f64::INFINITY))];
-            let (sum, variance) = self.torque_of(of, (orders[k], speed_rad_s), values);
-            // The engine's crank is ahead of the dynamometer's by the twist.
-            Some((sum * Complex64::cis(-orders[k] * twist_rad), variance))
+            let wave = self.torque_of(of, (orders[k], speed_rad_s), values);
+            Some(Wave { torque_nm: wave.torque_nm * ahead(k), ..wave })
         };
-        Some(Seen { torque_nm, speed_rad_s, waves: (0..orders.len()).map(wave).collect() })
+        let swing = |k: usize| {
+            let omega = orders[k] * speed_rad_s;
+            engine[k].map(|(speed, _)| ahead(k) * speed / Complex64::new(0.0, omega * mean_over(omega * self.gate_s)))
+        };
+        let waves: Vec<Option<Wave>> = (0..orders.len()).map(wave).collect();
+        let swings_rad: Vec<Option<Complex64>> = (0..orders.len()).map(swing).collect();
+        Some(Seen { torque_nm, speed_rad_s, waves: in_own_angle(&waves, &swings_rad, orders) })
     }
 
     /// T_e of the amplitudes of ω_e, ω_d and T_d, T_shaft by both ways as their variances weigh them. An error of the encoders, which
@@ -99,7 +119,7 @@ impl Record<'_> {
         [engine, dyno, torque]: [(Complex64, f64); 3],
         (order, speed_rad_s): (f64, f64),
         v: &Values,
-    ) -> (Complex64, f64) {
+    ) -> Wave {
         let omega = order * speed_rad_s;
         let read = mean_over(omega * self.gate_s);
         let jw = Complex64::new(0.0, omega);
@@ -114,9 +134,16 @@ impl Record<'_> {
             ((jw * v.dyno_inertia * (1.0 - share) - spring * share) / read, dyno),
             (Complex64::new(1.0 - share, 0.0), torque),
         ];
-        let sum = parts.iter().map(|(weight, (value, _))| weight * value).sum();
         let known = parts.iter().filter(|(weight, _)| weight.norm_sqr() > 0.0);
-        (sum, known.map(|(weight, (_, variance))| weight.norm_sqr() * variance).sum())
+        let of_spring = share * v.stiffness / omega;
+        Wave {
+            torque_nm: parts.iter().map(|(weight, (value, _))| weight * value).sum(),
+            variance: known.map(|(weight, (_, variance))| weight.norm_sqr() * variance).sum(),
+            of_encoders_nm: [
+                of_encoder * (omega * v.engine_inertia - of_spring),
+                of_encoder * (omega * v.dyno_inertia * (1.0 - share) + of_spring),
+            ],
+        }
     }
 
     /// Mean speed and torque of the engine, and the mean twist of the shaft.
@@ -143,6 +170,27 @@ impl Record<'_> {
             twist_rad: shaft_nm / v.stiffness,
         })
     }
+}
+
+/// Amplitudes in the angle of the engine's own crank, which the pulses swing by φ against the mean angle that they are given in: to the
+/// first order A_m = C_m − i Σ_k o_k C_k φ_{m−k}, both being two-sided. It is A_m = 1/2π ∮ T e^{−io_mθ} dθ with θ the mean angle + φ.
+fn in_own_angle(waves: &[Option<Wave>], swings_rad: &[Option<Complex64>], orders: &[f64]) -> Vec<Option<Wave>> {
+    let both = || (0..orders.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]);
+    let side = |value: Complex64, sign: f64| if sign > 0.0 { 0.5 * value } else { 0.5 * value.conj() };
+    let moved = |m: usize| {
+        let wave = waves[m]?;
+        let mut sum = Complex64::default();
+        for ((k, of_wave), (n, of_swing)) in both().flat_map(|one| both().map(move |other| (one, other))) {
+            let order = of_wave * orders[k] + of_swing * orders[n];
+            if (order - orders[m]).abs() < SAME_ORDER
+                && let (Some(at), Some(swing)) = (waves[k], swings_rad[n])
+            {
+                sum += of_wave * orders[k] * side(at.torque_nm, of_wave) * side(swing, of_swing);
+            }
+        }
+        Some(Wave { torque_nm: wave.torque_nm - Complex64::new(0.0, 2.0) * sum, ..wave })
+    };
+    (0..orders.len()).map(moved).collect()
 }
 
 struct Moments {

@@ -6,7 +6,7 @@ use part_engine::engine_pulses;
 use part_shaft::Parts;
 use rig::bench_parameters::{BenchParameters, CycleHarmonic};
 use rig::engine_pulses::EnginePulses;
-use rig::experiment::ExperimentPlan;
+use rig::experiment::{ExperimentPlan, Waveform};
 use rig::{BenchFile, Experiment, prepare};
 use virtual_bench::{Numerics, simulate_hidden};
 
@@ -51,10 +51,11 @@ fn stat_pulses_of_unequal_cylinders_are_found_with_their_uncertainty() {
     for m in [1, 2, 3, 4, 5, 6, 7, 8, 12] {
         let [amplitude, error, truth] = compared(&found, &bench, m, (60.0, 136.0));
         println!("{m}: {amplitude:.3} ± {error:.3} Nm, true {truth:.3}");
-        // J_e is known to 2 %, and what the mean torque has of friction is part of it.
-        assert!((amplitude - truth).abs() < 3.0 * error + 0.03 * truth, "{m}: {amplitude} ± {error}, {truth}");
+        assert!((amplitude - truth).abs() < 3.0 * error, "{m}: {amplitude} ± {error}, {truth}");
+        // The bench has no friction, which is most of the error of the multiples of the firing order. J_e is known to 2 %.
+        assert!(!m.is_multiple_of(4) || (amplitude / truth - 1.0).abs() < 0.03, "{m}: {amplitude}, {truth}");
     }
-    assert!(found.harmonics[3].is_estimated && found.harmonics[3].standard_error_nm(60.0, 136.0) < 5.0);
+    assert!(found.harmonics[3].is_estimated && found.harmonics[3].standard_error_nm(60.0, 136.0) < 6.0);
 }
 
 /// Compression without load, gas torque with it, and reciprocating masses, by the torques and speeds of the recordings.
@@ -76,7 +77,7 @@ fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
     for at in [(40.0, 130.0), (80.0, 130.0), (60.0, 200.0), (60.0, 310.0)] {
         let [amplitude, error, truth] = compared(&found, &bench, 4, at);
         println!("{at:?}: {amplitude:.2} ± {error:.2} Nm, true {truth:.2}");
-        assert!((amplitude - truth).abs() < 3.0 * error + 0.03 * truth, "{at:?}: {amplitude} ± {error}, {truth}");
+        assert!((amplitude / truth - 1.0).abs() < 0.03, "{at:?}: {amplitude} ± {error}, {truth}");
     }
 }
 
@@ -85,4 +86,45 @@ fn regress_without_a_shaft_nothing_is_shown() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
     let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::no_shaft_n_nt(1200.0, 4.0)], &bench);
     assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench)).is_err());
+}
+
+/// A disc that runs out gives order 1 a torque in which the mean torque has no part. Recordings begin at any angle of it, so that two with
+/// different mean torques show different ones.
+#[test]
+fn stat_once_a_turn_errors_of_encoders_do_not_grow_with_the_torque() {
+    let file = bench_file("1.03", "0.2256", "600 Nm", BENCH_A);
+    let mut bench = BenchParameters::default();
+    (bench.mechanics.dyno_inertia_kg_m2, bench.mechanics.engine_inertia_kg_m2) = (1.03, 0.2256);
+    (bench.mechanics.shaft_stiffness_nm_per_rad, bench.mechanics.shaft_damping_nm_s_per_rad) = (4850.0, 7.5);
+    let constant = |value| ExperimentPlan {
+        engine_torque_nm: Waveform::Constant { value },
+        ..ExperimentPlan::levels_n_nt(1700.0, 10.0)
+    };
+    let mut experiments = Vec::new();
+    for (sign, plan) in [(1.0, ExperimentPlan::bs_t_nt(1700.0, 10.0)), (-1.0, constant(45.0)), (1.0, constant(65.0))] {
+        (bench.sensors.dyno_eccentricity, bench.sensors.engine_eccentricity) = (sign * 3e-4, sign * -4.5e-4);
+        experiments.extend(recorded(&bench, &[plan], &file));
+    }
+    let found = estimated(&experiments, &file);
+    let at = (200.0, 178.0);
+    let [amplitude, error, truth] = compared(&found, &bench, 2, at);
+    println!("{amplitude:.3} ± {error:.3} Nm, true {truth:.3}, {:?}", found.harmonics[1]);
+    assert!((amplitude - truth).abs() < 2.5 * error && error < 6.0, "{amplitude} ± {error}, {truth}");
+}
+
+/// Firings come at the crank's own angle. Against its mean angle, strong pulses of a light engine swing it, which would move torque from each
+/// harmonic to others.
+#[test]
+fn stat_harmonics_are_those_of_the_angle_that_the_pulses_swing() {
+    let mut bench = BenchParameters::default();
+    bench.engine.cycle_variation = 0.0;
+    bench.engine.firing_harmonics.iter_mut().for_each(|harmonic| harmonic.relative_amplitude *= 1.5);
+    let plans = [ExperimentPlan::bs_t_nt(900.0, 15.0), ExperimentPlan::ramp_n_nt(1000.0, 15.0)];
+    let file = default_bench();
+    let found = estimated(&recorded(&bench, &plans, &file), &file);
+    for m in [4, 8, 12] {
+        let [amplitude, error, truth] = compared(&found, &bench, m, (60.0, 100.0));
+        println!("{m}: {amplitude:.3} ± {error:.3} Nm, true {truth:.3}");
+        assert!((amplitude / truth - 1.0).abs() < 0.02, "{m}: {amplitude} ± {error}, {truth}");
+    }
 }
