@@ -167,7 +167,8 @@ fn regress_sizes_that_no_bench_has_are_refused() {
         read(&changed).unwrap_err().to_string()
     };
     let row = |entries: [f64; 2]| format!("[\n          {:?},\n          {:?}\n        ]", entries[0], entries[1]);
-    let (first, second) = (row([36.0, 0.6]), row([0.6, 0.25]));
+    let correlated = 0.1 * 36.0_f64.sqrt();
+    let (first, second) = (row([36.0, correlated]), row([correlated, 0.25]));
     for (pairs, expected) in [
         (
             &[("\"dyno_inertia_kg_m2\": 0.6", "\"dyno_inertia_kg_m2\": 1e-300")][..],
