@@ -1,8 +1,8 @@
 //! The firing pulses of the engine, of all recordings with a shaft together: how strong each harmonic of the working cycle is, over mean torque
 //! and speed, with its covariance.
 //!
-//! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. What a friction of the bearings takes
-//! at the mean speed counts as torque of the engine, as everywhere in this crate.
+//! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. The mean
+//! torque of the engine is T_d + (J_d + J_e) dω/dt: it lacks the friction of the dynamometer's bearings, whose size counts as its error.
 
 mod fit;
 mod windows;
