@@ -94,9 +94,17 @@ impl Names {
     }
 }
 
+/// What parsers of XML and of programs refuse: control characters, and what is no character.
+///
+/// # Source
+/// Extensible Markup Language (XML) 1.0, 5th ed., production 2.
+pub(crate) fn is_refused(c: char) -> bool {
+    c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c)
+}
+
 /// A text in one line, without control characters: for comments and strings of programs.
 pub(crate) fn one_line(text: &str) -> String {
-    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    let words = text.split(|c: char| c.is_whitespace() || is_refused(c)).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join(" ")
 }
 

@@ -1,4 +1,4 @@
-//! Where a simulation starts unless it is told otherwise: where the model is valid.
+//! Where a simulation starts unless its user states another point: where the model is valid.
 
 use bench_model::document::Validity;
 

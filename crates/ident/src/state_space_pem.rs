@@ -124,7 +124,7 @@ impl StateSpacePem {
             search = from_there.near_the_end();
         }
         let mut termination = search.run(self.iteration_limit)?;
-        if let Some(other) = self.from_equation_error(data, &search, estimated) {
+        if let Some(other) = self.again_from_equation_error(data, &search, estimated) {
             (search, termination) = other;
         }
         let (iterations, initial_states, model) = search.into_parts();
@@ -142,7 +142,7 @@ impl StateSpacePem {
 
     /// The search from the ARX model of the same order, which least squares find whatever the data, where it leads lower: that
     /// model is one of those that are searched, so that a search which ends above it went astray.
-    fn from_equation_error<'a>(
+    fn again_from_equation_error<'a>(
         &self,
         data: &'a Dataset,
         found: &Search<'a, StateSpaceModel>,

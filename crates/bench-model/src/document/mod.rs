@@ -9,6 +9,7 @@ mod described;
 mod error;
 mod json;
 mod provenance;
+mod read;
 mod validity;
 
 use rig::engine_pulses::EnginePulses;
@@ -122,25 +123,6 @@ impl BenchModelDocument {
     /// [`DocumentError::Unwritable`] where a number or text cannot be written as JSON.
     pub fn to_json(&self) -> Result<String, DocumentError> {
         serde_json::to_string_pretty(self).map_err(|error| DocumentError::Unwritable { reason: error.to_string() })
-    }
-
-    /// The document that a text holds.
-    ///
-    /// # Errors
-    /// Text of another kind or of a later version; a model that no bench can have, or contradictions in it.
-    pub fn from_json(text: &str) -> Result<Self, DocumentError> {
-        let content = |fault: JsonFault| DocumentError::Content { fault };
-        // First of all what it is: a later version may have another layout.
-        let header: Header = from_json(text).map_err(content)?;
-        if !Self::is_format(&header.format) {
-            return Err(DocumentError::Format { found: header.format });
-        }
-        if header.version == 0 || header.version > VERSION {
-            return Err(DocumentError::Version { found: header.version, known: VERSION });
-        }
-        let document: BenchModelDocument = from_json(text).map_err(content)?;
-        check::all(&document)?;
-        Ok(document)
     }
 
     /// Every estimated number of the model with symbol, unit and standard error.

@@ -6,9 +6,9 @@ use numerics::vector::sum_of_squares;
 use super::channel::ContinuousChannel;
 use super::model::ContinuousModel;
 use super::output_error::{Nuisance, OutputError};
-use super::profile::{self, Ends, Shown};
 use super::record::{Record, liveliest};
 use crate::colour::{Colour, Sandwich};
+use crate::distributions::student_t_quantile;
 use crate::nonlinear::lowest_point;
 use crate::structure_error::StructureError;
 use crate::{
@@ -24,11 +24,11 @@ const LONG: usize = 5 * COMPARED;
 /// Best of the starting models after a few steps that short data are searched from to the end.
 const POLISHED: usize = 3;
 
-/// Rounds in which a profile may lead to a better estimate.
-const PROFILES: usize = 4;
-
 /// Steps each starting model gets before the best is kept.
 const TRIAL_STEPS: usize = 15;
+
+/// Confidence of the intervals by profiles.
+const LEVEL: f64 = 0.95;
 
 /// Condition numbers above this are doubted.
 const ILL_CONDITIONED: f64 = 1e7;
@@ -65,6 +65,34 @@ pub(crate) struct OutputFit<C> {
     pub(crate) ends: Vec<Ends>,
     /// Whether the errors are smallest here; otherwise the estimate is of another kind.
     pub(crate) is_searched: bool,
+}
+
+/// The values of one parameter that the errors do not refute.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ends {
+    /// Index of the parameter.
+    pub(crate) parameter: usize,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+}
+
+impl Ends {
+    /// How far the further end is from the estimate, over what the covariance has.
+    pub(crate) fn over_covariance<C: ContinuousChannel>(&self, part: &OutputFit<C>) -> f64 {
+        let (below, above) = self.about(part);
+        below.max(above) / (quantile(part) * part.covariance[(self.parameter, self.parameter)].sqrt())
+    }
+
+    /// How far the ends are below and above the estimate.
+    pub(crate) fn about<C: ContinuousChannel>(&self, part: &OutputFit<C>) -> (f64, f64) {
+        let value = part.minimum.parameters[self.parameter];
+        (value - self.low, self.high - value)
+    }
+}
+
+/// That of Student's t which intervals of this confidence take.
+pub(crate) fn quantile<C: ContinuousChannel>(part: &OutputFit<C>) -> f64 {
+    student_t_quantile(0.5 + 0.5 * LEVEL, part.degrees_of_freedom)
 }
 
 /// What the estimates of all outputs come to.
@@ -133,7 +161,7 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
         let least = found.as_ref().map_or(f64::INFINITY, |minimum| minimum.cost);
         // The start that is best after a few steps need not lead lowest.
         let is_better = problem.evaluate(theta, &mut residuals, None).is_ok() && sum_of_squares(&residuals) < least;
-        if !is_better && !(is_short && place < POLISHED) {
+        if !(is_better || is_short && place < POLISHED) {
             continue;
         }
         match minimum_from(&mut problem, theta, bounds, settings) {
@@ -166,25 +194,6 @@ fn minimum_from<C: ContinuousChannel>(
     let stay = NonlinearOptions { iteration_limit: 0, ..settings.search };
     let minimum = minimise(problem, &clamped(&apart, bounds), bounds, stay)?;
     Ok(Minimum { termination: Termination::SmallDecrease, ..minimum })
-}
-
-/// The estimate with the ends of its delays by their profiles, at the better minimum that these may lead to.
-pub(crate) fn profiled<C: ContinuousChannel>(
-    data: &Dataset,
-    records: &[Record<'_>],
-    mut found: OutputFit<C>,
-    settings: Settings,
-) -> Result<OutputFit<C>, IdentError> {
-    for _ in 0..PROFILES {
-        match profile::ends(data, records, &found, settings) {
-            Shown::Ends(ends) => return Ok(OutputFit { ends, ..found }),
-            Shown::Better(theta) => {
-                let start = found.model.with_parameters(&theta)?;
-                found = fit_output(data, records, &[start], &found.bounds, settings)?;
-            }
-        }
-    }
-    Ok(found)
 }
 
 /// Where a search in long data begins: at the minimum of their liveliest part, from which few steps are left.

@@ -10,7 +10,7 @@ mod joint;
 mod model;
 pub(crate) mod output_error;
 pub(crate) mod past;
-pub(crate) mod profile;
+mod profile;
 mod projection;
 pub(crate) mod record;
 mod sampled;
@@ -212,7 +212,7 @@ impl ContinuousTransferFunction {
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
         let found = self.fit_one(data, (output, beginning), Some(start))?;
         let ground = Ground::new(data, self.at_rest)?;
-        estimate::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings())
+        profile::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings())
     }
 
     /// [`Self::fit`] from what was found for each output.

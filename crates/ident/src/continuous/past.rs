@@ -5,7 +5,8 @@
 //! Outputs can refute that; then those rows are left out, for all delays alike.
 
 use super::channel::ContinuousChannel;
-use super::estimate::{OutputFit, Settings, fit_output, profiled};
+use super::estimate::{OutputFit, Settings, fit_output};
+use super::profile::profiled;
 use super::record::{Beginning, Record, records};
 use crate::band_limited::Ground;
 use crate::colour::Colour;

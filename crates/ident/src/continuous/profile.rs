@@ -9,13 +9,9 @@
 //! profile-likelihood-based confidence intervals*, Appl. Statist. 37, 1988.
 
 use super::channel::ContinuousChannel;
-use super::estimate::{OutputFit, Settings, errors};
+use super::estimate::{Ends, OutputFit, Settings, errors, fit_output, quantile};
 use super::record::Record;
-use crate::distributions::student_t_quantile;
-use crate::{Bounds, Dataset, NonlinearOptions, minimise};
-
-/// Confidence of the intervals.
-pub(crate) const LEVEL: f64 = 0.95;
+use crate::{Bounds, Dataset, IdentError, NonlinearOptions, Parametric, minimise};
 
 /// Steps of a search with a parameter held, and the part of the cost below which its fall is over.
 const STEPS: usize = 40;
@@ -36,39 +32,14 @@ const BETWEEN: usize = 12;
 const LONG: usize = 100_000;
 const LONG_WITHOUT_DELAY: usize = 5_000;
 
+/// Rounds in which a profile may lead to a better estimate.
+const PROFILES: usize = 4;
+
 /// A profile that lies this much lower than the estimate has found a better one, as a part of what an interval allows.
 const BETTER: f64 = 0.01;
 
-/// The values of one parameter that the errors do not refute.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ends {
-    /// Index of the parameter.
-    pub(crate) parameter: usize,
-    pub(crate) low: f64,
-    pub(crate) high: f64,
-}
-
-impl Ends {
-    /// How far the further end is from the estimate, over what the covariance has.
-    pub(crate) fn over_covariance<C: ContinuousChannel>(&self, part: &OutputFit<C>) -> f64 {
-        let (below, above) = self.about(part);
-        below.max(above) / (quantile(part) * part.covariance[(self.parameter, self.parameter)].sqrt())
-    }
-
-    /// How far the ends are below and above the estimate.
-    pub(crate) fn about<C: ContinuousChannel>(&self, part: &OutputFit<C>) -> (f64, f64) {
-        let value = part.minimum.parameters[self.parameter];
-        (value - self.low, self.high - value)
-    }
-}
-
-/// That of Student's t which intervals of this confidence take.
-pub(crate) fn quantile<C: ContinuousChannel>(part: &OutputFit<C>) -> f64 {
-    student_t_quantile(0.5 + 0.5 * LEVEL, part.degrees_of_freedom)
-}
-
 /// What a profile shows.
-pub(crate) enum Shown {
+enum Shown {
     Ends(Vec<Ends>),
     /// Parameters with smaller errors than those of the estimate.
     Better(Vec<f64>),
@@ -89,8 +60,27 @@ struct Profile<'a, C> {
     better: f64,
 }
 
+/// The estimate with the ends of its delays by their profiles, at the better minimum that these may lead to.
+pub(crate) fn profiled<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    mut found: OutputFit<C>,
+    settings: Settings,
+) -> Result<OutputFit<C>, IdentError> {
+    for _ in 0..PROFILES {
+        match ends(data, records, &found, settings) {
+            Shown::Ends(ends) => return Ok(OutputFit { ends, ..found }),
+            Shown::Better(theta) => {
+                let start = found.model.with_parameters(&theta)?;
+                found = fit_output(data, records, &[start], &found.bounds, settings)?;
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// The ends of every delay that was searched and does not rest on a bound, and of what else the channels want profiles of.
-pub(crate) fn ends<C: ContinuousChannel>(
+fn ends<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
     found: &OutputFit<C>,

@@ -10,7 +10,7 @@ use crate::wording;
 /// The section on findings.
 pub(crate) fn section(study: &Study) -> Blocks {
     if study.diagnostics.is_empty() {
-        return Block::paragraph("The checks of the recordings and of the bench file found nothing. How well each result is known stands with the result.").into();
+        return Block::paragraph("The checks of the recordings and of the bench file found nothing. Each result states how well it is known.").into();
     }
     [Severity::Error, Severity::Warning, Severity::Note].into_iter().map(|severity| group(study, severity)).collect()
 }

@@ -13,12 +13,10 @@ use page::{Align, Block, Page, Table, Tone};
 use serde_json::{Value, json};
 
 use crate::blocks::{finding, line};
+use level::DATED;
 use level::LEVEL;
 use modelled::Modelled;
 use others::Others;
-
-/// A time stamp is trusted to this part of the clock either way.
-const DATED: f64 = 1.0 / 20.0;
 
 /// More data are read for intervals that could become shorter by this part.
 const WORTHWHILE: f64 = 0.2;

@@ -11,8 +11,7 @@ use page::decimal::{digits, range, significant};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
 use serde_json::{Value, json};
 
-use super::DATED;
-use super::level::LEVEL;
+use super::level::{DATED, LEVEL};
 use crate::blocks::name;
 use crate::figures::figure;
 

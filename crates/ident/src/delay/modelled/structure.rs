@@ -5,8 +5,7 @@ use faer::Mat;
 use super::model::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use super::ripple::Ripple;
 use crate::band_limited::Ground;
-use crate::continuous::estimate::OutputFit;
-use crate::continuous::profile;
+use crate::continuous::estimate::{OutputFit, quantile};
 use crate::continuous::record::Beginning;
 use crate::continuous::{ContinuousTransferFunction, RationalChannel, TransferFunctionModel};
 use crate::delay::DelayEstimate;
@@ -150,7 +149,7 @@ impl Structure<'_> {
         };
         let reach = student_t_quantile(0.5 + 0.5 * self.options.level, found.degrees_of_freedom);
         // Profiles are taken at one level, and stretched to others.
-        let stretch = reach / profile::quantile(found);
+        let stretch = reach / quantile(found);
         for (input, at) in first.iter().take(inputs).map(|first| first + width).enumerate() {
             let samples_of = |seconds: f64| seconds / clean.sample_time_s();
             let samples = samples_of(minimum.parameters[at]) - LEAD as f64;
