@@ -11,7 +11,7 @@ use signal::spectrum::fft_real;
 
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
-use crate::experiment::{Excitation, Experiment, Test};
+use crate::experiment::Experiment;
 use crate::prepare::log::Log;
 use crate::role::Role;
 
@@ -29,16 +29,12 @@ const ZERO: f64 = 0.01;
 /// Bands between which the floor falls, as parts of the sample rate, and how far it does behind a filter: on these recordings to 0.24
 /// and more; behind a filter of second order to 0.001 at 100 Hz, and 0.03 at 300 Hz.
 const FALL: ([(f64, f64); 2], f64) = ([(0.20, 0.28), (0.42, 0.50)], 0.03);
-/// The same where N_d* rests and only the engine moves N_d: to 0.7 and more; behind a lag of 1 ms to 0.35 and less.
-const FALL_AT_REST: ([(f64, f64); 2], f64) = ([(0.12, 0.18), (0.42, 0.50)], 0.45);
 
 pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) {
     let role = Role::DynoSpeed;
     let speed = experiment.signal(role).filter(|speed| speed.sample_time_s < SLOWEST_S);
     let Some(floor) = speed.and_then(floor) else { return };
-    let rests = experiment.label.test == Test::Bs && experiment.label.excitation == Excitation::Torque;
-    let fall = if rests { FALL_AT_REST } else { FALL };
-    let found = [(zero(&floor), ZERO), (falls(&floor, FALL.0), FALL.1), (falls(&floor, fall.0), fall.1)];
+    let found = [(zero(&floor), ZERO), (falls(&floor, FALL.0), FALL.1)];
     if let Some((ratio, _)) = found.into_iter().find(|(ratio, least)| ratio < least) {
         let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
         log.channel(Severity::Error, channel, None, Finding::SamplesFiltered { ratio });
