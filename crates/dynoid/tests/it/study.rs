@@ -121,7 +121,7 @@ fn regress_a_file_that_is_no_bench_model_is_not_replaced_and_an_old_model_does_n
     let campaign = Campaign::whole();
     std::fs::create_dir(campaign.path("study")).unwrap();
     campaign.write("study/model.json", b"{\"format\": \"dynoid model\"}");
-    campaign.run(&["study", "bench.toml"]).assert_refused(4, &["model.json", "no bench model", "--out"]);
+    campaign.run(&["study", "bench.toml"]).assert_refused(4, &["model.json", "`dynoid fit` wrote it", "--overwrite"]);
     std::fs::remove_file(campaign.path("study/model.json")).unwrap();
     campaign.run(&["study", "bench.toml", "--quiet"]);
     std::fs::remove_file(campaign.path("recordings/BS_T_NT_1200.mf4")).unwrap();
@@ -162,9 +162,10 @@ fn existing_results_are_kept_when_a_run_fails() {
 fn results_are_written_all_or_none() {
     let campaign = Campaign::whole();
     std::fs::create_dir_all(campaign.path("study/report.html")).unwrap();
-    campaign.write("study/study.json", b"the old one");
+    let old = "{\"format\": \"dynoid-study\"}";
+    campaign.write("study/study.json", old.as_bytes());
     campaign.run(&["study", "bench.toml"]).assert_refused(4, &["report.html", "a folder of this name"]);
-    assert_eq!(campaign.read("study/study.json"), "the old one");
+    assert_eq!(campaign.read("study/study.json"), old);
     assert_eq!(campaign.results(), ["report.html", "study.json"]);
 }
 

@@ -251,8 +251,13 @@ mod tests {
         (0..courses.inputs()).map(|j| courses.experiments()[0].input(j).to_vec()).collect()
     }
 
-    fn input(columns: &[Vec<f64>]) -> Course<'_> {
-        Course { columns: columns.iter().map(Vec::as_slice).collect(), before: columns[0][0] }
+    fn input(columns: &[Vec<f64>], before: f64) -> Course<'_> {
+        Course { columns: columns.iter().map(Vec::as_slice).collect(), before }
+    }
+
+    /// Before the record it is what it is at the first sample.
+    fn held(columns: &[Vec<f64>]) -> Course<'_> {
+        input(columns, columns[0][0])
     }
 
     /// Gradients on channels of this kind under every behaviour of the inputs, from a state not at zero or from rest.
@@ -266,8 +271,8 @@ mod tests {
                 Intersample::BandLimited => course(x),
                 _ => vec![x.to_vec()],
             });
-            let late = [Record { inputs: vec![input(&us), input(&vs)], output: &y, first: 9 }];
-            let from_rest = [Record { first: 0, ..late[0].clone() }];
+            let late = [Record { inputs: vec![held(&us), held(&vs)], output: &y, first: 9 }];
+            let from_rest = [Record { inputs: vec![input(&us, 0.0), input(&vs, 0.0)], output: &y, first: 0 }];
             for (initial_state, offset) in [(true, true), (true, false), (false, true)] {
                 check(&mut OutputError {
                     model: ContinuousModel::new(channels.to_vec(), 2, Mat::identity(1, 1)).unwrap(),
