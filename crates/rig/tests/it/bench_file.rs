@@ -412,7 +412,7 @@ fn exact_a_bench_of_which_nothing_is_stated_says_what_is_assumed() {
     model.mechanics.engine_inertia_kg_m2 = 0.2831;
     let known = StatedBench::of(&parse(GOOD).unwrap(), Some(&model)).unwrap();
     assert!(known.knows_shaft());
-    assert_eq!(known.assumptions, [virtual_bench::Assumption::Engine]);
+    assert_eq!(known.assumptions, [virtual_bench::Assumption::Engine, virtual_bench::Assumption::Pulses]);
     assert_eq!(known.parameters.mechanics.shaft_stiffness_nm_per_rad, 2437.7);
     // The shaft of a model goes with the inertias that it was estimated with.
     assert_eq!(known.parameters.mechanics.engine_inertia_kg_m2, 0.2831);
