@@ -88,10 +88,11 @@ fn of_engine(map: &EngineMap, trace: &Trace) -> Vec<Beyond> {
     // An engine that gives no torque may stand still, or be started.
     let turning = speeds.iter().zip(torques).filter(|(_, torque)| **torque > MAP_EDGE * map.maximum_torque_nm());
     let driven = Validity::range_of(turning.map(|(speed, _)| *speed));
-    let is_left = |(low, high): Range| low < map_rad_s.0 - edge_rad_s || high > map_rad_s.1 + edge_rad_s;
     let highest = speeds.iter().copied().fold(0.0, f64::max);
-    let test_rad_s = driven.map_or((highest, highest), |(low, high)| (low, high.max(highest)));
-    let speed = is_left(test_rad_s).then_some(Beyond::EngineSpeed { map_rad_s, test_rad_s });
+    let is_too_slow = driven.is_some_and(|(low, _)| low < map_rad_s.0 - edge_rad_s);
+    let test_rad_s = (driven.map_or(highest, |(low, _)| low), highest);
+    let is_left = is_too_slow || highest > map_rad_s.1 + edge_rad_s;
+    let speed = is_left.then_some(Beyond::EngineSpeed { map_rad_s, test_rad_s });
     // The demand is straight between its seconds, and the map is not.
     let excess = |k: usize| {
         let (speed, torque) = (speeds[k], torques[k]);

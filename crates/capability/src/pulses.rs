@@ -18,13 +18,18 @@ use crate::extremes::TORQUE_CHANGE_S;
 const STEP: f64 = 0.01;
 /// Speeds of the table at most; below the lowest one pulses act as they do there.
 const SPEEDS: usize = 400;
+/// The mean torques of the table to each side of none are halves of one another, so that the table is fine where waves of the torque and of
+/// the charge without load are of one size.
+const HALVES: usize = 10;
 /// Mean torques of the table, from the lowest over none to the highest.
-const LEVELS: usize = 5;
-/// Points of a firing period.
+const LEVELS: usize = 2 * HALVES + 1;
+/// Points of a firing period at the least.
 const PHASES: usize = 32;
+/// Points of each wave at the least.
+const POINTS_OF_WAVE: usize = 4;
 /// Standard deviations of a firing that count: one in 740 is stronger.
 const VARIES: f64 = 3.0;
-/// Waves below this are left out, and torques below it are none, Nm.
+/// Torques below this are none, Nm.
 const LEAST: f64 = 1e-6;
 
 /// What pulses add to each quantity at the mean torques of the table, over the engine's speed. What they add is convex over the torque,
@@ -60,19 +65,20 @@ impl Pulses {
         let high = high.max(f64::MIN_POSITIVE);
         let lowest_rad_s = low.clamp(high * (-STEP * (SPEEDS - 1) as f64).exp(), high);
         let count = ((high / lowest_rad_s).ln() / STEP).ceil() as usize + 1;
-        let points = PHASES * engine.cylinder_factors.len();
-        let circle: Vec<Complex64> = (0..points).map(|k| Complex64::cis(TAU * k as f64 / points as f64)).collect();
         let harmonics = engine.harmonics_of_cycle();
+        let points = (PHASES * engine.cylinder_factors.len()).max(POINTS_OF_WAVE * harmonics.len());
+        let circle: Vec<Complex64> = (0..points).map(|k| Complex64::cis(TAU * k as f64 / points as f64)).collect();
         let varies = VARIES * engine.cycle_variation;
         let highest_nm = (most_nm.abs() * (1.0 + varies)).max(LEAST);
         let at = |k: usize| {
             let speed = lowest_rad_s * (STEP * k as f64).exp();
             let cycle_rad_s = speed * TAU / engine.cycle_rad();
             let answers = OfEngine::of_cycle(model, mode, harmonics.len(), cycle_rad_s);
-            std::array::from_fn(|j| {
-                let level_nm = highest_nm * (2.0 * j as f64 / (LEVELS - 1) as f64 - 1.0);
-                added(&waves(&harmonics, level_nm, speed), &answers, &circle, cycle_rad_s)
-            })
+            let unloaded = Courses::of(&waves(&harmonics, |one| one.at(0.0, speed)), &answers, &circle, cycle_rad_s);
+            let of_torque = waves(&harmonics, |one| Complex64::new(one.of_torque[0], one.of_torque[1]));
+            let of_torque = Courses::of(&of_torque, &answers, &circle, cycle_rad_s);
+            let point_s = TAU / cycle_rad_s / points as f64;
+            std::array::from_fn(|j| unloaded.and(&of_torque, highest_nm * share_of_highest(j)).most(point_s))
         };
         Pulses { lowest_rad_s, highest_nm, table: (0..count).map(at).collect(), push: push(model, mode), varies }
     }
@@ -101,15 +107,30 @@ impl Pulses {
         ((speed_rad_s.abs() / self.lowest_rad_s).ln() / STEP).clamp(0.0, (self.table.len() - 1) as f64)
     }
 
-    /// Straight between the torques of the table. A firing that is stronger than the mean also pushes with more on the average.
+    /// A firing that is stronger than the mean also pushes with more on the average. Where the charge without load and the torque are opposite, a
+    /// weaker one makes the larger wave.
     fn at_torque(&self, levels: &Levels, engine_nm: f64) -> Added {
-        let last = (LEVELS - 1) as f64;
-        let level_nm = engine_nm * (1.0 + self.varies);
-        let place = (0.5 * (level_nm / self.highest_nm + 1.0)).clamp(0.0, 1.0) * last;
-        let before = (place as usize).min(LEVELS - 2);
-        let share = place - before as f64;
-        let between = levels[before].with(&levels[before + 1], |from, to| from + share * (to - from));
-        between.with(&self.push, |pulses, of_push| pulses + engine_nm.abs() * self.varies * of_push)
+        let [weak, strong] = [-self.varies, self.varies].map(|part| self.between(levels, engine_nm * (1.0 + part)));
+        weak.or_more(&strong).with(&self.push, |pulses, of_push| pulses + engine_nm.abs() * self.varies * of_push)
+    }
+
+    /// Straight between the torques of the table.
+    fn between(&self, levels: &Levels, level_nm: f64) -> Added {
+        let share = (level_nm / self.highest_nm).clamp(-1.0, 1.0);
+        let octave = (share.abs().log2() + HALVES as f64).clamp(0.0, (HALVES - 1) as f64) as usize;
+        let [from, to] = [octave, octave + 1].map(|k| share_of_highest(HALVES + k));
+        let part = (share.abs() - from) / (to - from);
+        let at = |k: usize| &levels[if share < 0.0 { HALVES - k } else { HALVES + k }];
+        at(octave).with(at(octave + 1), |from, to| from + part * (to - from))
+    }
+}
+
+/// A mean torque of the table over the highest one.
+fn share_of_highest(level: usize) -> f64 {
+    let from_none = level as i32 - HALVES as i32;
+    match from_none {
+        0 => 0.0,
+        n => f64::from(n.signum()) * 0.5_f64.powi(HALVES as i32 - n.abs()),
     }
 }
 
@@ -147,45 +168,76 @@ fn push(model: &BenchModel, mode: LoopMode) -> Added {
     }
 }
 
-/// The waves of a cycle at a mean torque and a speed: harmonic of the cycle, and its complex amplitude.
-fn waves(harmonics: &[CycleHarmonic], torque_nm: f64, speed_rad_s: f64) -> Vec<(usize, Complex64)> {
-    let at = |(m, harmonic): (usize, &CycleHarmonic)| (m, harmonic.at(torque_nm, speed_rad_s));
-    (1..).zip(harmonics).map(at).filter(|(_, amplitude)| amplitude.norm() > LEAST).collect()
+/// Waves of a cycle: harmonic of the cycle, and a part of its complex amplitude.
+fn waves(harmonics: &[CycleHarmonic], of: impl Fn(&CycleHarmonic) -> Complex64) -> Vec<(usize, Complex64)> {
+    (1..).zip(harmonics.iter().map(of)).filter(|(_, amplitude)| amplitude.norm() > 0.0).collect()
 }
 
-/// What cycles with this frequency add.
-fn added(waves: &[(usize, Complex64)], answers: &[OfEngine], circle: &[Complex64], cycle_rad_s: f64) -> Added {
-    let course = |of: &dyn Fn(f64, &OfEngine) -> Complex64| {
-        let part = |(m, wave): &(usize, Complex64)| (*m, wave * of(*m as f64 * cycle_rad_s, &answers[m - 1]));
-        course(&waves.iter().map(part).collect::<Vec<_>>(), circle)
-    };
-    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let shaft = course(&|_, answer| answer.shaft);
-    let slope = course(&|omega, answer| answer.shaft * Complex64::new(0.0, omega));
-    let (demand, dyno) = (course(&|_, answer| answer.demand), course(&|_, answer| answer.dyno_speed));
-    let engine = course(&|_, answer| answer.engine_speed);
-    let point_s = TAU / cycle_rad_s / circle.len() as f64;
-    let change = |values: &[f64], within_s: f64| {
-        let apart = ((within_s / point_s).ceil() as usize).max(1);
-        // Half a cycle holds the way from the lowest value to the highest, or back.
-        let largest = if 2 * apart >= values.len() {
-            values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
-        } else {
-            largest_change(&[values, &values[..apart]].concat(), apart).0
+/// What waves of the engine's torque make of a cycle, at each point of it.
+struct Courses {
+    shaft_nm: Vec<f64>,
+    shaft_slope_nm_per_s: Vec<f64>,
+    demand_nm: Vec<f64>,
+    dyno_speed_rad_s: Vec<f64>,
+    engine_speed_rad_s: Vec<f64>,
+}
+
+impl Courses {
+    /// Of cycles with this frequency.
+    fn of(waves: &[(usize, Complex64)], answers: &[OfEngine], circle: &[Complex64], cycle_rad_s: f64) -> Self {
+        let course = |of: &dyn Fn(f64, &OfEngine) -> Complex64| {
+            let part = |(m, wave): &(usize, Complex64)| (*m, wave * of(*m as f64 * cycle_rad_s, &answers[m - 1]));
+            course(&waves.iter().map(part).collect::<Vec<_>>(), circle)
         };
-        largest / within_s.max(point_s)
-    };
-    Added {
-        shaft_above_nm: shaft.iter().copied().fold(0.0, f64::max),
-        shaft_below_nm: -shaft.iter().copied().fold(0.0, f64::min),
-        shaft_slew_nm_per_s: most(&slope),
-        demand_nm: most(&demand),
-        demand_rms_nm: (demand.iter().map(|value| value * value).sum::<f64>() / demand.len().max(1) as f64).sqrt(),
-        demand_slew_nm_per_s: change(&demand, TORQUE_CHANGE_S),
-        dyno_speed_rad_s: most(&dyno),
-        engine_speed_rad_s: most(&engine),
-        speed_gradient_rad_s2: change(&dyno, SPEED_CHANGE_S),
+        Courses {
+            shaft_nm: course(&|_, answer| answer.shaft),
+            shaft_slope_nm_per_s: course(&|omega, answer| answer.shaft * Complex64::new(0.0, omega)),
+            demand_nm: course(&|_, answer| answer.demand),
+            dyno_speed_rad_s: course(&|_, answer| answer.dyno_speed),
+            engine_speed_rad_s: course(&|_, answer| answer.engine_speed),
+        }
     }
+
+    /// These and those of each Nm of a mean torque.
+    fn and(&self, of_torque: &Courses, torque_nm: f64) -> Courses {
+        let sum = |own: &[f64], of_torque: &[f64]| own.iter().zip(of_torque).map(|(a, b)| a + torque_nm * b).collect();
+        Courses {
+            shaft_nm: sum(&self.shaft_nm, &of_torque.shaft_nm),
+            shaft_slope_nm_per_s: sum(&self.shaft_slope_nm_per_s, &of_torque.shaft_slope_nm_per_s),
+            demand_nm: sum(&self.demand_nm, &of_torque.demand_nm),
+            dyno_speed_rad_s: sum(&self.dyno_speed_rad_s, &of_torque.dyno_speed_rad_s),
+            engine_speed_rad_s: sum(&self.engine_speed_rad_s, &of_torque.engine_speed_rad_s),
+        }
+    }
+
+    /// The most that they add; their points are so far apart.
+    fn most(&self, point_s: f64) -> Added {
+        let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let mean_square = self.demand_nm.iter().map(|x| x * x).sum::<f64>() / self.demand_nm.len().max(1) as f64;
+        Added {
+            shaft_above_nm: self.shaft_nm.iter().copied().fold(0.0, f64::max),
+            shaft_below_nm: -self.shaft_nm.iter().copied().fold(0.0, f64::min),
+            shaft_slew_nm_per_s: most(&self.shaft_slope_nm_per_s),
+            demand_nm: most(&self.demand_nm),
+            demand_rms_nm: mean_square.sqrt(),
+            demand_slew_nm_per_s: change(&self.demand_nm, TORQUE_CHANGE_S, point_s),
+            dyno_speed_rad_s: most(&self.dyno_speed_rad_s),
+            engine_speed_rad_s: most(&self.engine_speed_rad_s),
+            speed_gradient_rad_s2: change(&self.dyno_speed_rad_s, SPEED_CHANGE_S, point_s),
+        }
+    }
+}
+
+/// The largest change within a time of what repeats each cycle, over that time.
+fn change(values: &[f64], within_s: f64, point_s: f64) -> f64 {
+    let apart = ((within_s / point_s).ceil() as usize).max(1);
+    // Half a cycle holds the way from the lowest value to the highest, or back.
+    let largest = if 2 * apart >= values.len() {
+        values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
+    } else {
+        largest_change(&[values, &values[..apart]].concat(), apart).0
+    };
+    largest / within_s.max(point_s)
 }
 
 /// The sum of some waves over a cycle.

@@ -20,6 +20,9 @@ const PROGRAM_WITHIN: usize = 512;
 /// Bytes at the end of a file in which its mark is, where the format has it there.
 const TAIL: usize = 1 << 16;
 
+/// Bytes that no bench file has.
+const LARGEST_BENCH_FILE: u64 = 1 << 20;
+
 /// What a text is, by its `format`; also where it cannot be read to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -119,9 +122,10 @@ fn generator(bytes: &[u8]) -> Option<String> {
     })
 }
 
-/// Whether a file is a bench file: TOML with the table that every bench file begins with.
-fn is_bench_file(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+/// Whether a file is a bench file: TOML with the table that every bench file begins with. Nothing larger is read.
+pub(crate) fn is_bench_file(path: &Path) -> bool {
+    let is_small = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < LARGEST_BENCH_FILE);
+    let text = if is_small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };
     text.parse::<toml::Table>().is_ok_and(|table| table.get("bench").is_some_and(toml::Value::is_table))
 }
 

@@ -131,7 +131,7 @@ pub fn all(model: &BenchModel) -> Vec<Number> {
 pub(crate) fn demand_lead(model: &BenchModel) -> Option<String> {
     let lead = model.demand_lead();
     let sample_ms = 1e3 * model.speed_controller?.sample_time_s;
-    let lead_ms = (1e6 * lead as f64 * sample_ms).round() * 1e-6;
+    let lead_ms = (1e6 * lead as f64 * sample_ms).round() / 1e6;
     (lead > 0)
         .then(|| format!("recordings have it {lead} T_s ({lead_ms} ms) later: advance a recorded demand by as much"))
 }

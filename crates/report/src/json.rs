@@ -105,6 +105,8 @@ struct WithModel {
 #[derive(Deserialize)]
 struct ModelAlone {
     model: Option<AssembledModel>,
+    #[serde(default)]
+    validity: Validity,
 }
 
 /// Whether this is the `format` of a study.
@@ -113,34 +115,25 @@ pub fn is_study(format: &str) -> bool {
     format == FORMAT
 }
 
-/// The range of the recordings that the bench model of a text is from; empty where the text does not state it.
-#[must_use]
-pub fn validity(text: &str) -> Validity {
-    #[derive(Deserialize)]
-    struct WithValidity {
-        #[serde(default)]
-        validity: Validity,
-    }
-    #[derive(Deserialize)]
-    struct OfStudy {
-        study: WithValidity,
-    }
-    let of_model = || Some(serde_json::from_str::<WithValidity>(text).ok()?.validity);
-    let of_study = || Some(serde_json::from_str::<OfStudy>(text).ok()?.study.validity);
-    let is_of_study = format_of(text).is_some_and(|format| is_study(&format));
-    if is_of_study { of_study() } else { of_model() }.unwrap_or_default()
-}
-
 /// The bench model that a text holds: a model.json, or the study.json that [`json`] wrote.
 ///
 /// # Errors
 /// [`BenchModelError`] with what to do.
 pub fn model(text: &str) -> Result<AssembledModel, BenchModelError> {
+    model_with_validity(text).map(|(model, _)| model)
+}
+
+/// The same with the range of the recordings that the model is from; empty where the text does not state it.
+///
+/// # Errors
+/// As [`model`].
+pub fn model_with_validity(text: &str) -> Result<(AssembledModel, Validity), BenchModelError> {
     let format = format_of(text);
     let is_of = |of: fn(&str) -> bool| format.as_deref().is_some_and(of);
     if is_of(BenchModelDocument::is_format) {
         let document = BenchModelDocument::from_json(text).map_err(|source| BenchModelError::Document { source })?;
-        return Ok(document.assembled());
+        let validity = document.validity;
+        return Ok((document.assembled(), validity));
     }
     let unread = |fault: JsonFault| match is_of(is_study) {
         true => BenchModelError::Study { fault },
@@ -154,5 +147,6 @@ pub fn model(text: &str) -> Result<AssembledModel, BenchModelError> {
         return Err(BenchModelError::OtherVersion { found: header.format_version });
     }
     let document: WithModel = from_json(text).map_err(unread)?;
-    document.study.model.ok_or(BenchModelError::NoModel)
+    let ModelAlone { model, validity } = document.study;
+    model.map(|model| (model, validity)).ok_or(BenchModelError::NoModel)
 }

@@ -38,6 +38,6 @@ pub mod wording;
 
 pub use bench_model::{Origin, bench_model};
 pub use effects::page as effects;
-pub use json::{BenchModelError, FORMAT_VERSION, is_study, json, model, validity};
+pub use json::{BenchModelError, FORMAT_VERSION, is_study, json, model, model_with_validity};
 pub use sections::{full_study, study, summary_page};
 pub use verdict::verdict;

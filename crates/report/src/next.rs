@@ -45,7 +45,12 @@ pub fn choices(found: &NextExperiments) -> Vec<Choice<'_>> {
 pub fn best(found: &NextExperiments) -> Vec<Choice<'_>> {
     let all = choices(found).into_iter();
     let worth_while = all.take_while(|choice| choice.candidate.is_worth_while());
-    worth_while.filter_map(Choice::that_is_safe).take(SIDE_BY_SIDE).collect()
+    let mut safe: Vec<Choice<'_>> = worth_while.filter_map(Choice::that_is_safe).collect();
+    // Another demand of an experiment may gain less than the next experiment.
+    let place = |choice: &Choice<'_>| found.candidates.iter().position(|one| std::ptr::eq(one, choice.candidate));
+    safe.sort_by_key(place);
+    safe.truncate(SIDE_BY_SIDE);
+    safe
 }
 
 /// What to record next and why, in a sentence or two.

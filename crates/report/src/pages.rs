@@ -63,7 +63,7 @@ pub fn next(found: &NextExperiments) -> Page {
 /// The lines of recordings, `most` a signal; zero counts all. The lines of several recordings are summed up in one table; `each`
 /// shows those of each recording.
 pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], (most, each): (usize, bool)) -> Page {
-    let is_one = looks.iter().map(|look| look.parts.len()).sum::<usize>() <= 1;
-    let tables = if each || is_one { analyses::every_line(looks, most) } else { analyses::summed_up(looks, most) };
+    let tables =
+        if each || looks.len() <= 1 { analyses::every_line(looks, most) } else { analyses::summed_up(looks, most) };
     titled("Lines of the recordings", analyses::with_figures(tables, looks, signals))
 }

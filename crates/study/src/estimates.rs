@@ -118,8 +118,9 @@ fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits
     }
     if let Ok(fit) = &fits.torque_control {
         findings.diagnostics.extend(fit.diagnostics.iter().cloned());
+        // The shortest lag that the data allow: a lag that they do not show is none.
         let bandwidth = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
-        demand_clock::doubt(findings, bandwidth.map_or(0.0, |a| 1.0 / a.value));
+        demand_clock::doubt(findings, bandwidth.filter(|_| fit.has_lag()).map_or(0.0, |a| 1.0 / a.interval.1));
     }
 }
 

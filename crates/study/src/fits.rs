@@ -16,6 +16,8 @@ pub(super) struct Fits<'p> {
     pub(super) feed_forward: Result<FeedForward, Vec<Reason>>,
     /// Its delays are without the skew of T_d,calc, where the shaft shows one.
     pub(super) torque_control: Result<TorqueControlFit, Vec<Reason>>,
+    /// The same with that skew.
+    pub(super) torque_control_as_recorded: Option<TorqueControlFit>,
     pub(super) shaft: Result<Shaft, Vec<Reason>>,
     /// From which recording each is, and why.
     pub(super) choices: Vec<Choice>,
@@ -45,6 +47,7 @@ impl<'p> Fits<'p> {
             choices,
             controller: controller.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
             feed_forward: feed_forward.map(|chosen| chosen.fit.as_ref().clone()),
+            torque_control_as_recorded: torque_control.ok().map(|chosen| chosen.fit.as_ref().clone()),
             torque_control: torque_control.map(|chosen| without_skew(&chosen.fit, torque_skew)).map_err(Clone::clone),
             shaft: shaft.map(|chosen| Shaft { inertias, ..chosen.fit.as_ref().clone() }).map_err(Clone::clone),
         }

@@ -20,7 +20,7 @@ pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};
 
 /// Part of a sample below which two instants count as one.
-const INSTANT: f64 = 1e-9;
+pub(crate) const INSTANT: f64 = 1e-9;
 
 /// Two masses and a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use rig::results::Part;
 
 use super::ripple::{Ripple, between};
 use crate::friction::DynoFriction;
-use crate::model::{BenchModel, Mechanics, TorqueControlModel};
+use crate::model::{BenchModel, INSTANT, Mechanics, TorqueControlModel};
 use crate::simulate::error::SimulationError;
 use crate::simulate::inputs::{DynoInput, InitialState, Inputs};
 
@@ -16,9 +16,6 @@ pub(super) const STATES: usize = 6;
 pub(super) const INPUTS: usize = 3;
 /// T_d among the states.
 pub(super) const TORQUE: usize = 3;
-
-/// Part of a sample below which two instants count as one.
-const INSTANT: f64 = 1e-9;
 
 /// The controller's two outputs, v before its delay τ and the feed-forward, or in torque control T_d* as the latter.
 pub(super) struct Streams {

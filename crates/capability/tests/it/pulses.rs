@@ -68,20 +68,40 @@ fn ref_the_bound_of_pulses_is_what_a_speed_that_is_held_gives() {
     }
 }
 
-/// Compression without load, gas torque, and masses in one harmonic: what they add is not proportional to the torque.
-#[test]
-fn ref_the_bound_holds_where_pulses_do_not_grow_with_the_torque_alone() {
+/// A bench whose engine has compression without load, gas torque, and masses in one harmonic: what they add is not proportional to the torque.
+fn bench_with_compression() -> Bench {
     let mut bench = bench();
     bench.engine.cycle_variation = 0.0;
     bench.engine.cycle_harmonics = vec![CycleHarmonic::default(); 4];
     bench.engine.cycle_harmonics[0].of_torque = [0.05, 0.0];
     bench.engine.cycle_harmonics[3] =
         CycleHarmonic { unloaded_nm: [-60.0, 40.0], of_torque: [1.2, 0.5], of_speed_nm_s2: [8e-4, 0.0] };
+    bench
+}
+
+#[test]
+fn ref_the_bound_holds_where_pulses_do_not_grow_with_the_torque_alone() {
+    let bench = bench_with_compression();
     for (torque, rpm) in [(0.0, 1200.0), (50.0, 1200.0), (120.0, 2500.0)] {
         let (bound, simulated) = both_of(&bench, torque, (rpm, rpm));
         println!("{torque} Nm, {rpm} rpm: {simulated:.1?}, bound {bound:.1?}");
         assert!((0.97..1.1).contains(&(bound[0] / simulated[0])), "{torque} Nm: {bound:.1?} against {simulated:.1?}");
     }
+}
+
+/// A test with a high torque somewhere makes no larger pulses elsewhere.
+#[test]
+fn ref_the_bound_is_close_far_below_the_largest_torque() {
+    let bench = bench_with_compression();
+    let speed_rad_s = 1200.0 * RPM_RAD_S;
+    let of_torques = |torques: Vec<f64>| {
+        let reference = Reference::of_itself(0.0, vec![speed_rad_s; torques.len()], torques);
+        peaks(&bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }))
+    };
+    let steady = of_torques(vec![-50.0; 9]);
+    // The torque of the dynamometer brakes less than the pulses pull: the largest T_shaft is that at -50 Nm.
+    let ramped = of_torques(vec![-50.0, -50.0, -50.0, -50.0, -40.0, -30.0, -20.0, -10.0, 0.0]);
+    assert!((ramped[0] / steady[0] - 1.0).abs() < 0.05, "{ramped:.1?} for {steady:.1?}");
 }
 
 #[test]

@@ -112,8 +112,7 @@ pub(super) fn values(
     set(Quantity::TorqueDemand, largest(&response.torque_demand_nm));
     set(Quantity::TorqueSlew, slew(&response.torque_demand_nm, demand_samples(step_s), step_s));
     set(Quantity::Speed, speeds().fold(0.0, f64::max));
-    let apart = ((SPEED_CHANGE_S / step_s).round() as usize).max(1);
-    set(Quantity::SpeedGradient, slew(&response.dyno_speed_rad_s, apart, step_s));
+    set(Quantity::SpeedGradient, slew(&response.dyno_speed_rad_s, speed_samples(step_s), step_s));
     let power = response.torque_demand_nm.iter().zip(&response.dyno_speed_rad_s).map(|(torque, speed)| torque * speed);
     set(Quantity::Power, power.fold(0.0, |most: f64, power| most.max(power.abs())));
     set(Quantity::LowestSpeed, speeds().fold(f64::INFINITY, f64::min));
@@ -123,6 +122,11 @@ pub(super) fn values(
         set(Quantity::TimeAtResonance, near.longest_stay(engine_speed).0 as f64 * step_s);
     }
     values
+}
+
+/// Samples over which changes of the speed count.
+pub(super) fn speed_samples(step_s: f64) -> usize {
+    ((SPEED_CHANGE_S / step_s).round() as usize).max(1)
 }
 
 /// The values of a bench that is not stable.

@@ -15,7 +15,7 @@ use super::update;
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile};
-use crate::mark::Mark;
+use crate::mark::{self, Mark};
 use crate::output::{self, check_replaceable};
 use crate::paths;
 use crate::summary::shown;
@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     if out.is_dir() {
         return Err(CliError::InTheWay { path: out.clone(), what: "a folder" });
     }
-    check_place(out, arguments.force || arguments.update)?;
+    let replaced = check_place(out, arguments.force || arguments.update)?;
     let named = input::named(&arguments.recordings)?;
     let recordings = decode_all(&named, terminal)?;
     let pairs: Vec<(&str, &Recording)> = recordings.iter().map(|(file, r)| (file.name.as_str(), r)).collect();
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
         }
         false => proposed,
     };
-    output::replace_with(out, Some(&Mark::BenchFile), |file| {
+    output::replace_with(out, replaced.as_ref(), |file| {
         file.write_all(text.as_bytes()).map_err(|source| CliError::write(out, source))
     })?;
     let gaps = gaps_in(&text);
@@ -57,16 +57,16 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     Ok(if recordings.len() < named.len() { Outcome::SomeUnreadable } else { Outcome::Done })
 }
 
-/// Refuses a file that is there: a bench file without --force, and anything else.
-fn check_place(out: &Path, force: bool) -> Result<(), CliError> {
+/// The mark of the bench file that is replaced, if there is one; any other file is refused, and without --force a bench file too.
+fn check_place(out: &Path, force: bool) -> Result<Option<Mark>, CliError> {
     if !out.is_file() {
-        return Ok(());
+        return Ok(None);
     }
-    match Mark::of_file(out) {
-        Some(Mark::BenchFile) if force => Ok(()),
-        Some(Mark::BenchFile) => Err(CliError::BenchFileExists { path: out.to_owned() }),
-        _ if this_run::overwrites() => check_replaceable(out, None),
-        _ => Err(CliError::NotABenchFile { path: out.to_owned() }),
+    match mark::is_bench_file(out) {
+        true if force => Ok(Mark::of_file(out)),
+        true => Err(CliError::BenchFileExists { path: out.to_owned() }),
+        false if this_run::overwrites() => check_replaceable(out, None).map(|()| None),
+        false => Err(CliError::NotABenchFile { path: out.to_owned() }),
     }
 }
 

@@ -19,12 +19,14 @@ pub(super) fn updated(
     };
     let stated: Table = text.parse().map_err(failed)?;
     let proposed: Table = proposal.parse().map_err(failed)?;
+    let new = new_files(bench, &stated, files);
     let mut updated = with_channels(text, &stated, proposal);
-    updated = with_files(updated, &new_files(bench, &stated, files));
+    updated = with_files(updated, &new);
     updated = with_labels(updated, &stated, &proposed);
-    // Whatever a person wrote, and however: nothing of it may change.
-    let is_kept = updated.parse::<Table>().is_ok_and(|now| holds(&now, &stated));
-    is_kept.then_some(updated).ok_or_else(|| CliError::Usage {
+    // Whatever a person wrote, and however: nothing of it may change, and what is new must be where it is read.
+    let is_whole = |now: Table| holds(&now, &stated) && has_new(&now, &proposed, &new);
+    let is_right = updated.parse::<Table>().is_ok_and(is_whole);
+    is_right.then_some(updated).ok_or_else(|| CliError::Usage {
         what: format!("{}: nothing can be added to this layout; add the recordings by hand", bench.display()),
     })
 }
@@ -37,6 +39,26 @@ fn holds(now: &Table, stated: &Table) -> bool {
         (now, stated) => now == Some(stated),
     };
     stated.iter().all(is_in)
+}
+
+/// Whether a table has the channels and labels that were proposed, and patterns of recordings.
+fn has_new(now: &Table, proposed: &Table, patterns: &[&str]) -> bool {
+    let channels = |table: &Table| -> Vec<String> {
+        let channels = table.get("channels").and_then(toml::Value::as_table);
+        channels.into_iter().flat_map(Table::keys).cloned().collect()
+    };
+    let files = now.get("recordings").and_then(|recordings| recordings.get("files")).and_then(toml::Value::as_array);
+    let has_file = |pattern: &str| files.is_some_and(|files| files.iter().any(|file| file.as_str() == Some(pattern)));
+    let (channels_now, labels_now) = (channels(now), labels(now));
+    channels(proposed).iter().all(|role| channels_now.contains(role))
+        && labels(proposed).iter().all(|file| labels_now.contains(file))
+        && patterns.iter().all(|pattern| has_file(pattern))
+}
+
+/// The files that a table has labels for.
+fn labels(table: &Table) -> Vec<String> {
+    let list = table.get("recordings").and_then(|recordings| recordings.get("label")).and_then(toml::Value::as_array);
+    list.into_iter().flatten().filter_map(|label| Some(label.get("file")?.as_str()?.to_owned())).collect()
 }
 
 /// The text with the lines of channels, and the comments above them, whose roles it does not have.
@@ -145,11 +167,6 @@ fn last_entry(table: &str) -> Option<usize> {
 
 /// The text with the places for labels that it does not have.
 fn with_labels(text: String, stated: &Table, proposed: &Table) -> String {
-    let labels = |table: &Table| -> Vec<String> {
-        let list =
-            table.get("recordings").and_then(|recordings| recordings.get("label")).and_then(toml::Value::as_array);
-        list.into_iter().flatten().filter_map(|label| Some(label.get("file")?.as_str()?.to_owned())).collect()
-    };
     let known = labels(stated);
     let place = |file: &String| {
         let (file, placeholder) = (toml::Value::from(file.as_str()), rig::bench_file::PLACEHOLDER);

@@ -33,6 +33,38 @@ fn an_existing_bench_file_is_kept_unless_forced() {
     assert_ne!(campaign.read("bench.toml"), before);
 }
 
+/// The proposal's own comments name the program, whatever is filled in.
+#[test]
+fn regress_the_programs_own_bench_files_can_be_updated() {
+    let campaign = Campaign::whole();
+    assert_eq!(campaign.run(&["init", "recordings", "--out", "new.toml"]).code, Some(0));
+    for name in ["", "C", "Cell 4", "A test cell with a long name, in the old hall"] {
+        let begin = filled_in(&campaign.read("new.toml"));
+        let (before, after) = begin.split_once("name = \"").unwrap();
+        let rest = after.split_once('"').unwrap().1;
+        campaign.write("new.toml", format!("{before}name = \"{name}\"{rest}").as_bytes());
+        let updated = campaign.run(&["init", "recordings", "--out", "new.toml", "--update"]);
+        assert_eq!(updated.code, Some(0), "{name}: {}", updated.stderr);
+    }
+    let demo = format!("# Written by dynoid demo {}\n{}", env!("CARGO_PKG_VERSION"), campaign.read("new.toml"));
+    campaign.write("demo.toml", demo.as_bytes());
+    assert_eq!(campaign.run(&["init", "recordings", "--out", "demo.toml", "--update"]).code, Some(0));
+    assert_eq!(campaign.read("demo.toml"), demo);
+}
+
+/// Tables may be written in any way that TOML has.
+#[test]
+fn regress_an_update_that_cannot_be_placed_is_refused() {
+    let campaign = Campaign::whole();
+    let channels = "[ channels ]\ndyno_speed = \"DynoSpeed\"\n\n[limits]\ntorque = \"380 Nm\"\n";
+    let text = format!("[bench]\nname = \"Cell 4\"\n\n{channels}");
+    campaign.write("cell.toml", text.as_bytes());
+    campaign
+        .run(&["init", "recordings", "--out", "cell.toml", "--update"])
+        .assert_refused(2, &["cell.toml", "by hand"]);
+    assert_eq!(campaign.read("cell.toml"), text);
+}
+
 #[test]
 fn files_and_folders_are_listed_relative_to_the_bench_file() {
     let campaign = Campaign::empty().with("[1] BS_T_NT.mf4", &bs()).with("second.MF4", &white_noise());

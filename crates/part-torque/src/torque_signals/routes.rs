@@ -13,9 +13,10 @@ pub(super) fn beyond_noise(apart: &[f64], noise_variance: f64, (step_s, band_hz)
     let half = (0.5 * WINDOW_S / step_s).round() as usize;
     let mut sums = vec![0.0];
     apart.iter().for_each(|x| sums.push(sums[sums.len() - 1] + x * x));
-    let by_noise = noise_variance * (1.0 + CLEARLY / (band_hz * WINDOW_S).sqrt());
     let beyond = |k: usize| {
         let (from, to) = (k.saturating_sub(half), (k + half + 1).min(apart.len()));
+        // At the ends the window is half as long.
+        let by_noise = noise_variance * (1.0 + CLEARLY / (band_hz * (to - from) as f64 * step_s).sqrt());
         let mean_square = (sums[to] - sums[from]) / (to - from) as f64;
         if mean_square > by_noise { (mean_square - noise_variance).sqrt() } else { 0.0 }
     };

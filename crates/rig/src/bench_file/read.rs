@@ -93,7 +93,7 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let friction = read_limit(&bench, "dynamometer_friction", Quantity::Damping, FRICTION_EXAMPLE, faults);
     let coulomb = read_limit(&bench, "dynamometer_coulomb_friction", Quantity::Torque, COULOMB_EXAMPLE, faults);
     let friction_uncertainty = read_uncertainty(&bench, "dynamometer_friction", 1000.0, faults);
-    if friction_uncertainty.is_some() {
+    if friction_uncertainty.is_some() && coulomb.is_none() {
         bench.require("dynamometer_friction", FRICTION_EXAMPLE, faults);
     }
     let limits = read_limits(&root.section("limits", faults), faults);

@@ -9,8 +9,8 @@ use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, SliderCrank, require, require_not_negative};
 
-/// Points of a firing interval from which its Fourier series is made.
-const PHASES: usize = 32;
+/// Points of a firing interval from which its Fourier series is made, and for each of its harmonics, at the least.
+const PHASES: (usize, usize) = (32, 4);
 
 /// One harmonic of the firing order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -154,8 +154,9 @@ impl EngineParameters {
             return Cow::Borrowed(&self.cycle_harmonics);
         }
         let cylinders = self.cylinder_factors.len();
-        let points = PHASES * cylinders;
-        let torques: Vec<f64> = (0..points).map(|k| self.relative(k)).collect();
+        let phases = PHASES.0.max(PHASES.1 * self.firing_harmonics.len());
+        let points = phases * cylinders;
+        let torques: Vec<f64> = (0..points).map(|k| self.relative(k, phases)).collect();
         let harmonic = |m: usize| {
             let part =
                 |(k, torque): (usize, &f64)| torque * Complex64::cis(-TAU * (m * k % points) as f64 / points as f64);
@@ -165,13 +166,13 @@ impl EngineParameters {
         (1..=cylinders * self.firing_harmonics.len()).map(harmonic).collect()
     }
 
-    /// The torque over its level, `k` of [`PHASES`] parts of a firing after the first cylinder fired.
-    fn relative(&self, k: usize) -> f64 {
-        let phase = TAU * k as f64 / PHASES as f64;
+    /// The torque over its level, `k` of so many parts of a firing after the first cylinder fired.
+    fn relative(&self, k: usize, phases: usize) -> f64 {
+        let phase = TAU * k as f64 / phases as f64;
         let wave = |(harmonic, n): (&Harmonic, i32)| {
             harmonic.relative_amplitude * (f64::from(n) * phase + harmonic.phase_rad).cos()
         };
-        self.cylinder_factors[k / PHASES] * (1.0 + self.firing_harmonics.iter().zip(1..).map(wave).sum::<f64>())
+        self.cylinder_factors[k / phases] * (1.0 + self.firing_harmonics.iter().zip(1..).map(wave).sum::<f64>())
     }
 
     /// The cylinder whose part of the cycle a crank angle lies in, counted in firing order. A start that is drawn over the whole cycle so

@@ -97,9 +97,8 @@ fn read_model(path: &Path) -> Result<(AssembledModel, Validity), CliError> {
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
         Kind::Bench | Kind::Study => {
-            let model = report::model(&text);
-            let model = model.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })?;
-            Ok((model, report::validity(&text)))
+            let found = report::model_with_validity(&text);
+            found.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
         }
     }
 }
