@@ -8,7 +8,7 @@ use crate::fmu::{text, unpacked};
 use crate::model::document;
 use crate::others::{folder_with, largest, python};
 
-/// An engine that gives 40 Nm less 0.3 Nm s/rad of its speed beyond 170 rad/s, with a lag of 20 ms, about these levels.
+/// An engine that brakes with 0.3 Nm s/rad of its speed, with a lag of 20 ms.
 fn engine() -> ModelDocument {
     let structure = serde_json::json!({
         "parameters": { "c": { "value": 0.3 }, "a": { "value": 50.0 } },
