@@ -34,7 +34,16 @@ const RUNTIMES: [Runtime; 2] = [
     Runtime {
         name: "dynoid_bench",
         folder: "binaries",
-        own: &["bench.c", "exchange.c", "instance.c", "matrix.c", "model_file.c", "states.c", "variables.c"],
+        own: &[
+            "bench.c",
+            "derivatives.c",
+            "exchange.c",
+            "instance.c",
+            "matrix.c",
+            "model_file.c",
+            "states.c",
+            "variables.c",
+        ],
     },
     Runtime {
         name: "dynoid_linear",

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 pub mod benches;
+pub mod documents;
 pub mod models;
 pub mod recordings;
 pub mod runs;

@@ -94,6 +94,10 @@ call_status deserialize_state(instance *i, const void *bytes, size_t size, kept_
 
 call_status do_step(instance *i, double from, double length);
 
+/* The derivative of one variable with respect to another; forward and, with `adjoint`, backward. */
+call_status derivatives_along(instance *i, int adjoint, const unsigned int *unknown, size_t unknowns,
+                              const unsigned int *known, size_t knowns, const double *seed, double *result);
+
 /* Model Exchange. */
 size_t states_of(const instance *i);
 call_status set_states(instance *i, const double *x, size_t count);
@@ -101,8 +105,5 @@ call_status get_states(instance *i, double *x, size_t count);
 call_status get_derivatives(instance *i, double *derivative, size_t count);
 call_status get_nominals(instance *i, double *nominal, size_t count);
 call_status update_discrete(instance *i, double *next_event);
-/* The derivative of one variable with respect to another; forward and, with `adjoint`, backward. */
-call_status derivatives_along(instance *i, int adjoint, const unsigned int *unknown, size_t unknowns,
-                              const unsigned int *known, size_t knowns, const double *seed, double *result);
 
 #endif

@@ -1,6 +1,6 @@
-//! The numbers of a model as parameter sets of SSP 2.0 (SSV).
+//! The numbers of a model as parameter sets of SSP 1.0 (SSV), which tools for SSP 2.0 read too.
 //!
-//! Source: Modelica Association, *System Structure and Parameterization* 2.0, chapter 6.
+//! Source: Modelica Association, *System Structure and Parameterization* 1.0.1, chapter 6.
 
 use std::fmt::Write as _;
 
@@ -16,8 +16,8 @@ use crate::{ExportError, ExportedFile, draws};
 /// Seed of the draws: the same model gives the same files.
 const SEED: u64 = 1;
 
-/// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance as an array, and so many sets `NAME_draw_K.ssv` that are
-/// drawn from it.
+/// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance, and so many sets `NAME_draw_K.ssv` that are drawn from
+/// it.
 ///
 /// # Errors
 /// [`ExportError::NoDraws`] where hardly any draw is a bench that can be.
@@ -43,43 +43,30 @@ pub fn bench(document: &BenchModelDocument, names: &Names, count: usize) -> Resu
     Ok(files)
 }
 
-/// A parameter by name, with what it is, its values row by row, and its unit.
+/// A parameter by name, with what it is, its value and its unit.
 struct Parameter {
     name: String,
     description: String,
-    values: Vec<f64>,
-    /// Rows and columns of a square matrix; none of a single value.
-    size: Option<usize>,
+    value: f64,
     unit: Option<Unit>,
 }
 
-/// `NAME.ssv` with the estimated parameters of a linear model, and `NAME_uncertainty.ssv` with their covariance as an array; `version`
-/// is that of the program. Parameters of linear models have the units of their channels, which SSP cannot say.
+/// `NAME.ssv` with the estimated parameters of a linear model, and `NAME_uncertainty.ssv` with their covariance; `version` is that of
+/// the program. Parameters of linear models have the units of their channels, which SSP cannot say.
 ///
 /// # Errors
 /// [`ExportError::NoEstimate`] where the model has no estimated parameters.
 pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<Vec<ExportedFile>, ExportError> {
     let estimate = document.estimate.as_ref().ok_or(ExportError::NoEstimate { target: "ssv" })?;
-    let parameter = |name: &str, description: String, values: Vec<f64>, size: Option<usize>| Parameter {
-        name: name.to_owned(),
-        description,
-        values,
-        size,
+    let of_one = |(name, value): (&String, &f64)| Parameter {
+        name: name.clone(),
+        description: "estimated parameter".to_owned(),
+        value: *value,
         unit: None,
     };
-    let of_one = |(name, value): (&String, &f64)| parameter(name, "estimated parameter".to_owned(), vec![*value], None);
     let values: Vec<Parameter> = estimate.parameter_names.iter().zip(&estimate.parameters).map(of_one).collect();
-    let (order, size) = (estimate.parameter_names.join(", "), estimate.parameter_names.len());
-    let mut uncertainty = vec![parameter(
-        "covariance",
-        format!("covariance of {order}, {size} x {size} in row-major order"),
-        estimate.covariance.concat(),
-        Some(size),
-    )];
-    if estimate.degrees_of_freedom.is_finite() {
-        let degrees = vec![estimate.degrees_of_freedom];
-        uncertainty.push(parameter("degrees_of_freedom", "of the covariance".to_owned(), degrees, None));
-    }
+    let names_of: Vec<&str> = estimate.parameter_names.iter().map(String::as_str).collect();
+    let uncertainty = covariance("", &names_of, &estimate.covariance, estimate.degrees_of_freedom);
     let origin = Origin { written_by: format!("Written by dynoid {version}"), note: None, version };
     let title = &names.file;
     Ok(vec![
@@ -112,44 +99,49 @@ fn values(model: &BenchModel) -> Vec<Parameter> {
         Some(Parameter {
             name: number.name.to_owned(),
             description: number.description.to_owned(),
-            values: vec![number.value?],
-            size: None,
+            value: number.value?,
             unit: Some(number.unit),
         })
     };
     numbers::all(model).into_iter().filter_map(parameter).collect()
 }
 
-/// Of each part its covariance, in the order that the description states, and its degrees of freedom where they are finite.
+/// The covariance of each part. Parts are independent of one another.
 fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
-    let mut all = Vec::new();
-    for (number, (names, rows, degrees_of_freedom)) in numbers::covariance(document).into_iter().enumerate() {
-        let order = names.join(", ");
-        all.push(Parameter {
-            name: format!("covariance_{}", number + 1),
-            description: format!("covariance of {order}, {0} x {0} in row-major order, SI", names.len()),
-            values: rows.concat(),
-            size: Some(names.len()),
-            unit: None,
-        });
-        if degrees_of_freedom.is_finite() {
-            all.push(Parameter {
-                name: format!("degrees_of_freedom_{}", number + 1),
-                description: format!("degrees of freedom of the covariance of {order}"),
-                values: vec![degrees_of_freedom],
-                size: None,
-                unit: None,
-            });
-        }
-    }
-    all
+    let parts = numbers::covariance(document).into_iter().enumerate();
+    parts
+        .flat_map(|(part, (names, rows, degrees_of_freedom))| {
+            covariance(&format!("_{}", part + 1), &names, &rows, degrees_of_freedom)
+        })
+        .collect()
+}
+
+/// The variances and covariances of parameters, each once, since SSP 1.0 has no arrays; and the degrees of freedom where they are
+/// finite, whose name gets an ending.
+fn covariance(ending: &str, names: &[&str], rows: &[Vec<f64>], degrees_of_freedom: f64) -> Vec<Parameter> {
+    let entry = |(i, j): (usize, usize)| Parameter {
+        name: format!("cov({},{})", names[i], names[j]),
+        description: match i == j {
+            true => format!("variance of {}, in its unit squared", names[i]),
+            false => format!("covariance of {} and {}, in the product of their units", names[i], names[j]),
+        },
+        value: rows[i][j],
+        unit: None,
+    };
+    let degrees = degrees_of_freedom.is_finite().then(|| Parameter {
+        name: format!("degrees_of_freedom{ending}"),
+        description: format!("degrees of freedom of the covariance of {}", names.join(", ")),
+        value: degrees_of_freedom,
+        unit: None,
+    });
+    (0..names.len()).flat_map(|i| (i..names.len()).map(move |j| (i, j))).map(entry).chain(degrees).collect()
 }
 
 fn parameter_set(origin: &Origin<'_>, title: &str, parameters: &[Parameter]) -> String {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- {} -->\n<ssv:ParameterSet \
          xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
-         xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"2.0\" name=\"{}\" \
+         xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"1.0\" name=\"{}\" \
          generationTool=\"dynoid {}\">\n  <ssv:Parameters>\n",
         [Some(&origin.written_by), origin.note.as_ref()]
             .into_iter()
@@ -162,40 +154,35 @@ fn parameter_set(origin: &Origin<'_>, title: &str, parameters: &[Parameter]) -> 
     );
     for one in parameters {
         let unit = one.unit.map(|unit| format!(" unit=\"{}\"", unit.modelica())).unwrap_or_default();
-        let values: Vec<String> = one.values.iter().map(|value| format!("{value:?}")).collect();
-        // Without dimensions the parameter would be a scalar.
-        let dimensions = one.size.map(|size| format!("<ssc:Dimension size=\"{size}\"/>").repeat(2)).unwrap_or_default();
         let _ = writeln!(
             text,
-            "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Float64 value=\"{}\"{unit}/>{dimensions}</ssv:Parameter>",
+            "    <ssv:Parameter name=\"{}\" description=\"{}\"><ssv:Real value=\"{:?}\"{unit}/></ssv:Parameter>",
             escaped(&one.name),
             escaped(&one.description),
-            values.join(" ")
+            one.value
         );
     }
     text.push_str("  </ssv:Parameters>\n");
-    text.push_str(&units(parameters));
+    let units = units(parameters.iter().filter_map(|one| one.unit));
+    if !units.is_empty() {
+        let _ = write!(text, "  <ssv:Units>\n{units}  </ssv:Units>\n");
+    }
     text.push_str("</ssv:ParameterSet>\n");
     text
 }
 
-/// The units that are used, each by its exponents.
-fn units(parameters: &[Parameter]) -> String {
+/// The definitions of units, each once, by its exponents.
+pub(crate) fn units(all: impl Iterator<Item = Unit>) -> String {
     let mut used: Vec<Unit> = Vec::new();
-    for unit in parameters.iter().filter_map(|one| one.unit) {
+    for unit in all {
         if !used.contains(&unit) {
             used.push(unit);
         }
     }
-    if used.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from("  <ssv:Units>\n");
-    for unit in used {
+    let definition = |unit: Unit| {
         let named = ["kg", "m", "s", "rad"].into_iter().zip(unit.exponents()).filter(|(_, exponent)| *exponent != 0);
         let exponents: String = named.map(|(name, exponent)| format!(" {name}=\"{exponent}\"")).collect();
-        let _ = writeln!(text, "    <ssc:Unit name=\"{}\"><ssc:BaseUnit{exponents}/></ssc:Unit>", unit.modelica());
-    }
-    text.push_str("  </ssv:Units>\n");
-    text
+        format!("    <ssc:Unit name=\"{}\"><ssc:BaseUnit{exponents}/></ssc:Unit>\n", unit.modelica())
+    };
+    used.into_iter().map(definition).collect()
 }

@@ -4,7 +4,8 @@ use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::PredictionInputs;
 use design::safety::{
-    BenchSpread, Checked, FrictionSpread, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check,
+    BenchSpread, Checked, FrictionSpread, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyError, SafetyInputs,
+    check,
 };
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
@@ -26,26 +27,48 @@ fn sharp() -> BenchParameters {
 
 const EXACT: Prior = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
 
+/// A check on the sharp bench.
 struct Case<'a> {
     plan: &'a ExperimentPlan,
+    engine: EngineParameters,
     limits: Limits,
     spread: BenchSpread<'a>,
+    slowest_engine_control: f64,
+    friction: FrictionSpread,
     samples: usize,
+    seed: u64,
 }
 
-impl Case<'_> {
-    fn check(&self) -> SafetyCheck {
-        self.check_demands(&Demands::of(self.plan, 1, DEMAND_HOLD_S), 5)
+impl<'a> Case<'a> {
+    /// On the bench that is known exactly, once.
+    fn of(plan: &'a ExperimentPlan, limits: Limits) -> Self {
+        Case {
+            plan,
+            engine: sharp().engine,
+            limits,
+            spread: BenchSpread::Prior(EXACT),
+            slowest_engine_control: 1.0,
+            friction: FrictionSpread::NONE,
+            samples: 1,
+            seed: 5,
+        }
     }
 
-    fn check_demands(&self, demands: &Demands, seed: u64) -> SafetyCheck {
-        let parameters = sharp();
-        let model = bench_model::model::BenchModel::of(&parameters);
+    fn check(&self) -> SafetyCheck {
+        self.check_demands(&Demands::of(self.plan, 1, DEMAND_HOLD_S))
+    }
+
+    fn check_demands(&self, demands: &Demands) -> SafetyCheck {
+        self.result(demands).unwrap()
+    }
+
+    fn result(&self, demands: &Demands) -> Result<SafetyCheck, SafetyError> {
+        let model = bench_model::model::BenchModel::of(&sharp());
         let prediction = PredictionInputs {
             plan: self.plan,
             demands,
             model: &model,
-            engine: &parameters.engine,
+            engine: &self.engine,
             firing_seed: None,
             friction: DynoFriction::default(),
             limits: self.limits,
@@ -54,12 +77,12 @@ impl Case<'_> {
             prediction,
             spread: self.spread,
             pulses: &KnownPulses::Stated,
-            slowest_engine_control: 1.0,
-            friction: FrictionSpread::NONE,
+            slowest_engine_control: self.slowest_engine_control,
+            friction: self.friction,
             samples: self.samples,
-            seed,
+            seed: self.seed,
         };
-        check(&inputs, &|_, _| ()).unwrap()
+        check(&inputs, &|_, _| ())
     }
 }
 
@@ -88,7 +111,7 @@ fn exact_a_sine_test_trips_near_the_resonance_alone() {
     let held = (0.5 * omega * DEMAND_HOLD_S).sin() / (0.5 * omega * DEMAND_HOLD_S);
     let steady_nm = (140.0 - 60.0) / (model.demand_to_shaft(omega).unwrap().norm() * held);
     let plan = sine(1.3 * steady_nm);
-    let case = Case { plan: &plan, limits: shaft_limit(140.0), spread: BenchSpread::Prior(EXACT), samples: 1 };
+    let case = Case::of(&plan, shaft_limit(140.0));
     let checked = case.check();
     assert_eq!(checked.safety, Safety::Unsafe);
     let sines = checked.sines.unwrap();
@@ -104,7 +127,7 @@ fn exact_a_sine_test_trips_near_the_resonance_alone() {
 fn prop_proposed_amplitudes_pass_the_check() {
     let plan = sine(30.0);
     let limits = Limits { speed_rad_s: Some(2000.0 * RPM_RAD_S), ..shaft_limit(140.0) };
-    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 80 };
+    let case = Case { spread: BenchSpread::Prior(Prior::default()), samples: 80, ..Case::of(&plan, limits) };
     let checked = case.check();
     assert_eq!(checked.safety, Safety::Unsafe);
     let sines = checked.sines.unwrap();
@@ -112,12 +135,12 @@ fn prop_proposed_amplitudes_pass_the_check() {
     let safe_nm = |f: f64| sines.sines.iter().find(|sine| sine.frequency_hz == f).unwrap().safe_nm;
     assert!(safe_nm(18.0) < 30.0 && safe_nm(18.0) < 0.5 * safe_nm(5.0), "{sines:?}");
     let demands = sines.demands(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S)).unwrap();
-    let again = case.check_demands(&demands, 5);
+    let again = case.check_demands(&demands);
     assert_ne!(again.safety, Safety::Unsafe, "{:?}", of(&again, Quantity::ShaftTorque).reached);
     // Larger by half they do not.
     let larger: Vec<f64> = demands.dyno_torque_nm.iter().map(|torque| 60.0 + 1.5 * (torque - 60.0)).collect();
     let larger = Demands { dyno_torque_nm: larger, ..demands };
-    assert_eq!(case.check_demands(&larger, 5).safety, Safety::Unsafe);
+    assert_eq!(case.check_demands(&larger).safety, Safety::Unsafe);
 }
 
 #[test]
@@ -131,13 +154,13 @@ fn prop_a_gentle_experiment_is_safe_and_the_seed_decides() {
         speed_rad_s: Some(3000.0 * RPM_RAD_S),
         ..shaft_limit(150.0)
     };
-    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 80 };
+    let case = Case { spread: BenchSpread::Prior(Prior::default()), samples: 80, ..Case::of(&plan, limits) };
     let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
-    let one = case.check_demands(&demands, 5);
+    let one = case.check_demands(&demands);
     assert_eq!(one.safety, Safety::Safe, "{one:?}");
     assert_eq!(one.sines, None);
-    assert_eq!(one, case.check_demands(&demands, 5));
-    assert_ne!(one, case.check_demands(&demands, 6));
+    assert_eq!(one, case.check_demands(&demands));
+    assert_ne!(one, Case { seed: 6, ..case }.check_demands(&demands));
     // A demand changes by the difference of two draws every 10 ms, on every bench by the same.
     let steps = demands.dyno_torque_nm.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
     let slew = of(&one, Quantity::TorqueSlew);
@@ -148,14 +171,14 @@ fn prop_a_gentle_experiment_is_safe_and_the_seed_decides() {
 fn prop_what_is_not_stated_is_not_checked() {
     let plan = ExperimentPlan::step_t_tn(1200.0, 4.0);
     let prior = BenchSpread::Prior(Prior::default());
-    let checked = Case { plan: &plan, limits: Limits::default(), spread: prior, samples: 5 }.check();
+    let checked = Case { spread: prior, samples: 5, ..Case::of(&plan, Limits::default()) }.check();
     assert_eq!(checked.safety, Safety::NotChecked);
     assert!(checked.checked.iter().all(|checked| checked.reached.is_none()));
-    let few = Case { plan: &plan, limits: shaft_limit(500.0), spread: prior, samples: 5 }.check();
+    let few = Case { spread: prior, samples: 5, ..Case::of(&plan, shaft_limit(500.0)) }.check();
     assert_eq!((few.safety, of(&few, Quantity::TorqueDemand).safety()), (Safety::Risky, Safety::NotChecked));
     let ignition = Waveform::Square { first: 1.0, second: 0.6, dwell_s: 2.0 };
     let late = ExperimentPlan { ignition_efficiency: ignition, ..ExperimentPlan::bs_t_nt(1200.0, 4.0) };
-    let late = Case { plan: &late, limits: shaft_limit(500.0), spread: prior, samples: 2 }.check();
+    let late = Case { spread: prior, samples: 2, ..Case::of(&late, shaft_limit(500.0)) }.check();
     let hint = late.thermal.unwrap();
     assert!((hint.below_80_percent_s - 2.0).abs() < 1e-9 && (hint.mean_loss - 0.2).abs() < 1e-9, "{hint:?}");
     assert_eq!(few.thermal, None);
@@ -171,7 +194,7 @@ fn stat_probability_is_that_of_the_one_uncertain_parameter() {
     };
     let limits = Limits { time_at_resonance_s: Some(0.4), ..Limits::default() };
     let prior = Prior { damping: 0.0, engine_inertia: 0.0, ..Prior::default() };
-    let checked = Case { plan: &plan, limits, spread: BenchSpread::Prior(prior), samples: 2000 }.check();
+    let checked = Case { spread: BenchSpread::Prior(prior), samples: 2000, ..Case::of(&plan, limits) }.check();
     let found = of(&checked, Quantity::TimeAtResonance).reached.unwrap();
     // B is kept, so the peak lies a little below the natural frequency, by a factor that hardly changes.
     let nominal = bench_model::model::BenchModel::of(&sharp()).mechanics.resonance().frequency_hz;
@@ -192,24 +215,9 @@ fn normal_cdf(z: f64) -> f64 {
 #[test]
 fn exact_friction_counts_in_torque_control() {
     let plan = ExperimentPlan::step_t_tn(3000.0, 4.0);
-    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
-    let engine = BenchParameters::default().engine;
-    let (limits, friction) = (shaft_limit(140.0), DynoFriction::default());
-    let prediction = PredictionInputs {
-        plan: &plan,
-        demands: &demands,
-        model: &model,
-        engine: &engine,
-        firing_seed: None,
-        friction,
-        limits,
-    };
     let peak = |friction: FrictionSpread| {
-        let spread = BenchSpread::Prior(EXACT);
-        let pulses = &KnownPulses::Stated;
-        let inputs =
-            SafetyInputs { prediction, spread, pulses, slowest_engine_control: 1.0, friction, samples: 200, seed: 3 };
-        let checked = check(&inputs, &|_, _| ()).unwrap();
+        let engine = BenchParameters::default().engine;
+        let checked = Case { engine, friction, samples: 200, seed: 3, ..Case::of(&plan, shaft_limit(140.0)) }.check();
         [0.05, 0.95].map(|share| of(&checked, Quantity::ShaftTorque).quantile(share))
     };
     let without = peak(FrictionSpread::NONE)[0];
@@ -230,30 +238,10 @@ fn exact_friction_counts_in_torque_control() {
 #[test]
 fn prop_an_engine_of_slow_speed_control_damps_less() {
     let plan = sine(20.0);
-    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
-    let engine = BenchParameters::default().engine;
-    let (limits, friction) = (shaft_limit(140.0), DynoFriction::default());
-    let prediction = PredictionInputs {
-        plan: &plan,
-        demands: &demands,
-        model: &model,
-        engine: &engine,
-        firing_seed: None,
-        friction,
-        limits,
-    };
     let peak = |slowest_engine_control: f64| {
-        let spread = BenchSpread::Prior(EXACT);
-        let inputs = SafetyInputs {
-            prediction,
-            spread,
-            pulses: &KnownPulses::Stated,
-            slowest_engine_control,
-            friction: FrictionSpread::NONE,
-            samples: 20,
-            seed: 3,
-        };
-        let checked = check(&inputs, &|_, _| ()).unwrap();
+        let engine = BenchParameters::default().engine;
+        let case = Case { engine, slowest_engine_control, samples: 20, seed: 3, ..Case::of(&plan, shaft_limit(140.0)) };
+        let checked = case.check();
         let shaft = of(&checked, Quantity::ShaftTorque);
         (shaft.quantile(0.0), shaft.worst)
     };
@@ -273,7 +261,7 @@ fn prop_a_study_narrows_what_the_prior_leaves_open() {
     };
     let estimated = ModelUncertainty::new(&[part]).unwrap();
     let spread = |spread: BenchSpread<'_>| {
-        let checked = Case { plan: &plan, limits: shaft_limit(140.0), spread, samples: 40 }.check();
+        let checked = Case { spread, samples: 40, ..Case::of(&plan, shaft_limit(140.0)) }.check();
         let shaft = of(&checked, Quantity::ShaftTorque);
         shaft.quantile(0.95) - shaft.quantile(0.05)
     };
@@ -300,26 +288,9 @@ fn ref_exact_binomial_intervals() {
 fn regress_control_of_the_shaft_torque_is_refused() {
     let mut plan = ExperimentPlan::step_t_tn(1200.0, 1.0);
     plan.torque_target = TorqueTarget::Shaft;
-    let (parameters, demands) = (sharp(), Demands::of(&plan, 1, DEMAND_HOLD_S));
-    let (model, limits) = (bench_model::model::BenchModel::of(&parameters), Limits::default());
-    let prediction = PredictionInputs {
-        plan: &plan,
-        demands: &demands,
-        model: &model,
-        engine: &parameters.engine,
-        firing_seed: None,
-        friction: DynoFriction::default(),
-        limits,
-    };
-    let inputs = SafetyInputs {
-        prediction,
-        spread: BenchSpread::Prior(Prior::default()),
-        pulses: &KnownPulses::Stated,
-        slowest_engine_control: 1.0,
-        friction: FrictionSpread::NONE,
-        samples: 3,
-        seed: 1,
-    };
-    assert!(check(&inputs, &|_, _| ()).is_err());
-    assert!(check(&SafetyInputs { samples: 0, ..inputs }, &|_, _| ()).is_err());
+    let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
+    assert!(Case { samples: 3, ..Case::of(&plan, Limits::default()) }.result(&demands).is_err());
+    plan.torque_target = TorqueTarget::AirGap;
+    assert!(Case { samples: 3, ..Case::of(&plan, Limits::default()) }.result(&demands).is_ok());
+    assert!(Case { samples: 0, ..Case::of(&plan, Limits::default()) }.result(&demands).is_err());
 }

@@ -16,20 +16,23 @@ Examples:
   dynoid export study/model.json --to fmu3 --out TestCell4.fmu
   dynoid export arx.json --to fmu2
 
-A bench model goes to every target, a model of `dynoid fit` to all but linear.
+A bench model goes to every target, a model of `dynoid fit` to all but linear and ssp.
 MODEL may also be an FMU that this command made.
 
 Files written, NAME being the name of the bench or of --out:
   mat       NAME.mat with matrices, names, units and covariance, and NAME.m, a function
             that makes state-space systems of it and draws them; it also runs in Octave
-  modelica  NAME.mo, a package of the mechanics, torque control and speed controller
+  modelica  NAME.mo, a package of the mechanics, torque control and speed controller,
+            with signals or with the flange of the engine
   python    NAME.py, which simulates the bench as dynoid does; it needs numpy alone
   fmu2      NAME_fmi2.fmu, FMI 2.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS;
             with the report that is in the folder of the model
   fmu3      NAME_fmi3.fmu, the same for FMI 3.0
   c         NAME.h with the numbers, the sources bench.c and matrix.c (linear.c of a linear model)
             with headers, NAME_example.c
-  ssv       NAME.ssv, the parameters for SSP 2.0, and NAME_uncertainty.ssv
+  ssp       NAME.ssp, a system of SSP 1.0: the FMU (FMI 2.0) with its parameters, connected to the
+            place of an engine
+  ssv       NAME.ssv, the parameters for SSP 1.0, and NAME_uncertainty.ssv
   linear    NAME_tn_torques.json, NAME_tn_speeds.json and NAME_nt.json, model files
 
 Models of other names fit into one folder. A file of an earlier export is replaced, and the command
@@ -68,6 +71,8 @@ pub(crate) enum ExportTarget {
     Fmu3,
     /// C99
     C,
+    /// SSP system with the bench and the place of an engine
+    Ssp,
     /// SSP parameter sets
     Ssv,
     /// Linear models for `dynoid model`
@@ -87,7 +92,7 @@ impl ExportTarget {
     /// Whether its main file can have this name as it is. In the other targets it names what is in it, which takes fewer names.
     pub(crate) fn takes_name(self, name: &str) -> bool {
         match self {
-            ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssv => true,
+            ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssp | ExportTarget::Ssv => true,
             ExportTarget::Python | ExportTarget::Mat => Names::of(name).file == name.to_ascii_lowercase(),
             ExportTarget::C => name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
             ExportTarget::Modelica | ExportTarget::Linear => false,
@@ -102,6 +107,7 @@ impl ExportTarget {
             ExportTarget::Python => "py",
             ExportTarget::Fmu2 | ExportTarget::Fmu3 => "fmu",
             ExportTarget::C => "h",
+            ExportTarget::Ssp => "ssp",
             ExportTarget::Ssv => "ssv",
             ExportTarget::Linear => "json",
         }

@@ -23,7 +23,7 @@ const OTHER_WORDS: [(&str, &str); 13] = [
 ];
 
 /// Programs and formats, and the target of an export for them.
-const OTHER_TARGETS: [(&str, &str); 10] = [
+const OTHER_TARGETS: [(&str, &str); 9] = [
     (
         "simulink",
         "for Simulink give --to fmu2 or --to fmu3, an FMU for its block `FMU`, or --to mat for state-space systems",
@@ -35,7 +35,6 @@ const OTHER_TARGETS: [(&str, &str); 10] = [
     ("dymola", "for Dymola give --to modelica, or --to fmu2"),
     ("openmodelica", "for OpenModelica give --to modelica"),
     ("amesim", "for Amesim give --to fmu2"),
-    ("ssp", "for SSP give --to ssv"),
     ("json", "give --to linear, which writes model files"),
 ];
 

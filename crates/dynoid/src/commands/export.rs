@@ -23,7 +23,7 @@ use crate::this_run;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Endings of files, which are no names of folders.
-const OTHER_ENDINGS: [&str; 12] = ["c", "csv", "fmu", "h", "html", "json", "m", "mat", "mo", "py", "ssv", "txt"];
+const OTHER_ENDINGS: [&str; 13] = ["c", "csv", "fmu", "h", "html", "json", "m", "mat", "mo", "py", "ssp", "ssv", "txt"];
 
 /// `dynoid export`
 pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -75,6 +75,9 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
         (Source::Bench(document), ExportTarget::Linear) => linear(document, names),
         (Source::Bench(document), ExportTarget::Fmu2) => fmu(document, FmiVersion::V2, arguments, names),
         (Source::Bench(document), ExportTarget::Fmu3) => fmu(document, FmiVersion::V3, arguments, names),
+        (Source::Bench(document), ExportTarget::Ssp) => {
+            Ok(vec![export::fmu::ssp(document, names, report(arguments).as_deref())?])
+        }
         (Source::Bench(document), ExportTarget::C) => export::fmu::c_files(document, names),
         (Source::Linear(document), ExportTarget::Mat) => export::matlab::linear(document, names, VERSION),
         (Source::Linear(document), ExportTarget::Modelica) => {
@@ -86,18 +89,23 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
         (Source::Linear(document), ExportTarget::C) => export::fmu::linear_c_files(document, names, VERSION),
         (Source::Linear(document), ExportTarget::Ssv) => export::ssv::linear(document, names, VERSION),
         (Source::Linear(_), ExportTarget::Linear) => Err(ExportError::BenchOnly { target: "linear" }),
+        (Source::Linear(_), ExportTarget::Ssp) => Err(ExportError::BenchOnly { target: "ssp" }),
     }
 }
 
-/// An FMU, with the report that is in the folder of the model.
+/// An FMU, with the report.
 fn fmu(
     document: &BenchModelDocument,
     version: FmiVersion,
     arguments: &ExportArguments,
     names: &Names,
 ) -> Result<Vec<ExportedFile>, ExportError> {
-    let report = std::fs::read(arguments.model.with_file_name(REPORT)).ok();
-    Ok(vec![export::fmu::fmu(document, names, version, report.as_deref())?])
+    Ok(vec![export::fmu::fmu(document, names, version, report(arguments).as_deref())?])
+}
+
+/// The report that is in the folder of the model.
+fn report(arguments: &ExportArguments) -> Option<Vec<u8>> {
+    std::fs::read(arguments.model.with_file_name(REPORT)).ok()
 }
 
 fn linear_fmu(document: &ModelDocument, fmi: FmiVersion, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {

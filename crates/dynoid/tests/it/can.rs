@@ -8,8 +8,11 @@ const LIMITS: &str = "[limits]\ntorque = \"400 Nm\"\nshaft_torque = \"600 Nm\"\n
     torque_slew = \"30000 Nm/s\"\ntime_at_resonance = \"600 s\"\npower = \"150 kW\"\nspeed_gradient = \"6000 rpm/s\"\n\
     [shaft]\nresonance = \"18 Hz\"\n";
 
-const MAP: &str =
+pub(crate) const MAP: &str =
     "speed [rpm],torque [Nm]\n700,120\n1000,150\n1500,175\n2000,190\n3000,200\n4000,190\n5000,170\n5800,140\n6200,60\n";
+
+pub(crate) const CAR: &str = "[vehicle]\nmass_kg = 1500\nrolling_resistance = 0.01\ndrag_area_m2 = 0.65\ntyre_radius_m = 0.31\n\
+    axle_ratio = 3.9\n[gears]\nratios = [3.5, 2.0, 1.35, 1.0, 0.8]\nup_rpm = 2400\ndown_rpm = 1100\nidle_rpm = 800\n";
 
 /// Speed, rpm, and torque, Nm, of a cycle of one's own at a second.
 fn level(second: f64) -> (f64, f64) {
@@ -19,7 +22,7 @@ fn level(second: f64) -> (f64, f64) {
 }
 
 /// A bench, an engine map, and a cycle of a minute with its demands.
-fn campaign() -> Campaign {
+pub(crate) fn campaign() -> Campaign {
     let campaign = Campaign::empty();
     campaign.write("bench.toml", BENCH.replace("[channels]", &format!("{LIMITS}\n[channels]")).as_bytes());
     campaign.write("engine.csv", MAP.as_bytes());
@@ -349,7 +352,7 @@ fn regress_a_torque_beyond_the_map_is_the_engine_s() {
 }
 
 #[test]
-#[ignore = "slow: half an hour of a cycle on 72 benches"]
+#[ignore = "slow: half an hour of a cycle on 72 benches; every_command.rs has the first minute"]
 fn exact_the_command_of_the_readme_runs() {
     let campaign = campaign();
     let readme = include_str!("../../../../README.md");
@@ -513,11 +516,7 @@ fn exact_phase_amplitude_and_heat_of_the_drive_are_judged() {
 #[test]
 fn exact_a_vehicle_runs_its_schedule() {
     let campaign = campaign();
-    campaign.write(
-        "car.toml",
-        b"[vehicle]\nmass_kg = 1500\nrolling_resistance = 0.01\ndrag_area_m2 = 0.65\ntyre_radius_m = 0.31\naxle_ratio = 3.9\n\
-        [gears]\nratios = [3.5, 2.0, 1.35, 1.0, 0.8]\nup_rpm = 2400\ndown_rpm = 1100\nidle_rpm = 800\n",
-    );
+    campaign.write("car.toml", CAR.as_bytes());
     let ran = campaign.run(&["can", "bench.toml", "udds", "--vehicle", "car.toml", "--samples", "72", "--json"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     let json = ran.json();

@@ -21,6 +21,7 @@ fn exact_a_bench_model_goes_to_every_target() {
         ("mat", &["test_bench.mat", "test_bench.m"][..]),
         ("modelica", &["TestBench.mo"]),
         ("python", &["test_bench.py"]),
+        ("ssp", &["test_bench.ssp"]),
         ("ssv", &["test_bench.ssv", "test_bench_uncertainty.ssv"]),
         ("linear", &["test_bench_tn_torques.json", "test_bench_tn_speeds.json", "test_bench_nt.json"]),
     ] {
@@ -36,6 +37,8 @@ fn exact_a_bench_model_goes_to_every_target() {
     done(&export(&["--to", "mat", "--out", "exports"]));
     done(&export(&["--to", "python", "--out", "cell4.py"]));
     assert!(campaign.read("cell4.py").contains("from cell4 import Bench"));
+    done(&export(&["--to", "ssp", "--out", "Prüfstand 4.ssp"]));
+    assert!(campaign.path("Prüfstand 4.ssp").is_file());
     done(&export(&["--to", "ssv", "--draws", "3", "--out", "draws"]));
     assert!(campaign.path("draws/test_bench_draw_3.ssv").is_file());
 }
@@ -274,7 +277,9 @@ fn exact_models_of_a_fit_go_to_all_targets_but_linear() {
         done(&campaign.run(&["export", "arx.json", "--to", target]));
         assert!(campaign.path(file).is_file(), "{file}");
     }
-    campaign.run(&["export", "arx.json", "--to", "linear"]).assert_refused(3, &["arx.json", "bench models alone"]);
+    for target in ["linear", "ssp"] {
+        campaign.run(&["export", "arx.json", "--to", target]).assert_refused(3, &["arx.json", "bench models alone"]);
+    }
     // The model comes back out of its FMU.
     done(&campaign.run(&["export", "arx_fmi2.fmu", "--to", "python", "--out", "again.py"]));
     let numbers = |file: &str| {

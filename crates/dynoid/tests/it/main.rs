@@ -11,6 +11,7 @@ mod datasets;
 mod demo;
 mod diff;
 mod engine;
+mod every_command;
 mod experiment;
 mod export;
 mod figures;

@@ -2,19 +2,17 @@
 
 use std::time::{Duration, Instant};
 
-use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance};
-use bench_model::model::{
-    AssembledModel, BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
-    PiController, TorqueControlModel,
-};
+use bench_model::document::BenchModelDocument;
+use bench_model::model::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 use bench_model::prediction::PredictionInputs;
+use bench_testkit::documents;
 use design::safety::{BenchSpread, FrictionSpread, SafetyInputs, check};
 use export::names::Names;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
 use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use rig::facts::{BenchFacts, BenchVariant, Engine};
+use rig::facts::Engine;
 use serde_json::Value;
 use toolbox_report::models::{Model, bode};
 
@@ -48,45 +46,10 @@ fn valid() -> Value {
         torque_limit_nm: Some(400.0),
         encoder_gate_s: 1.2e-3,
     };
-    let shaft = PartCovariance {
-        parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
-        covariance: vec![vec![36.0, 0.3], vec![0.3, 0.04]],
-        degrees_of_freedom: 40.0,
-    };
-    let controller = PartCovariance {
-        parameters: vec![ModelParameter::Proportional, ModelParameter::Integral, ModelParameter::ControllerDelay],
-        covariance: vec![vec![1e-4, 2e-5, 0.0], vec![2e-5, 4e-4, 0.0], vec![0.0, 0.0, 1e-10]],
-        degrees_of_freedom: 29.0,
-    };
-    let uncertainty = ModelUncertainty::new(&[shaft, controller]).unwrap();
-    let facts = BenchFacts {
-        name: "Test cell".into(),
-        variant: BenchVariant::LoadCell,
-        cylinders: 4,
-        strokes: 4,
-        dynamometer_inertia_kg_m2: 0.6,
-        dynamometer_inertia_uncertainty_percent: Some(1.0),
-        engine_inertia_kg_m2: 0.28,
-        engine_inertia_uncertainty_percent: Some(2.0),
-        torque_limit_nm: Some(400.0),
-        shaft_torque_limit_nm: Some(600.0),
-        speed_limit_rad_s: Some(628.3),
-    };
-    let provenance = Provenance {
-        dynoid_version: "0.1.0".into(),
-        date: "2026-05-03".into(),
-        bench_file: BenchFileOrigin { name: "bench.toml".into(), sha256: "00".into() },
-        recordings: Vec::new(),
-        seed: None,
-        verdict: None,
-    };
+    let mut document = documents::of_model(model);
     let mut pulses = EnginePulses::prior(Engine { cylinders: 4, strokes: 4 }, 0.28);
     pulses.harmonics.truncate(2);
-    let assembled = AssembledModel { model, uncertainty, engine_pulses: Some(pulses) };
-    let mut document = BenchModelDocument::new(assembled, facts, provenance);
-    document.validity.dyno_speed_rad_s = Some((80.0, 260.0));
-    document.validity.air_gap_torque_nm = Some((-50.0, 220.0));
-    document.validity.frequency_hz = Some((0.5, 60.0));
+    document.engine_pulses = Some(pulses);
     serde_json::from_str(&document.to_json().unwrap()).unwrap()
 }
 

@@ -56,6 +56,7 @@ const WRITERS: &[Writer] = &[
     folder("export bench.json --to mat --out OUT", &["test_bench.mat", "test_bench.m"]),
     folder("export bench.json --to modelica --out OUT", &["TestBench.mo"]),
     folder("export bench.json --to python --out OUT", &["test_bench.py"]),
+    folder("export bench.json --to ssp --out OUT", &["test_bench.ssp"]),
     folder("export bench.json --to ssv --out OUT", &["test_bench.ssv", "test_bench_uncertainty.ssv"]),
     folder("export bench.json --to linear --out OUT", &["test_bench_nt.json"]),
     folder("export bench.json --to fmu2 --out OUT", &["test_bench_fmi2.fmu"]),

@@ -85,25 +85,29 @@ impl<'a> Description<'a> {
         self.variables.iter().position(|variable| variable.reference == wanted.reference).map_or(0, |index| index + 1)
     }
 
-    /// The variables that an output, or a derivative, depends on; outputs of the controller's samples on none.
-    pub(super) fn dependencies(&self, of: &Variable) -> Vec<&Variable> {
-        let wanted: &[&str] = match (of.role, of.name.as_str()) {
-            (_, "shaft_torque") => &["dyno_side_speed", "engine_side_speed", "twist"],
-            (_, "air_gap_torque") => &["lagged_torque"],
-            (_, "der(dyno_side_speed)") => &["dyno_side_speed", "engine_side_speed", "twist", "lagged_torque"],
-            (_, "der(engine_side_speed)") => &["engine_torque", "dyno_side_speed", "engine_side_speed", "twist"],
-            (_, "der(twist)") => &["dyno_side_speed", "engine_side_speed"],
-            (_, "der(lagged_torque)") => &["lagged_torque"],
-            (_, "der(dyno_angle)") => &["dyno_side_speed"],
-            (_, "der(engine_angle)") => &["engine_side_speed"],
+    /// The inputs, states and parameters that an output, or a derivative, depends on; outputs of the controller's samples on none.
+    pub(super) fn dependencies(&self, of: &Variable) -> impl Iterator<Item = &Variable> {
+        let wanted: &[&str] = match of.name.as_str() {
+            "shaft_torque" => &["K", "B", "dyno_side_speed", "engine_side_speed", "twist"],
+            "air_gap_torque" => &["lagged_torque"],
+            "der(dyno_side_speed)" => {
+                &["J_d", "K", "B", "dyno_side_speed", "engine_side_speed", "twist", "lagged_torque"]
+            }
+            "der(engine_side_speed)" => {
+                &["engine_torque", "J_e", "K", "B", "dyno_side_speed", "engine_side_speed", "twist"]
+            }
+            "engine_side_speed" | "der(engine_angle)" => &["engine_side_speed"],
+            "der(twist)" => &["dyno_side_speed", "engine_side_speed"],
+            "der(lagged_torque)" => &["a", "lagged_torque"],
+            "der(dyno_angle)" => &["dyno_side_speed"],
             _ => &[],
         };
-        self.variables.iter().filter(|variable| wanted.contains(&variable.name.as_str())).collect()
+        self.variables.iter().filter(|variable| wanted.contains(&variable.name.as_str()))
     }
 
     /// Outputs, in order.
     pub(super) fn outputs(&self) -> impl Iterator<Item = &Variable> {
-        self.variables.iter().filter(|variable| matches!(variable.role, Role::Output | Role::Sampled))
+        self.variables.iter().filter(|variable| variable.is_output())
     }
 
     /// Derivatives of the states, in order.
@@ -182,6 +186,7 @@ pub(super) fn causality(role: Role) -> (&'static str, &'static str, Option<&'sta
         Role::Tunable => ("parameter", "tunable", Some("exact")),
         Role::Output => ("output", "continuous", Some("calculated")),
         Role::Sampled => ("output", "discrete", Some("calculated")),
+        Role::OutputState => ("output", "continuous", Some("calculated")),
         Role::State | Role::Derivative(_) => ("local", "continuous", Some("calculated")),
     }
 }

@@ -8,13 +8,13 @@ use crate::xml::escaped;
 /// `documentation/index.html`.
 pub(super) fn page(description: &Description<'_>) -> String {
     let title = escaped(&description.document.bench.name);
-    let rows = |wanted: fn(Role) -> bool| -> String {
-        description.variables.iter().filter(|variable| wanted(variable.role)).map(row).collect()
+    let rows = |wanted: fn(&Variable) -> bool| -> String {
+        description.variables.iter().filter(|variable| wanted(variable)).map(row).collect()
     };
-    let inputs = rows(|role| role == Role::Input);
-    let outputs = rows(|role| matches!(role, Role::Output | Role::Sampled));
-    let parameters = rows(|role| matches!(role, Role::Fixed | Role::Tunable));
-    let states = rows(|role| role == Role::State);
+    let inputs = rows(|variable| variable.role == Role::Input);
+    let outputs = rows(Variable::is_output);
+    let parameters = rows(Variable::is_parameter);
+    let states = rows(|variable| variable.role == Role::State);
     let draws = description.numbers.draws.len();
     let lead = crate::numbers::demand_lead_sentence(&description.document.model);
     let lead = lead.map_or_else(String::new, |words| format!("<p>{}</p>\n", escaped(&words)));

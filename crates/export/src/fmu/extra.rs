@@ -5,8 +5,8 @@ use bench_model::document::BenchModelDocument;
 use super::description::attribute;
 use super::numbers::BenchNumbers;
 use super::{csv, reference};
-use crate::ExportError;
 use crate::numbers::covariance;
+use crate::{ExportError, ssv};
 
 /// The folder below `extra`.
 pub(super) const FOLDER: &str = "org.fmi-standard.fmi-ls-ref";
@@ -113,21 +113,24 @@ fn manifest(related: &[Related]) -> String {
     )
 }
 
-/// The draws as a parameter set of SSP 2.0: for each parameter an array with one number a draw.
+/// The draws as a parameter set of SSP 2.0, which has arrays: for each parameter one number a draw.
 fn draws_ssv(document: &BenchModelDocument, numbers: &BenchNumbers) -> Related {
+    let unit_of = |name: &str| numbers.parameters.iter().find(|one| one.name == name).map(|one| one.unit);
+    let dimension = format!("<ssc:Dimension{}/>", attribute("size", &numbers.draws.len().to_string()));
     let parameter = |(column, name): (usize, &&str)| {
         let values: Vec<String> = numbers.draws.iter().map(|row| csv::number(row[column])).collect();
-        let unit = numbers.parameters.iter().find(|parameter| parameter.name == *name);
-        let unit = unit.map_or_else(String::new, |parameter| attribute("unit", parameter.unit.modelica()));
+        let unit = unit_of(name).map_or_else(String::new, |unit| attribute("unit", unit.modelica()));
         let (name, values) = (attribute("name", name), attribute("value", &values.join(" ")));
-        format!("    <ssv:Parameter{name}><ssv:Float64{values}{unit}/></ssv:Parameter>\n")
+        format!("    <ssv:Parameter{name}><ssv:Float64{values}{unit}/>{dimension}</ssv:Parameter>\n")
     };
     let parameters: String = numbers.drawn.iter().enumerate().map(parameter).collect();
+    let units = ssv::units(numbers.drawn.iter().filter_map(|name| unit_of(name)));
     let name = attribute("name", &format!("{}: draws", document.bench.name));
     let text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <ssv:ParameterSet xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
-         version=\"2.0\"{name}>\n  <ssv:Parameters>\n{parameters}  </ssv:Parameters>\n</ssv:ParameterSet>\n"
+         xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" version=\"2.0\"{name}>\n  \
+         <ssv:Parameters>\n{parameters}  </ssv:Parameters>\n  <ssv:Units>\n{units}  </ssv:Units>\n</ssv:ParameterSet>\n"
     );
     Related {
         name: "draws.ssv",

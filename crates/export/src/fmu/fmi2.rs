@@ -36,12 +36,12 @@ pub(super) fn source_files(runtime: Runtime) -> String {
 
 fn interfaces() -> String {
     let runtime = Runtime::Bench;
-    let common =
-        "canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
+    let common = "canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\" \
+         canSerializeFMUstate=\"true\" providesDirectionalDerivative=\"true\"";
     let files = source_files(runtime);
     let identifier = attribute("modelIdentifier", runtime.identifier());
     format!(
-        "  <ModelExchange{identifier} {common} providesDirectionalDerivative=\"true\">\n{files}  </ModelExchange>\n  \
+        "  <ModelExchange{identifier} {common}>\n{files}  </ModelExchange>\n  \
          <CoSimulation{identifier} {common} canHandleVariableCommunicationStepSize=\"true\" \
          canInterpolateInputs=\"true\">\n{files}  </CoSimulation>\n"
     )
@@ -78,8 +78,9 @@ fn typed(description: &Description<'_>, variable: &Variable) -> String {
 
 fn structure(description: &Description<'_>) -> String {
     let unknown = |variable: &Variable| {
-        let known = description.dependencies(variable);
-        let known: Vec<String> = known.into_iter().map(|other| description.position(other).to_string()).collect();
+        // In FMI 2.0 parameters are no knowns of these.
+        let known = description.dependencies(variable).filter(|other| !other.is_parameter());
+        let known: Vec<String> = known.map(|other| description.position(other).to_string()).collect();
         let index = attribute("index", &description.position(variable).to_string());
         format!("      <Unknown{index}{}/>\n", attribute("dependencies", &known.join(" ")))
     };

@@ -32,10 +32,10 @@ const TYPES: &str = "  <TypeDefinitions>\n    \
 fn interfaces(step: &str) -> String {
     let runtime = Runtime::Bench;
     let identifier = attribute("modelIdentifier", runtime.identifier());
-    let common = "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"";
+    let common = "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\" \
+         providesDirectionalDerivatives=\"true\" providesAdjointDerivatives=\"true\"";
     format!(
-        "  <ModelExchange{identifier} {common} providesDirectionalDerivatives=\"true\" \
-         providesAdjointDerivatives=\"true\"/>\n  \
+        "  <ModelExchange{identifier} {common}/>\n  \
          <CoSimulation{identifier} {common} canHandleVariableCommunicationStepSize=\"true\"{}/>\n",
         attribute("fixedInternalStepSize", step)
     )
@@ -73,8 +73,7 @@ fn variable(variable: &Variable) -> String {
 
 fn structure(description: &Description<'_>) -> String {
     let entry = |element: &str, variable: &Variable| {
-        let known: Vec<String> =
-            description.dependencies(variable).into_iter().map(|other| other.reference.to_string()).collect();
+        let known: Vec<String> = description.dependencies(variable).map(|other| other.reference.to_string()).collect();
         let reference = attribute("valueReference", &variable.reference.to_string());
         format!("    <{element}{reference}{}/>\n", attribute("dependencies", &known.join(" ")))
     };

@@ -17,6 +17,7 @@ mod platforms;
 mod reference;
 mod resource;
 mod sources;
+mod ssp;
 mod unpack;
 mod variables;
 
@@ -31,6 +32,7 @@ use numbers::BenchNumbers;
 pub use numbers::DRAWS;
 pub use platforms::FmiVersion;
 use platforms::Runtime;
+pub use ssp::ssp;
 
 const DESCRIPTION: &str = "modelDescription.xml";
 

@@ -16,8 +16,16 @@ macro_rules! runtime {
 /// What a program in C needs: the bench without FMI.
 const BENCH: [(&str, &str); 4] = runtime!["bench.c", "bench.h", "matrix.c", "matrix.h"];
 /// What an FMU of a bench needs beyond it.
-const BENCH_FMU: [(&str, &str); 7] =
-    runtime!["exchange.c", "instance.c", "model_file.c", "states.c", "variables.c", "instance.h", "model_file.h"];
+const BENCH_FMU: [(&str, &str); 8] = runtime![
+    "derivatives.c",
+    "exchange.c",
+    "instance.c",
+    "model_file.c",
+    "states.c",
+    "variables.c",
+    "instance.h",
+    "model_file.h",
+];
 /// What a program in C needs of a linear model.
 const LINEAR: [(&str, &str); 2] = runtime!["linear.c", "linear.h"];
 /// What an FMU of a linear model needs beyond it.

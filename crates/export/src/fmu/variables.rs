@@ -20,6 +20,8 @@ pub(super) enum Role {
     Sampled,
     /// A continuous state.
     State,
+    /// A continuous state that other models are connected to.
+    OutputState,
     /// The derivative of the state with this reference.
     Derivative(u32),
 }
@@ -64,6 +66,10 @@ const INITIAL: u32 = 30;
 const STATE: u32 = 60;
 /// Usual torque of a bench whose model has no range, Nm.
 const NOMINAL_NM: f64 = 100.0;
+/// The input that a model of the engine gives.
+pub(super) const ENGINE_TORQUE: &str = "engine_torque";
+/// The state that it needs.
+pub(super) const ENGINE_SIDE_SPEED: &str = "engine_side_speed";
 /// What the reference of a derivative is beyond that of its state.
 const TO_DERIVATIVE: u32 = 10;
 
@@ -105,7 +111,17 @@ impl Variable {
 
     /// Whether an importer learns its first value from the FMU.
     pub(super) fn is_calculated(&self) -> bool {
-        matches!(self.role, Role::Output | Role::Sampled | Role::State | Role::Derivative(_))
+        matches!(self.role, Role::Output | Role::Sampled | Role::State | Role::OutputState | Role::Derivative(_))
+    }
+
+    /// Whether it is an output.
+    pub(super) fn is_output(&self) -> bool {
+        matches!(self.role, Role::Output | Role::Sampled | Role::OutputState)
+    }
+
+    /// Whether it is a parameter.
+    pub(super) fn is_parameter(&self) -> bool {
+        matches!(self.role, Role::Fixed | Role::Tunable)
     }
 }
 
@@ -147,7 +163,7 @@ fn inputs(numbers: &BenchNumbers) -> Vec<Variable> {
             numbers.start_nm,
             "T_d*, in torque control; sampled as well; positive brakes",
         ),
-        input(3, "engine_torque", Unit::Torque.into(), numbers.start_nm, "T_e"),
+        input(3, ENGINE_TORQUE, Unit::Torque.into(), numbers.start_nm, "T_e"),
         input(4, "engine_torque_rate", TORQUE_RATE, 0.0, "slope of T_e within the next step (Co-Simulation alone)"),
     ]
 }
@@ -212,14 +228,15 @@ fn outputs() -> [Variable; 6] {
 fn states() -> Vec<Variable> {
     let states: [(&str, Unit, FmiUnit, &str); 6] = [
         ("dyno_side_speed", Unit::Speed, ACCELERATION, "speed of the dynamometer itself"),
-        ("engine_side_speed", Unit::Speed, ACCELERATION, "speed of the engine itself"),
+        (ENGINE_SIDE_SPEED, Unit::Speed, ACCELERATION, "speed of the engine itself, at its flange"),
         ("twist", Unit::Angle, Unit::Speed.into(), "twist of the shaft"),
         ("lagged_torque", Unit::Torque, TORQUE_RATE, "T_d, where the torque control has a lag"),
         ("dyno_angle", Unit::Angle, Unit::Speed.into(), "angle of the dynamometer, less whole multiples of 1024 rad"),
         ("engine_angle", Unit::Angle, Unit::Speed.into(), "angle of the engine, less whole multiples of 1024 rad"),
     ];
     let pair = |(reference, (name, unit, slope, description)): (u32, (&str, Unit, FmiUnit, &str))| {
-        let state = Variable::new(reference, name, Role::State, real(unit, None), description);
+        let role = if name == ENGINE_SIDE_SPEED { Role::OutputState } else { Role::State };
+        let state = Variable::new(reference, name, role, real(unit, None), description);
         let name = format!("der({name})");
         let derivative = Role::Derivative(reference);
         let slope = Variable::new(reference + TO_DERIVATIVE, &name, derivative, real(slope, None), "its derivative");

@@ -13,17 +13,23 @@ use crate::start::{start_nm, start_rad_s};
 
 const PACKAGE: &str = include_str!("bench.mo");
 const CONTROL: &str = include_str!("control.mo");
+const FLANGE: &str = include_str!("flange.mo");
+const FLANGE_EQUATIONS: &str = include_str!("flange_equations.mo");
+const ICON: &str = include_str!("icon.mo");
 const PLANT: [&str; 7] = ["J_d", "J_e", "K", "B", "tau_t", "a", "T_gate"];
 const CONTROLLER: [&str; 7] = ["K_p", "K_i", "tau_c", "k", "k_a", "T_s", "T_limit"];
 
 /// The file `NAME.mo`, a package with the models `Plant` and, where the bench has a speed controller, `SpeedController` and
-/// `SpeedControl`.
+/// `SpeedControl`. `PlantFlange` and `SpeedControlFlange` have connectors of the Modelica Standard Library; the others do not need it.
 #[must_use]
 pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
     let model = &document.model;
     let control = model.torque_control.and(model.speed_controller);
     let package = plant(PACKAGE, document)
         .replace("@CONTROL@", &control.map_or_else(String::new, |pi| controller(model, &pi)))
+        .replace("@FLANGE@", FLANGE)
+        .replace("@FLANGE_EQUATIONS@", FLANGE_EQUATIONS)
+        .replace("@ICON@", ICON)
         .replace("@W_START@", &number(start_rad_s(&document.validity)))
         .replace("@T_START@", &number(start_nm(&document.validity)))
         .replace("@CLASS@", &names.class)

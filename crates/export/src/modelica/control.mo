@@ -19,7 +19,7 @@
 @FED_EQUATIONS@      integrator = @INTEGRATOR@;
     end when;
     T_d_demand = @LIMITED@;
-  end SpeedController;
+@ICON@  end SpeedController;
 
   model SpeedControl "The bench in speed control (NT)"
     parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
@@ -43,4 +43,18 @@
     T_d = plant.T_d;
     T_shaft = plant.T_shaft;
     valid = plant.valid;
-  end SpeedControl;
+@ICON@  end SpeedControl;
+
+  model SpeedControlFlange "SpeedControl with the flange of the engine, for Modelica.Mechanics.Rotational"
+    parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
+    parameter Real T_start(unit = "N.m") = @T_START@ "torque at the start";
+    Modelica.Blocks.Interfaces.RealInput w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@"
+      annotation (Placement(transformation(extent = {{-120, -10}, {-100, 10}})));
+@FLANGE@
+    SpeedController controller(w_start = w_start, T_start = T_start);
+  equation
+    controller.w_d_demand = w_d_demand;
+    controller.w_d = plant.w_d_read;
+    plant.T_d_demand = controller.T_d_demand;
+@FLANGE_EQUATIONS@
+@ICON@  end SpeedControlFlange;

@@ -1,4 +1,4 @@
-//! Models as one Modelica file each, without the Modelica Standard Library.
+//! Models as one Modelica file each. All but the models with a flange go without the Modelica Standard Library.
 
 mod bench;
 mod linear;

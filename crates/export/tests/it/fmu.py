@@ -1,7 +1,6 @@
 """FMUs in FMPy: validated, simulated as slaves and by CVode, and built from their sources. Prints NAME DIFFERENCE."""
 
 import contextlib
-import ctypes
 import json
 import os
 import pathlib
@@ -165,35 +164,6 @@ def is_valid(slave):
     return bool(values[0])
 
 
-def derived(path, unzipped):
-    """The largest difference between directional derivatives and differences of derivatives, which are linear."""
-    description = read_model_description(path)
-    is_fmi2 = description.fmiVersion == "2.0"
-    fmu = instance(description, unzipped, "modelExchange")
-    if is_fmi2:
-        fmu.setupExperiment(startTime=0.0)
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
-    (fmu.newDiscreteStates if is_fmi2 else fmu.updateDiscreteStates)()
-    fmu.enterContinuousTimeMode()
-    states, unknowns = list(range(60, 66)), list(range(70, 76)) + [52, 53]
-
-    def values(x):
-        array = (ctypes.c_double * 6)(*x)
-        fmu.setContinuousStates(array, 6)
-        return np.array((fmu.getReal if is_fmi2 else fmu.getFloat64)(unknowns))
-
-    start, most = np.array([100.0, 100.0, 0.01, 20.0, 0.0, 0.0]), 0.0
-    for column, state in enumerate(states):
-        moved = start.copy()
-        moved[column] += 1.0
-        slope = np.array(fmu.getDirectionalDerivative(unknowns, [state], [1.0]))
-        most = max(most, np.abs(values(moved) - values(start) - slope).max() / max(np.abs(slope).max(), 1.0))
-    fmu.terminate()
-    fmu.freeInstance()
-    return most
-
-
 def main(folder):
     document = json.loads((folder / "cases.json").read_text())
     parameters = document["parameters"]
@@ -208,7 +178,6 @@ def main(folder):
         unzipped = extract(path)
         if document["compile"]:
             print(version, "draw 7", drawn(path, unzipped))
-            print(version, "directional derivatives", derived(path, unzipped))
         for case in document["cases"]:
             has_lag = parameters["a"] > 0.0
             rows = stepped(path, unzipped, case, parameters)

@@ -260,6 +260,28 @@ fn ref_fmpy_simulates_an_fmu_as_the_program_does() {
     }
 }
 
+/// With a lag of the torque control and without.
+#[test]
+fn ref_directional_derivatives_are_those_of_finite_differences() {
+    let bench = |name: &str, document: &BenchModelDocument, version| ExportedFile {
+        name: name.to_owned(),
+        content: made(document, version),
+    };
+    let without_lag = with_model(late_demands());
+    let folder = folder_with(
+        "fmu_derivatives",
+        &[
+            bench("fmi2.fmu", &document(), FmiVersion::V2),
+            bench("fmi3.fmu", &document(), FmiVersion::V3),
+            bench("without_lag.fmu", &without_lag, FmiVersion::V3),
+        ],
+    );
+    if let Some(lines) = run("derivatives.py", &folder) {
+        println!("{lines}");
+        assert!(largest(&lines) < 1e-6, "{lines}");
+    }
+}
+
 #[test]
 fn ref_an_fmu_has_fractional_delays_gates_and_late_demands() {
     let model = late_demands();

@@ -104,7 +104,10 @@ static void wrong_steps(void) {
     FAILS(fmi2EnterEventMode(c));
     FAILS(fmi2SetFMUstate(c, NULL));
     FAILS(fmi2DeSerializeFMUstate(c, "nonsense", 8, NULL));
-    FAILS(fmi2GetDirectionalDerivative(c, &output, 1, &engine, 1, &value, &value));
+    WORKS(fmi2GetDirectionalDerivative(c, &output, 1, &engine, 1, &value, &value));
+    FAILS(fmi2GetDirectionalDerivative(c, &unknown, 1, &engine, 1, &value, &value));
+    FAILS(fmi2GetDirectionalDerivative(c, &output, 1, &draw, 1, &value, &value));
+    FAILS(fmi2GetDirectionalDerivative(c, &output, 1, &engine, 1, NULL, &value));
     WORKS(fmi2DoStep(c, 0.01, 0.01, 1));
     WORKS(fmi2Terminate(c));
     FAILS(fmi2DoStep(c, 0.02, 0.01, 1));

@@ -16,3 +16,4 @@ mod names;
 mod others;
 mod python;
 mod ssv;
+mod system;

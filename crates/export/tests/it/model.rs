@@ -1,39 +1,16 @@
 //! The models that the tests export.
 
-use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance, Validity};
-use bench_model::model::{
-    AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance, TorqueControlModel,
-};
+use bench_model::document::BenchModelDocument;
+use bench_model::model::{BenchModel, TorqueControlModel};
+use bench_testkit::documents;
 use bench_testkit::models::bench_a;
 use faer::Mat;
 use ident::{FormulaStructure, GreyBoxModel, Label, LinearModel, ModelDocument};
 use lti::{PolynomialEquation, PolynomialModel};
-use rig::facts::{BenchFacts, BenchVariant};
 
 /// A bench with a covariance and a range of validity.
 pub(crate) fn document() -> BenchModelDocument {
-    let shaft = PartCovariance {
-        parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
-        covariance: vec![vec![36.0, 0.3], vec![0.3, 0.04]],
-        degrees_of_freedom: 40.0,
-    };
-    let controller = PartCovariance {
-        parameters: vec![ModelParameter::Proportional, ModelParameter::Integral, ModelParameter::ControllerDelay],
-        covariance: vec![vec![1e-4, 2e-5, 0.0], vec![2e-5, 4e-4, 0.0], vec![0.0, 0.0, 1e-10]],
-        degrees_of_freedom: f64::INFINITY,
-    };
-    let assembled = AssembledModel {
-        model: bench_a(),
-        uncertainty: ModelUncertainty::new(&[shaft, controller]).expect("a covariance"),
-        engine_pulses: None,
-    };
-    let mut document = BenchModelDocument::new(assembled, facts(), provenance());
-    document.validity = Validity {
-        dyno_speed_rad_s: Some((80.0, 260.0)),
-        air_gap_torque_nm: Some((-50.0, 220.0)),
-        frequency_hz: Some((0.5, 60.0)),
-    };
-    document
+    documents::of_model(bench_a())
 }
 
 /// A bench whose delays and gate are no whole samples, and whose demand is late in the feed-forward.
@@ -45,33 +22,6 @@ pub(crate) fn late_demands() -> BenchModel {
     model.torque_control = Some(TorqueControlModel { delay_s: 0.71e-3, bandwidth_rad_s: None });
     model.encoder_gate_s = 2.4e-3;
     model
-}
-
-fn facts() -> BenchFacts {
-    BenchFacts {
-        name: "Test cell 4".into(),
-        variant: BenchVariant::LoadCell,
-        cylinders: 4,
-        strokes: 4,
-        dynamometer_inertia_kg_m2: 0.6,
-        dynamometer_inertia_uncertainty_percent: None,
-        engine_inertia_kg_m2: 0.28,
-        engine_inertia_uncertainty_percent: None,
-        torque_limit_nm: Some(400.0),
-        shaft_torque_limit_nm: Some(350.0),
-        speed_limit_rad_s: Some(628.0),
-    }
-}
-
-fn provenance() -> Provenance {
-    Provenance {
-        dynoid_version: "0.1.0".into(),
-        date: "2026-05-03".into(),
-        bench_file: BenchFileOrigin { name: "bench.toml".into(), sha256: "0".repeat(64) },
-        recordings: Vec::new(),
-        seed: None,
-        verdict: None,
-    }
 }
 
 /// A discrete linear model, and what the program simulates with it from rest: inputs `u`, outputs `y`, and the response

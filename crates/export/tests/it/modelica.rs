@@ -54,6 +54,89 @@ fn ref_rumoca_simulates_the_bench_within_its_tolerance() {
     }
 }
 
+/// Connectors as the Modelica Standard Library defines them, which rumoca does not have.
+const LIBRARY: &str = "package Modelica\n  package Blocks\n    package Interfaces\n      connector RealInput = input Real;\n      \
+    connector RealOutput = output Real;\n      connector BooleanOutput = output Boolean;\n    end Interfaces;\n  end Blocks;\n  \
+    package Mechanics\n    package Rotational\n      package Interfaces\n        connector Flange_a\n          Real phi(unit = \"rad\");\n          \
+    flow Real tau(unit = \"N.m\");\n        end Flange_a;\n      end Interfaces;\n    end Rotational;\n  end Mechanics;\nend Modelica;\n";
+/// The engine of the flange: its inertia, kg m², and its torque, Nm.
+const FLANGED: (f64, f64) = (0.15, 55.0);
+/// Friction, Nm and Nm s/rad; ripple, Nm, its part of T_d, and its order.
+const FRICTION: (f64, f64) = (3.0, 0.04);
+const RIPPLE: (f64, f64, f64) = (2.0, 0.05, 4.0);
+
+/// The plant with friction and ripple, held in torque control by a constant demand, turned by the engine at its flange: readings of
+/// ω_d, T_d and T_shaft at each sample, by Runge and Kutta.
+fn flanged(model: &BenchModel, demand_nm: f64) -> [Vec<f64>; 3] {
+    const STEPS: usize = 20;
+    let m = model.mechanics;
+    let bandwidth = model.torque_control.unwrap().bandwidth_rad_s.unwrap();
+    let shaft = |x: &[f64; 5]| m.stiffness_nm_per_rad * x[2] + m.damping_nm_s_per_rad * (x[1] - x[0]);
+    let slope = |x: [f64; 5]| {
+        let friction = FRICTION.0 * (x[0] / 0.5).clamp(-1.0, 1.0) + FRICTION.1 * x[0];
+        let ripple = (RIPPLE.0 + RIPPLE.1 * x[3]) * (RIPPLE.2 * x[4]).sin();
+        [
+            (shaft(&x) - x[3] - friction - ripple) / m.dyno_inertia_kg_m2,
+            (FLANGED.1 - shaft(&x)) / (m.engine_inertia_kg_m2 + FLANGED.0),
+            x[1] - x[0],
+            bandwidth * (demand_nm - x[3]),
+            x[0],
+        ]
+    };
+    let moved = |x: [f64; 5], by: [f64; 5], h: f64| -> [f64; 5] { std::array::from_fn(|i| x[i] + h * by[i]) };
+    let h = 1e-3 / STEPS as f64;
+    let mut x = [100.0, 100.0, 40.0 / m.stiffness_nm_per_rad, 40.0, 0.0];
+    let mut rows = [const { Vec::new() }; 3];
+    for _ in 0..SAMPLES {
+        for (row, value) in rows.iter_mut().zip([x[0], x[3], shaft(&x)]) {
+            row.push(value);
+        }
+        for _ in 0..STEPS {
+            let a = slope(x);
+            let b = slope(moved(x, a, 0.5 * h));
+            let c = slope(moved(x, b, 0.5 * h));
+            let d = slope(moved(x, c, h));
+            x = std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+        }
+    }
+    rows
+}
+
+/// An engine with an inertia of its own is rigidly coupled at the flange; in speed control the model is that without a flange.
+#[test]
+fn ref_rumoca_couples_an_engine_at_the_flange_with_friction_and_ripple() {
+    let mut document = document();
+    document.model.torque_limit_nm = Some(150.0);
+    let file = modelica::bench(&document, &Names::of("Test cell 4"));
+    let text = String::from_utf8(file.content.clone()).unwrap().replace("within ;\n", "");
+    let (inertia, torque) = FLANGED;
+    let options = format!(
+        "friction_coulomb = {:?}, friction_viscous = {:?}, ripple_torque = {:?}, ripple_part = {:?}, ripple_order = {:?}",
+        FRICTION.0, FRICTION.1, RIPPLE.0, RIPPLE.1, RIPPLE.2
+    );
+    let flange = "Modelica.Mechanics.Rotational.Interfaces.Flange_a flange;";
+    let models = format!(
+        "model Engine\n  {flange}\n  Real w;\nequation\n  w = der(flange.phi);\n  {inertia:?} * der(w) = {torque:?} + flange.tau;\nend Engine;\n\
+         model Torque\n  {flange}\nequation\n  flange.tau = -({ENGINE});\nend Torque;\n\
+         model DrivenFlange\n  TestCell4.PlantFlange bench(w_start = 100.0, T_start = 40.0, plant({options}));\n  Engine engine;\n\
+         equation\n  connect(engine.flange, bench.flange);\n  bench.T_d_demand = 45.0;\nend DrivenFlange;\n\
+         model DrivenSpeed\n  TestCell4.SpeedControlFlange bench(w_start = 100.0, T_start = 40.0);\n  Torque engine;\n\
+         equation\n  connect(engine.flange, bench.flange);\n  bench.w_d_demand = {DEMANDS};\nend DrivenSpeed;\n"
+    );
+    let folder = folder_with("modelica_flange", &[file]);
+    write_driven(&folder, &format!("{LIBRARY}{text}{models}"));
+    let [speed, torque, shaft] = flanged(&document.model, 45.0);
+    let expected = serde_json::json!({
+        "DrivenFlange": { "bench.w_d": speed, "bench.T_d": torque, "bench.T_shaft": shaft },
+        "DrivenSpeed": expected(&document.model, true),
+    });
+    std::fs::write(folder.join("expected.json"), expected.to_string()).unwrap();
+    if let Some(lines) = python("modelica.py", &folder) {
+        println!("{lines}");
+        assert!(largest(&lines) < SMEARED, "{lines}");
+    }
+}
+
 /// Recordings have ω_d* a sample later than the controller has it. The error waits for its demand, so that one sample is enough, and the
 /// table has the delays that all targets have.
 #[test]

@@ -15,14 +15,18 @@ fn exact_parameters_have_their_values_and_units() {
     assert_eq!(names, expected);
     let text = String::from_utf8(files[0].content.clone()).unwrap();
     assert!(
-        text.contains("name=\"K\" description=\"stiffness\"><ssv:Float64 value=\"2437.7\" unit=\"N.m/rad\"/>"),
+        text.contains("name=\"K\" description=\"stiffness\"><ssv:Real value=\"2437.7\" unit=\"N.m/rad\"/>"),
         "{text}"
     );
     assert!(text.contains("<ssc:Unit name=\"N.m/rad\"><ssc:BaseUnit kg=\"1\" m=\"2\" s=\"-2\" rad=\"-1\"/>"), "{text}");
     let uncertainty = String::from_utf8(files[1].content.clone()).unwrap();
-    let matrix = "<ssv:Float64 value=\"36.0 0.3 0.3 0.04\"/><ssc:Dimension size=\"2\"/><ssc:Dimension size=\"2\"/>";
-    assert!(uncertainty.contains(matrix), "{uncertainty}");
-    assert_eq!(uncertainty.matches("<ssc:Dimension").count(), 4, "two matrices, all else scalars");
+    let value = |name: &str| {
+        let line = uncertainty.lines().find(|line| line.contains(&format!("name=\"{name}\""))).unwrap();
+        line.split("value=\"").nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
+    };
+    let shaft = ["cov(K,K)", "cov(K,B)", "cov(B,B)", "degrees_of_freedom_1"].map(value);
+    assert_eq!(shaft, [36.0, 0.3, 0.04, 40.0]);
+    assert_eq!(uncertainty.matches("cov(").count(), 3 + 6, "each once, of parts that are independent");
     assert_ne!(files[2].content, files[3].content);
 }
 
