@@ -6,5 +6,6 @@ mod calibration;
 mod control;
 mod known;
 mod physics;
+mod pulses;
 mod recordings;
 mod support;

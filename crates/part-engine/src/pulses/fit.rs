@@ -1,7 +1,8 @@
 //! The harmonics of all recordings together: a linear regression of each on mean torque and speed, on top of what is known of the class.
 //!
 //! T_e,m = α + β T + γ ω², complex, with the class's variances as the prior of α, β and γ: what the recordings do not show stays as wide
-//! as that. The crank's angle begins anywhere in each recording. The angle δ by which a recording is turned against the others is the one
+//! as that. Where ignition angles set the torque, the charge does not change with it: such a recording has a slope κ of its own below its
+//! largest torque. The crank's angle begins anywhere in each recording. The angle δ by which a recording is turned against the others is the one
 //! of the greatest evidence, in which it stands as Σ_m Re(e^{−imδ} c_m) alone. Where another cylinder at the place of the first would be
 //! nearly as probable, only the multiples of the firing order count.
 //!
@@ -34,8 +35,14 @@ const OF_MECHANICS: f64 = 0.01;
 /// A harmonic is estimated where recordings leave less than this part of the variance of the class, at the mean torque and speed.
 const SHOWN: f64 = 0.1;
 
-/// The regressors of a recording: those of α, β and γ, and the errors of both encoders.
-const OF_RECORDING: usize = 5;
+/// Root mean square of κ over that of β. A late ignition leaves the charge and moves the burning: slider-cranks with Wiebe's burning give 0.3
+/// to 0.5 where the burning is as much weaker, and up to 1.4 where it is as much later.
+const BY_IGNITION: f64 = 0.8;
+
+/// The regressors of a recording: those of α, β and γ, the errors of both encoders, and κ.
+const OF_RECORDING: usize = 6;
+/// Those that a recording has for itself.
+const OF_ITSELF: [usize; 3] = [3, 4, 5];
 
 /// Sums of a regression on N regressors, each over the standard deviation of its part in the class.
 #[derive(Debug, Clone, Copy)]
@@ -115,24 +122,25 @@ impl<const N: usize> Sums<N> {
 }
 
 impl Sums<OF_RECORDING> {
-    /// What they say of α, β and γ, the errors of the encoders being anything that is probable: the Schur complement.
+    /// What they say of α, β and γ, whatever the recording has for itself being anything that is probable: the Schur complement.
     fn of_engine(&self) -> Sums {
-        let (of_engine, of_encoders) = ([0, 1, 2], [3, 4]);
-        let alone = Sums::<2> {
-            information: of_encoders.map(|i| of_encoders.map(|j| self.information[i][j])),
-            along: of_encoders.map(|i| self.along[i]),
+        let of_engine = [0, 1, 2];
+        let alone = Sums::<{ OF_ITSELF.len() }> {
+            information: OF_ITSELF.map(|i| OF_ITSELF.map(|j| self.information[i][j])),
+            along: OF_ITSELF.map(|i| self.along[i]),
             squares: 0.0,
             windows: 0.0,
         };
-        let (errors, covariance) = (alone.solution(), alone.covariance());
-        let with = |i: usize, k: usize| self.information[i][of_encoders[k]];
-        let shared = |i: usize, j: usize| {
-            (0..4).map(|k| with(i, k / 2) * covariance[k / 2][k % 2] * with(j, k % 2)).sum::<f64>()
-        };
+        let (own, covariance) = (alone.solution(), alone.covariance());
+        let places = 0..OF_ITSELF.len();
+        let with = |i: usize, k: usize| self.information[i][OF_ITSELF[k]];
+        let both = || places.clone().flat_map(|k| places.clone().map(move |l| (k, l)));
+        let shared = |i: usize, j: usize| both().map(|(k, l)| with(i, k) * covariance[k][l] * with(j, l)).sum::<f64>();
+        let taken = |i: usize| places.clone().map(|k| own[k] * with(i, k)).sum::<Complex64>();
         Sums {
             information: of_engine.map(|i| of_engine.map(|j| self.information[i][j] - shared(i, j))),
-            along: of_engine.map(|i| self.along[i] - errors[0] * with(i, 0) - errors[1] * with(i, 1)),
-            squares: self.squares - (0..2).map(|k| (alone.along[k].conj() * errors[k]).re).sum::<f64>(),
+            along: of_engine.map(|i| self.along[i] - taken(i)),
+            squares: self.squares - places.clone().map(|k| (alone.along[k].conj() * own[k]).re).sum::<f64>(),
             windows: self.windows,
         }
     }
@@ -141,41 +149,81 @@ impl Sums<OF_RECORDING> {
 /// One recording: sums at each harmonic, its variances as large as its own scatter shows.
 pub(super) struct Recording {
     pub(super) file: String,
+    /// Whether ignition angles set its torque.
+    pub(super) is_by_ignition: bool,
     sums: Vec<Sums>,
 }
 
-/// Standard deviations of α, β and γ in the class, at each harmonic.
-pub(super) fn scales(prior: &EnginePulses) -> Vec<[f64; 3]> {
-    prior.harmonics.iter().map(|harmonic| std::array::from_fn(|i| harmonic.covariance[i][i].sqrt())).collect()
+/// The class as the regression has it, at each harmonic.
+pub(super) struct Class(Vec<OfClass>);
+
+/// α is T_0 β and what is independent of β.
+struct OfClass {
+    /// T_0, Nm: a regression on T + T_0 has no more of α than that.
+    uncharged_nm: f64,
+    /// Standard deviations of that rest of α, of β and of γ.
+    scales: [f64; 3],
+}
+
+impl Class {
+    pub(super) fn of(prior: &EnginePulses) -> Self {
+        let of_harmonic = |PulseHarmonic { covariance: c, .. }: &PulseHarmonic| {
+            let uncharged_nm = c[0][1] / c[1][1];
+            let rest = (c[0][0] - uncharged_nm * c[0][1]).max(0.0);
+            OfClass { uncharged_nm, scales: [rest.sqrt(), c[1][1].sqrt(), c[2][2].sqrt()] }
+        };
+        Class(prior.harmonics.iter().map(of_harmonic).collect())
+    }
+}
+
+impl OfClass {
+    fn regressors(&self, torque_nm: f64, speed_rad_s: f64) -> [f64; 3] {
+        let [rest, of_torque, of_speed] = self.scales;
+        [rest, of_torque * (torque_nm + self.uncharged_nm), of_speed * speed_rad_s * speed_rad_s]
+    }
+
+    /// α, β, γ of a solution.
+    fn parts<T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>>(&self, solution: [T; 3]) -> [T; 3] {
+        let [rest, of_torque, of_speed] = std::array::from_fn(|i| solution[i] * self.scales[i]);
+        [rest + of_torque * self.uncharged_nm, of_torque, of_speed]
+    }
+
+    /// The covariance of α, β, γ from that of a solution.
+    fn covariance(&self, of_solution: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        let columns = of_solution.map(|row| self.parts(row));
+        let rows: [[f64; 3]; 3] = std::array::from_fn(|j| self.parts(columns.map(|row| row[j])));
+        std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (rows[i][j] + rows[j][i])))
+    }
 }
 
 impl Recording {
-    /// `windows` have a value for each of the first harmonics or none.
-    pub(super) fn of(file: &str, windows: &[Seen], places: &[usize], scales: &[[f64; 3]]) -> Self {
-        let mut sums = vec![Sums::<OF_RECORDING>::default(); scales.len()];
+    /// `windows` have a value for each of the first harmonics or none. Ignition angles may set their torque.
+    pub(super) fn of(file: &str, windows: &[Seen], places: &[usize], class: &Class, is_by_ignition: bool) -> Self {
+        let mut sums = vec![Sums::<OF_RECORDING>::default(); class.0.len()];
+        let largest_nm = windows.iter().map(|window| window.torque_nm).fold(f64::NEG_INFINITY, f64::max);
         for window in windows {
+            let missing_nm = if is_by_ignition { largest_nm - window.torque_nm } else { 0.0 };
             for (place, wave) in places.iter().zip(&window.waves) {
                 let Some(wave) = wave else { continue };
-                let [of_none, of_torque, of_speed] = regressors(&scales[*place], window.torque_nm, window.speed_rad_s);
+                let of_class = &class.0[*place];
+                let [of_none, of_torque, of_speed] = of_class.regressors(window.torque_nm, window.speed_rad_s);
                 let [engine, dyno] = wave.of_encoders_nm.map(|one| one / SQRT_2);
-                sums[*place].add([of_none, of_torque, of_speed, engine, dyno], (wave.torque_nm, wave.variance));
+                let by_ignition = BY_IGNITION * of_class.scales[1] * missing_nm;
+                let all = [of_none, of_torque, of_speed, engine, dyno, by_ignition];
+                sums[*place].add(all, (wave.torque_nm, wave.variance));
             }
         }
         let weakened = sums.iter().map(|sums| match sums.scatter() {
             scatter if scatter.is_finite() => sums.weakened(OVERLAP * scatter).of_engine(),
             _ => Sums::default(),
         });
-        Recording { file: file.to_owned(), sums: weakened.collect() }
+        Recording { file: file.to_owned(), is_by_ignition, sums: weakened.collect() }
     }
 
     /// How much it shows of torques at the firing order, for the order in which recordings are joined.
     pub(super) fn weight(&self, cylinders: usize) -> f64 {
         self.sums.get(cylinders - 1).map_or(0.0, |sums| (0..3).map(|i| sums.information[i][i]).sum())
     }
-}
-
-fn regressors(scales: &[f64; 3], torque_nm: f64, speed_rad_s: f64) -> [f64; 3] {
-    [scales[0], scales[1] * torque_nm, scales[2] * speed_rad_s * speed_rad_s]
 }
 
 /// All recordings joined: which of them count, and their sums.
@@ -239,29 +287,37 @@ impl Joined {
         (values, friction_nm): (&Values, f64),
         at: (f64, f64),
     ) -> Vec<PulseHarmonic> {
-        let scales = scales(prior);
+        let class = Class::of(prior);
         let found = |place: usize| {
-            let (of_class, scale) = (&prior.harmonics[place], &scales[place]);
+            let (of_class, own) = (&prior.harmonics[place], &class.0[place]);
             let (solution, covariance) = (self.sums[place].solution(), self.covariance(place));
             let [of_none, of_torque, of_speed] = doubts(of_class.order, values);
+            let parts = own.parts(solution);
             // A torque that is T + f has β f in its α.
-            let of_friction = scale[1] * solution[1].norm() * friction_nm;
-            let doubt = [of_none.hypot(of_friction), of_torque, of_speed];
+            let doubt = [of_none.hypot(parts[1].norm() * friction_nm), of_torque, of_speed];
+            let of_noise = own.covariance(&covariance);
             let entry = |i: usize, j: usize| {
-                let of_mechanics = OF_MECHANICS * OF_MECHANICS * (solution[i] * solution[j].conj()).re;
-                scale[i] * scale[j] * (covariance[i][j] + of_mechanics) + if i == j { doubt[i].powi(2) } else { 0.0 }
+                let of_mechanics = OF_MECHANICS * OF_MECHANICS * (parts[i] * parts[j].conj()).re;
+                of_noise[i][j] + of_mechanics + if i == j { doubt[i].powi(2) } else { 0.0 }
             };
-            let part = |i: usize| [scale[i] * solution[i].re, scale[i] * solution[i].im];
+            let [unloaded_nm, of_torque, of_speed_nm_s2] = parts.map(|part| [part.re, part.im]);
             let found = PulseHarmonic {
                 order: of_class.order,
-                value: CycleHarmonic { unloaded_nm: part(0), of_torque: part(1), of_speed_nm_s2: part(2) },
+                value: CycleHarmonic { unloaded_nm, of_torque, of_speed_nm_s2 },
                 covariance: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
                 is_estimated: false,
             };
             let left = found.standard_error_nm(at.0, at.1) / of_class.standard_error_nm(at.0, at.1);
             PulseHarmonic { is_estimated: left * left < SHOWN, ..found }
         };
-        (0..self.sums.len()).map(found).collect()
+        let mut all: Vec<PulseHarmonic> = (0..self.sums.len()).map(found).collect();
+        let unequal = unequal(&all, prior, at);
+        // Nothing was looked for where the sums are empty.
+        let unseen = all.iter_mut().zip(&self.sums).filter(|(_, sums)| sums.information[1][1] == 0.0);
+        unseen.for_each(|(harmonic, _)| {
+            harmonic.covariance = harmonic.covariance.map(|row| row.map(|one| unequal * one))
+        });
+        all
     }
 
     /// The covariance at a harmonic, over the class's: P of the regression, and P Σ g gᵀ P by how recordings contradict what they give together,
@@ -279,6 +335,21 @@ impl Joined {
         let apart = |i: usize, j: usize| 0.5 * steps.iter().map(|step| (step[i] * step[j].conj()).re).sum::<f64>();
         std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] + apart(i, j)))
     }
+}
+
+/// How unequal the cylinders are, as the variance over that of the class of the harmonics between multiples of the firing order: that of those
+/// that are estimated, at the mean torque and speed.
+fn unequal(all: &[PulseHarmonic], prior: &EnginePulses, at: (f64, f64)) -> f64 {
+    let is_between = |m: usize| !m.is_multiple_of(prior.cylinders as usize);
+    let over_class = |(found, of_class): (&PulseHarmonic, &PulseHarmonic)| {
+        let amplitude_nm = found.value.at(at.0, at.1).norm();
+        let squared = 0.5 * amplitude_nm * amplitude_nm + found.standard_error_nm(at.0, at.1).powi(2);
+        squared / of_class.standard_error_nm(at.0, at.1).powi(2)
+    };
+    let between =
+        (1..).zip(all.iter().zip(&prior.harmonics)).filter(|(m, (found, _))| is_between(*m) && found.is_estimated);
+    let all: Vec<f64> = between.map(|(_, both)| over_class(both)).collect();
+    if all.is_empty() { 1.0 } else { (all.iter().sum::<f64>() / all.len() as f64).min(1.0) }
 }
 
 /// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. It makes a torque of the

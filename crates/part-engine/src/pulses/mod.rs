@@ -2,10 +2,13 @@
 //! and speed, with its covariance.
 //!
 //! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. The mean
-//! torque of the engine is T_d + (J_d + J_e) dω/dt: it lacks the friction of the dynamometer's bearings, whose size counts as its error.
+//! torque of the engine is T_d + (J_d + J_e) dω/dt and the friction of the dynamometer's bearings. The middle of what that can be is taken, and
+//! its spread counts as an error.
 
 mod fit;
 mod windows;
+
+use std::f64::consts::SQRT_2;
 
 use numerics::{order, parallel};
 use part_shaft::Parts;
@@ -13,6 +16,7 @@ use part_shaft::shaft_inputs::stated_gate;
 use part_torque::torque_smoother::{Prepared, needed};
 use rig::engine_pulses::{EnginePulses, PulseHarmonic};
 use rig::estimation::EstimateError;
+use rig::experiment::Test;
 use rig::prepare::believable;
 use rig::results::Reason;
 use rig::{Experiment, Role};
@@ -20,15 +24,14 @@ use signal::Signal;
 use signal::distributions::normal_quantile;
 
 use crate::source::{TwoMasses, Values};
-use fit::{Joined, Recording};
+use fit::{Class, Joined, Recording};
 use windows::{Record, Seen, firings_counted};
 
 /// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing order alone.
 const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
-/// The most friction that a dynamometer's bearings have, over its torque limit: at rest, and for each rad/s. The mean torque of the engine is
-/// known without it.
+/// The most friction that a dynamometer's bearings have, over its torque limit: at rest, and for each rad/s.
 const MOST_FRICTION: (f64, f64) = (4e-3, 5e-5);
 
 /// The pulses that the recordings show.
@@ -40,43 +43,79 @@ pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
     let values = Values::of(&masses.values);
     let engine = parts.bench.engine();
     let cylinders = engine.cylinders as usize;
-    let prior = EnginePulses::prior(engine, values.engine_inertia);
-    let scales = fit::scales(&prior);
+    let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    // Ignition angles set the torque of engines with spark ignition alone.
+    let prior = match all.iter().any(|experiment| is_by_ignition(experiment)) {
+        true => EnginePulses::prior_of_spark_ignition(engine, values.engine_inertia),
+        false => EnginePulses::prior(engine, values.engine_inertia),
+    };
+    let class = Class::of(&prior);
     let places: Vec<usize> = looked_for(cylinders, prior.harmonics.len()).collect();
     let orders: Vec<f64> = places.iter().map(|place| prior.harmonics[*place].order).collect();
-    let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
-    let looks = parallel::map(&all, |experiment| seen(experiment, parts, &values, &orders));
+    let friction = Friction::of(parts.bench.limits.torque_nm.unwrap_or_else(|| largest_torque_nm(&all)));
+    let looks = parallel::map(&all, |experiment| seen(experiment, parts, (&values, friction), &orders));
     let mut reasons = Vec::new();
     let mut seen: Vec<(Recording, Vec<Seen>)> = Vec::new();
     for (experiment, look) in all.iter().zip(looks) {
         match look {
-            Ok(windows) => seen.push((Recording::of(&experiment.file, &windows, &places, &scales), windows)),
+            Ok(windows) => {
+                let recording = Recording::of(&experiment.file, &windows, &places, &class, is_by_ignition(experiment));
+                seen.push((recording, windows));
+            }
             Err(error) => reasons.push(Reason::from(error)),
         }
     }
     seen.sort_by(|(a, _), (b, _)| b.weight(cylinders).total_cmp(&a.weight(cylinders)));
-    let (recordings, windows): (Vec<Recording>, Vec<Vec<Seen>>) = seen.into_iter().unzip();
-    let windows: Vec<Seen> = windows.into_iter().flatten().collect();
+    let (recordings, seen): (Vec<Recording>, Vec<Vec<Seen>>) = seen.into_iter().unzip();
+    let windows: Vec<&Seen> = seen.iter().flatten().collect();
     let joined = Joined::of(&recordings, cylinders);
-    let mean = |of: fn(&Seen) -> f64| windows.iter().map(of).sum::<f64>() / windows.len().max(1) as f64;
+    let mean = |of: fn(&Seen) -> f64| windows.iter().copied().map(of).sum::<f64>() / windows.len().max(1) as f64;
     let at = (mean(|seen| seen.torque_nm), mean(|seen| seen.speed_rad_s));
-    let most_nm = windows.iter().map(|seen| seen.torque_nm.abs()).fold(0.0, f64::max);
-    let friction_nm = parts.bench.limits.torque_nm.unwrap_or(most_nm) * friction(at.1);
-    let harmonics = joined.pulses(&prior, (&values, friction_nm), at);
+    let harmonics = joined.pulses(&prior, (&values, friction.deviation_nm(at.1)), at);
     if !harmonics.get(cylinders - 1).is_some_and(|firing| firing.is_estimated) {
         return Err(reasons);
     }
-    // Of the places looked for, those up to the firing order are the first.
+    // Of the places looked for, those up to the firing order are the first. What ignition angles do is no variation.
+    let of_charge = recordings.iter().zip(&seen).filter(|(recording, _)| !recording.is_by_ignition);
+    let of_charge = of_charge.map(|(_, windows)| windows.as_slice());
     let cycle_variation =
-        variation(&windows, cylinders - 1, &harmonics[cylinders - 1]).unwrap_or(prior.cycle_variation);
+        variation(of_charge, cylinders - 1, &harmonics[cylinders - 1]).unwrap_or(prior.cycle_variation);
     Ok(EnginePulses { cycle_variation, recordings: joined.recordings, harmonics, ..prior })
 }
 
-/// Root mean square of a dynamometer's friction at a speed, over its torque limit. Nothing of it is known but that each part is below its most,
-/// so it is as probable anywhere below.
-fn friction(speed_rad_s: f64) -> f64 {
-    let [dry, viscous] = [MOST_FRICTION.0, MOST_FRICTION.1 * speed_rad_s];
-    ((dry * dry + viscous * viscous) / 3.0 + 0.5 * dry * viscous).sqrt()
+/// The largest air-gap torque that was recorded, Nm.
+fn largest_torque_nm(experiments: &[&Experiment]) -> f64 {
+    let torques = experiments.iter().filter_map(|experiment| needed(experiment, Role::AirGapTorque).ok());
+    torques.flat_map(|torque| &torque.samples).fold(0.0, |most, torque| most.max(torque.abs()))
+}
+
+/// Whether ignition angles set the engine's torque.
+fn is_by_ignition(experiment: &Experiment) -> bool {
+    experiment.label.test == Test::Bs
+}
+
+/// Friction of the dynamometer's bearings: each part of it is anywhere between none and its most.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Friction {
+    most_coulomb_nm: f64,
+    most_viscous_nm_s_per_rad: f64,
+}
+
+impl Friction {
+    fn of(torque_limit_nm: f64) -> Self {
+        let (coulomb, viscous) = MOST_FRICTION;
+        Friction { most_coulomb_nm: coulomb * torque_limit_nm, most_viscous_nm_s_per_rad: viscous * torque_limit_nm }
+    }
+
+    /// The middle at a speed, Nm.
+    fn middle_nm(&self, speed_rad_s: f64) -> f64 {
+        0.5 * (self.most_coulomb_nm + self.most_viscous_nm_s_per_rad * speed_rad_s)
+    }
+
+    /// Its standard deviation, Nm.
+    fn deviation_nm(&self, speed_rad_s: f64) -> f64 {
+        self.most_coulomb_nm.hypot(self.most_viscous_nm_s_per_rad * speed_rad_s) / 12.0_f64.sqrt()
+    }
 }
 
 /// Places of the harmonics that are looked for.
@@ -88,7 +127,7 @@ fn looked_for(cylinders: usize, count: usize) -> impl Iterator<Item = usize> {
 fn seen(
     experiment: &Experiment,
     parts: &Parts<'_>,
-    values: &Values,
+    (values, friction): (&Values, Friction),
     orders: &[f64],
 ) -> Result<Vec<Seen>, EstimateError> {
     believable(experiment)?;
@@ -101,6 +140,7 @@ fn seen(
         dyno_speed: (&dyno.speed, 0.5 * gate_s),
         engine_speed: (engine_speed, 0.5 * gate_s + values.engine_late_s),
         torque: (torque.as_ref().unwrap_or(&dyno.torque), values.torque_late_s),
+        friction,
         gate_s,
     };
     Ok(record.seen(orders, values))
@@ -112,16 +152,18 @@ fn every(signal: &Signal, step: usize) -> Option<Signal> {
     (step > 1).then(|| Signal::new(signal.start_s, signal.sample_time_s * step as f64, samples).ok()).flatten()
 }
 
-/// Standard deviation of a firing from cycle to cycle: how far the windows' amplitudes at the firing order are from those of the harmonic, as if
-/// noise had no part of it. A window averages its firings.
-fn variation(windows: &[Seen], place: usize, firing: &PulseHarmonic) -> Option<f64> {
-    let off = |seen: &Seen| {
+/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order, over those of the harmonic, are apart in windows
+/// that share nothing, as if noise had no part of it. A window averages its firings.
+fn variation<'a>(recordings: impl Iterator<Item = &'a [Seen]>, place: usize, firing: &PulseHarmonic) -> Option<f64> {
+    let strength = |seen: &Seen| {
         let wave = (*seen.waves.get(place)?)?.torque_nm;
-        let expected_nm = firing.value.at(seen.torque_nm, seen.speed_rad_s).norm();
-        Some((wave.norm() / expected_nm - 1.0).abs()).filter(|off| off.is_finite())
+        Some(wave.norm() / firing.value.at(seen.torque_nm, seen.speed_rad_s).norm())
     };
-    let mut all: Vec<f64> = windows.iter().filter_map(off).collect();
+    let apart = |windows: &[Seen]| {
+        Some((strength(&windows[0])? - strength(&windows[2])?).abs()).filter(|apart| apart.is_finite())
+    };
+    let mut all: Vec<f64> = recordings.flat_map(|windows| windows.windows(3).filter_map(apart)).collect();
     all.sort_by(f64::total_cmp);
-    let of_windows = order::quantile_of_sorted(&all, 0.5)? / normal_quantile(0.75);
+    let of_windows = order::quantile_of_sorted(&all, 0.5)? / normal_quantile(0.75) / SQRT_2;
     Some((of_windows * firings_counted(firing.order).sqrt()).min(MOST_VARIATION))
 }

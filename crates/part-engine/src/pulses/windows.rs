@@ -13,6 +13,7 @@ use faer::Mat;
 use numerics::linalg::{Qr, solve_upper};
 use signal::{Complex64, Signal};
 
+use super::Friction;
 use crate::source::Values;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
@@ -74,6 +75,8 @@ pub(super) struct Record<'a> {
     pub(super) dyno_speed: (&'a Signal, f64),
     pub(super) engine_speed: (&'a Signal, f64),
     pub(super) torque: (&'a Signal, f64),
+    /// Of the dynamometer's bearings.
+    pub(super) friction: Friction,
     /// Time over which the encoders average, s.
     pub(super) gate_s: f64,
 }
@@ -162,8 +165,8 @@ impl Record<'_> {
             let weights: f64 = samples.iter().map(Sample::weight).sum();
             (weights > 0.0).then(|| samples.iter().map(slope).sum::<f64>() / weights)
         };
-        // Without friction, as the bench model has it: what pulses come with a T_d is then right.
-        let shaft_nm = air_gap_nm + v.dyno_inertia * acceleration(&speeds)?;
+        let friction_nm = self.friction.middle_nm(speed_rad_s);
+        let shaft_nm = air_gap_nm + friction_nm + v.dyno_inertia * acceleration(&speeds)?;
         Some(Moments {
             speed_rad_s,
             torque_nm: shaft_nm + v.engine_inertia * acceleration(&engine_speeds)?,

@@ -4,7 +4,7 @@ use bench_testkit::benches::{bench_file, default_bench, in_parallel};
 use bench_testkit::recordings::BENCH_A;
 use part_engine::engine_pulses;
 use part_shaft::Parts;
-use rig::bench_parameters::{BenchParameters, CycleHarmonic};
+use rig::bench_parameters::{BenchParameters, CycleHarmonic, MechanicsParameters};
 use rig::engine_pulses::EnginePulses;
 use rig::experiment::{ExperimentPlan, Waveform};
 use rig::{BenchFile, Experiment, prepare};
@@ -21,6 +21,13 @@ fn recorded(parameters: &BenchParameters, plans: &[ExperimentPlan], bench: &Benc
 
 fn estimated(experiments: &[Experiment], bench: &BenchFile) -> EnginePulses {
     engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench)).unwrap()
+}
+
+/// The bench with the friction that is assumed of it: the middle of what dynamometers with a limit of 400 Nm can have.
+fn with_middle_friction(bench: BenchParameters) -> BenchParameters {
+    let mechanics =
+        MechanicsParameters { coulomb_friction_nm: 0.8, viscous_friction_nm_s_per_rad: 0.01, ..bench.mechanics };
+    BenchParameters { mechanics, ..bench }
 }
 
 /// Amplitude at a harmonic of the cycle, estimated with its standard error and true, Nm.
@@ -41,7 +48,7 @@ fn compared(found: &EnginePulses, truth: &BenchParameters, m: usize, at: (f64, f
 
 #[test]
 fn stat_pulses_of_unequal_cylinders_are_found_with_their_uncertainty() {
-    let mut bench = BenchParameters::default();
+    let mut bench = with_middle_friction(BenchParameters::default());
     bench.engine.cylinder_factors = vec![1.08, 0.93, 1.03, 0.96];
     let plans = [ExperimentPlan::bs_t_nt(1300.0, 20.0), ExperimentPlan::ramp_n_nt(1300.0, 20.0)];
     let file = default_bench();
@@ -52,7 +59,7 @@ fn stat_pulses_of_unequal_cylinders_are_found_with_their_uncertainty() {
         let [amplitude, error, truth] = compared(&found, &bench, m, (60.0, 136.0));
         println!("{m}: {amplitude:.3} ± {error:.3} Nm, true {truth:.3}");
         assert!((amplitude - truth).abs() < 3.0 * error, "{m}: {amplitude} ± {error}, {truth}");
-        // The bench has no friction, which is most of the error of the multiples of the firing order. J_e is known to 2 %.
+        // J_e is known to 2 %.
         assert!(!m.is_multiple_of(4) || (amplitude / truth - 1.0).abs() < 0.03, "{m}: {amplitude}, {truth}");
     }
     assert!(found.harmonics[3].is_estimated && found.harmonics[3].standard_error_nm(60.0, 136.0) < 6.0);
@@ -61,15 +68,18 @@ fn stat_pulses_of_unequal_cylinders_are_found_with_their_uncertainty() {
 /// Compression without load, gas torque with it, and reciprocating masses, by the torques and speeds of the recordings.
 #[test]
 fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
-    let mut bench = BenchParameters::default();
+    let mut bench = with_middle_friction(BenchParameters::default());
     bench.engine.cycle_variation = 0.0;
     bench.engine.cycle_harmonics = vec![CycleHarmonic::default(); 8];
     bench.engine.cycle_harmonics[3] =
         CycleHarmonic { unloaded_nm: [-30.0, 20.0], of_torque: [0.8, 0.6], of_speed_nm_s2: [1.5e-3, 0.0] };
+    let at_torque =
+        |plan: ExperimentPlan, value: f64| ExperimentPlan { engine_torque_nm: Waveform::Constant { value }, ..plan };
     let plans = [
         ExperimentPlan::bs_t_nt(1300.0, 15.0),
-        ExperimentPlan::ramp_n_nt(2000.0, 15.0),
-        ExperimentPlan::levels_n_nt(3000.0, 15.0),
+        at_torque(ExperimentPlan::ramp_n_nt(2000.0, 15.0), 40.0),
+        at_torque(ExperimentPlan::levels_n_nt(1300.0, 15.0), 90.0),
+        at_torque(ExperimentPlan::levels_n_nt(3000.0, 15.0), 60.0),
     ];
     let file = default_bench();
     let found = estimated(&recorded(&bench, &plans, &file), &file);
@@ -77,7 +87,10 @@ fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
     for at in [(40.0, 130.0), (80.0, 130.0), (60.0, 200.0), (60.0, 310.0)] {
         let [amplitude, error, truth] = compared(&found, &bench, 4, at);
         println!("{at:?}: {amplitude:.2} ± {error:.2} Nm, true {truth:.2}");
-        assert!((amplitude / truth - 1.0).abs() < 0.03, "{at:?}: {amplitude} ± {error}, {truth}");
+        assert!(
+            (amplitude - truth).abs() < 2.5 * error && error < 0.05 * truth,
+            "{at:?}: {amplitude} ± {error}, {truth}"
+        );
     }
 }
 
@@ -116,7 +129,7 @@ fn stat_once_a_turn_errors_of_encoders_do_not_grow_with_the_torque() {
 /// harmonic to others.
 #[test]
 fn stat_harmonics_are_those_of_the_angle_that_the_pulses_swing() {
-    let mut bench = BenchParameters::default();
+    let mut bench = with_middle_friction(BenchParameters::default());
     bench.engine.cycle_variation = 0.0;
     bench.engine.firing_harmonics.iter_mut().for_each(|harmonic| harmonic.relative_amplitude *= 1.5);
     let plans = [ExperimentPlan::bs_t_nt(900.0, 15.0), ExperimentPlan::ramp_n_nt(1000.0, 15.0)];
@@ -127,4 +140,25 @@ fn stat_harmonics_are_those_of_the_angle_that_the_pulses_swing() {
         println!("{m}: {amplitude:.3} ± {error:.3} Nm, true {truth:.3}");
         assert!((amplitude / truth - 1.0).abs() < 0.02, "{m}: {amplitude} ± {error}, {truth}");
     }
+}
+
+/// Ignition angles leave the charge, which pulses follow, too: torques that they set show no slope over the torque.
+#[test]
+fn stat_torques_that_ignition_angles_set_leave_other_torques_uncertain() {
+    let bench = with_middle_friction(BenchParameters::default());
+    let constant = |value| ExperimentPlan {
+        engine_torque_nm: Waveform::Constant { value },
+        ..ExperimentPlan::ramp_n_nt(1300.0, 15.0)
+    };
+    let file = default_bench();
+    let error = |plans: &[ExperimentPlan]| {
+        let found = estimated(&recorded(&bench, plans, &file), &file);
+        let [amplitude, error, truth] = compared(&found, &bench, 4, (150.0, 136.0));
+        println!("{amplitude:.1} ± {error:.1} Nm, true {truth:.1}");
+        assert!((amplitude - truth).abs() < 2.5 * error, "{amplitude} ± {error}, {truth}");
+        error / truth
+    };
+    let by_ignition = error(&[ExperimentPlan::bs_t_nt(1300.0, 15.0), constant(60.0)]);
+    let by_charge = error(&[ExperimentPlan::bs_t_nt(1300.0, 15.0), constant(60.0), constant(110.0)]);
+    assert!(by_ignition > 0.03 && by_charge < 0.02, "{by_ignition}, {by_charge}");
 }

@@ -31,10 +31,32 @@ const OTHER_MASSES: f64 = 0.0015;
 const UNEQUAL_COMPRESSION: f64 = 0.05;
 /// Orders of reciprocating masses that need no ratio of crank and rod.
 const LOW_ORDER: f64 = 2.0;
+/// The torque of friction and pumping that a charge without load overcomes, for each cylinder, Nm: about 1 bar of mean pressure on 0.3 to
+/// 0.6 litres (Heywood, *Internal Combustion Engine Fundamentals*, ch. 13). Gas torques that are in proportion to the torque have none.
+const IDLE_NM: f64 = 4.0;
+/// How far α over the class's β is from that, root mean square for each cylinder, Nm.
+const IDLE_SPREAD_NM: f64 = 4.0;
 /// Standard deviation from cycle to cycle.
 const CYCLE_VARIATION: f64 = 0.03;
 
 impl EnginePulses {
+    /// What is known of an engine with spark ignition: its charge grows with the torque from the one on that friction and pumping need, so that
+    /// α is T_0 β and no more than [`IDLE_SPREAD_NM`] has.
+    #[must_use]
+    pub fn prior_of_spark_ignition(engine: Engine, engine_inertia_kg_m2: f64) -> Self {
+        let general = EnginePulses::prior(engine, engine_inertia_kg_m2);
+        let [idle_nm, spread_nm] =
+            [IDLE_NM, IDLE_SPREAD_NM].map(|of_cylinder| of_cylinder * f64::from(engine.cylinders));
+        let of_charge = |harmonic: PulseHarmonic| {
+            let mut covariance = harmonic.covariance;
+            let of_torque = covariance[1][1];
+            covariance[0][0] = (idle_nm * idle_nm + spread_nm * spread_nm) * of_torque;
+            (covariance[0][1], covariance[1][0]) = (idle_nm * of_torque, idle_nm * of_torque);
+            PulseHarmonic { covariance, ..harmonic }
+        };
+        EnginePulses { harmonics: general.harmonics.into_iter().map(of_charge).collect(), ..general }
+    }
+
     /// What is known of an engine with an inertia, kg m², flywheel included.
     #[must_use]
     pub fn prior(engine: Engine, engine_inertia_kg_m2: f64) -> Self {
