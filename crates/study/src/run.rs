@@ -10,7 +10,7 @@ use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
 use crate::gather::Prepared;
-use crate::{Provenance, Study, estimates, validity};
+use crate::{Provenance, Study, estimates, struck, validity};
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -61,6 +61,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
+    let pulses = estimates.model.is_some().then(|| engine_pulses(parts, &|one| struck::is_sound(&findings, one)).ok());
     let validity = validity::of(&prepared.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
@@ -81,7 +82,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model.map(|model| AssembledModel { engine_pulses: engine_pulses(parts).ok(), ..model }),
+        model: estimates.model.map(|model| AssembledModel { engine_pulses: pulses.flatten(), ..model }),
         validity,
         skews: estimates.skews,
         replays: estimates.replays,

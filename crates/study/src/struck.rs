@@ -1,7 +1,7 @@
 //! Which parts an error concerns: they are struck, so that no number of theirs stands anywhere.
 
 use rig::results::{Part, Quantity, Reason, Timing};
-use rig::{Diagnostic, Finding, Role, Severity};
+use rig::{Diagnostic, Experiment, Finding, Role, Severity};
 
 use crate::findings::Findings;
 use crate::fits::Fits;
@@ -81,6 +81,11 @@ pub(super) fn roles(part: Part) -> &'static [Role] {
         }
         Part::Whole => &[],
     }
+}
+
+/// Whether no error concerns a signal of a recording that shows the shaft.
+pub(super) fn is_sound(findings: &Findings<'_>, experiment: &Experiment) -> bool {
+    !has_error(findings, &experiment.file, roles(Part::Shaft))
 }
 
 /// Whether an error concerns one of these signals of a recording.

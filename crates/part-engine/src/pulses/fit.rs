@@ -352,11 +352,11 @@ fn unequal(all: &[PulseHarmonic], prior: &EnginePulses, at: (f64, f64)) -> f64 {
     if all.is_empty() { 1.0 } else { (all.iter().sum::<f64>() / all.len() as f64).min(1.0) }
 }
 
-/// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. It makes a torque of the
-/// engine's inertia, which grows with ω², and one of the shaft's stiffness, which does not.
+/// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. An error of the speed, e ω at
+/// the order o, makes a torque of the engine's inertia, o ω J_e e ω, and one of the shaft's stiffness, K e ω/(o ω).
 fn doubts(order: f64, values: &Values) -> [f64; 3] {
     let error = encoder_error(order) / SQRT_2;
-    [error * values.stiffness, 0.0, error * values.engine_inertia]
+    [error * values.stiffness / order, 0.0, error * values.engine_inertia * order]
 }
 
 /// What of the evidence depends on the angle between two sums.

@@ -34,16 +34,20 @@ const MOST_VARIATION: f64 = 0.2;
 /// The most friction that a dynamometer's bearings have, over its torque limit: at rest, and for each rad/s.
 const MOST_FRICTION: (f64, f64) = (4e-3, 5e-5);
 
-/// The pulses that the recordings show.
+/// The pulses that recordings show; `is_sound` says which of them may be used.
 ///
 /// # Errors
-/// No shaft, or no recording that shows the engine's pulses.
-pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
+/// No shaft, or no recording that shows the engine's pulses; without a reason where nothing fires.
+pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) -> Result<EnginePulses, Vec<Reason>> {
+    if parts.bench.cylinders == 0 {
+        return Err(Vec::new());
+    }
     let masses = TwoMasses::of(parts)?;
     let values = Values::of(&masses.values);
     let engine = parts.bench.engine();
     let cylinders = engine.cylinders as usize;
-    let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let is_used = |experiment: &&Experiment| !experiment.label.is_without_shaft() && is_sound(experiment);
+    let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(is_used).collect();
     // Ignition angles set the torque of engines with spark ignition alone.
     let prior = match all.iter().any(|experiment| is_by_ignition(experiment)) {
         true => EnginePulses::prior_of_spark_ignition(engine, values.engine_inertia),
@@ -67,8 +71,10 @@ pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
     }
     seen.sort_by(|(a, _), (b, _)| b.weight(cylinders).total_cmp(&a.weight(cylinders)));
     let (recordings, seen): (Vec<Recording>, Vec<Vec<Seen>>) = seen.into_iter().unzip();
-    let windows: Vec<&Seen> = seen.iter().flatten().collect();
     let joined = Joined::of(&recordings, cylinders);
+    // Of the others, windows are noise.
+    let with_pulses = || recordings.iter().zip(&seen).filter(|(one, _)| joined.recordings.contains(&one.file));
+    let windows: Vec<&Seen> = with_pulses().flat_map(|(_, windows)| windows).collect();
     let mean = |of: fn(&Seen) -> f64| windows.iter().copied().map(of).sum::<f64>() / windows.len().max(1) as f64;
     let at = (mean(|seen| seen.torque_nm), mean(|seen| seen.speed_rad_s));
     let harmonics = joined.pulses(&prior, (&values, friction.deviation_nm(at.1)), at);
@@ -76,7 +82,7 @@ pub fn engine_pulses(parts: &Parts<'_>) -> Result<EnginePulses, Vec<Reason>> {
         return Err(reasons);
     }
     // Of the places looked for, those up to the firing order are the first. What ignition angles do is no variation.
-    let of_charge = recordings.iter().zip(&seen).filter(|(recording, _)| !recording.is_by_ignition);
+    let of_charge = with_pulses().filter(|(recording, _)| !recording.is_by_ignition);
     let of_charge = of_charge.map(|(_, windows)| windows.as_slice());
     let cycle_variation =
         variation(of_charge, cylinders - 1, &harmonics[cylinders - 1]).unwrap_or(prior.cycle_variation);
