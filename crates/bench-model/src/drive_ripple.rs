@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One line of the drive's ripple, v cos φ + w sin φ + T (p cos φ + q sin φ), φ = 2πf(t − t_ref), on the torque T.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -22,6 +22,15 @@ impl RippleLine {
         let sum = |p: [f64; 2]| p[0] * cos + p[1] * sin;
         (sum(self.relative), sum(self.additive_nm))
     }
+}
+
+/// How recordings show the torque of the drive: what their own T_d needs beside the model.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RecordedTorque {
+    /// The delay from T_d* to T_d,calc as both are stamped, s; the skew of T_d,calc is in it.
+    pub delay_s: f64,
+    /// Lines of the drive's ripple, Hz. Their size and phase are those of a recording.
+    pub ripple_hz: Vec<f64>,
 }
 
 /// Offset and ripple of T_d in one recording: T_d = m (1 + r) + w on the torque m without them.

@@ -82,7 +82,11 @@ impl Mark {
         let length = file.metadata().ok()?.len();
         file.seek(SeekFrom::Start(length.saturating_sub(TAIL as u64))).ok()?;
         file.take(TAIL as u64).read_to_end(&mut tail).ok()?;
-        of_ends(&head, &tail).or_else(|| is_bench_file(path).then_some(Mark::BenchFile))
+        match of_ends(&head, &tail) {
+            // What `init` writes names the program too.
+            None | Some(Mark::Program) if is_bench_file(path) => Some(Mark::BenchFile),
+            found => found,
+        }
     }
 
     /// The mark of what is to be written.

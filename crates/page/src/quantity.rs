@@ -28,6 +28,8 @@ pub enum Uncertainty {
     Interval(f64, f64),
     /// The value is exact, or was given.
     Exact,
+    /// The value is as small as it can be, so that the data bound it no further.
+    AtLimit,
     /// Nothing is known of it.
     Unknown,
 }
@@ -59,7 +61,7 @@ pub struct Digits {
 /// Arms of an interval that differ by more than this part of half its width are both shown.
 const LOPSIDED: f64 = 0.2;
 /// Significant digits of a number that is read at a glance.
-const MOST_DIGITS: i32 = 5;
+const MOST_DIGITS: i32 = 4;
 
 impl Quantity {
     /// A value between two bounds.
@@ -77,8 +79,9 @@ impl Quantity {
     pub fn text(&self) -> String {
         match self.digits() {
             Some(Digits { value, spread, unit, .. }) => number::with_unit(format!("{value} {spread}"), &unit),
-            None if self.is_exact() => {
-                format!("{}, without uncertainty", number::measure(self.value, self.unit.as_str()))
+            None if self.is_exact() => format!("{}, exact", number::measure(self.value, self.unit.as_str())),
+            None if self.is_at_limit() => {
+                format!("{}, the least possible", number::measure(self.value, self.unit.as_str()))
             }
             None => number::plus_minus(self.value, f64::NAN, self.unit.as_str()),
         }
@@ -88,7 +91,7 @@ impl Quantity {
     pub fn interval(&self) -> String {
         match self.digits() {
             Some(Digits { interval, unit, .. }) => number::with_unit(interval, &unit),
-            None if self.is_exact() => "–".to_owned(),
+            None if self.is_exact() || self.is_at_limit() => "–".to_owned(),
             None => number::NOT_KNOWN.to_owned(),
         }
     }
@@ -112,7 +115,7 @@ impl Quantity {
         Some(Digits { value: digits(self.value), spread, interval, unit: scale.suffix() })
     }
 
-    /// The quantity in pieces for a glance: at most five significant digits, and half of the interval in per cent of the value.
+    /// The quantity in pieces for a glance: at most four significant digits, and half of the interval in per cent of the value.
     pub fn short(&self) -> Option<Digits> {
         let Uncertainty::Interval(low, high) = self.uncertainty else { return None };
         let full = self.digits()?;
@@ -134,5 +137,9 @@ impl Quantity {
 
     fn is_exact(&self) -> bool {
         self.value.is_finite() && self.uncertainty == Uncertainty::Exact
+    }
+
+    fn is_at_limit(&self) -> bool {
+        self.value.is_finite() && self.uncertainty == Uncertainty::AtLimit
     }
 }

@@ -38,12 +38,12 @@ pub fn air_gap_torque(
     Ok(records)
 }
 
-/// T_d on the clock of T_d*, from the model's model with the ripple of this recording.
+/// T_d on the clock of T_d*, from the model with the ripple of this recording.
 pub fn modelled_torque(
     experiment: &Experiment,
-    torque_control: Option<&TorqueControlFit>,
+    torque_control: Option<&AirGapTorqueModel>,
 ) -> Option<(Signal, AirGapTorqueModel)> {
-    let (demand, model) = model_of(experiment, torque_control)?;
+    let (demand, model) = in_recording(experiment, torque_control?)?;
     Some((model.air_gap_torque(demand), model))
 }
 
@@ -52,9 +52,16 @@ pub(crate) fn model_of<'a>(
     experiment: &'a Experiment,
     torque_control: Option<&TorqueControlFit>,
 ) -> Option<(&'a Signal, AirGapTorqueModel)> {
+    in_recording(experiment, &torque_control?.model)
+}
+
+fn in_recording<'a>(
+    experiment: &'a Experiment,
+    torque_control: &AirGapTorqueModel,
+) -> Option<(&'a Signal, AirGapTorqueModel)> {
     let demand = experiment.signal(Role::DynoTorqueDemand)?;
     let measured = experiment.signal(Role::AirGapTorque)?;
-    Some((demand, torque_control?.model.refit_ripple(demand, measured).ok()?))
+    Some((demand, torque_control.refit_ripple(demand, measured).ok()?))
 }
 
 /// A sampled signal less another, held, at its own instants.

@@ -36,6 +36,7 @@ pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> 
     let document = BenchModelDocument::new(study.model.clone()?, study.bench.clone(), provenance);
     let mut document = document.with_intervals(|parameter| interval(study, parameter));
     document.skews = study.skews;
+    document.recorded_torque = study.recorded_torque.clone();
     document.validity = study.validity;
     document.not_estimated = not_estimated(study);
     Some(document)

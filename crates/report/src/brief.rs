@@ -7,7 +7,7 @@ use study::Study;
 
 use crate::estimated::not_estimated;
 use crate::sections::diagnostics::{alike, entry};
-use crate::sections::verdict::tone;
+use crate::sections::verdict::{title, tone};
 use crate::summary;
 use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
@@ -57,7 +57,7 @@ fn judged(study: &Study) -> Blocks {
     Block::Callout {
         tone: tone(verdict.level),
         kicker: "Verdict".to_owned(),
-        title: format!("Verdict: {}", verdict.level.headline()),
+        title: format!("Verdict: {}", title(&verdict)),
         blocks: [Block::Table(table), count].into_iter().chain(use_of_it(study, &verdict)).collect(),
     }
     .into()
@@ -65,7 +65,8 @@ fn judged(study: &Study) -> Blocks {
 
 /// Where the model is valid, and what to do next.
 fn use_of_it(study: &Study, verdict: &Verdict) -> Vec<Block> {
-    let range = summary::range(&study.validity).filter(|_| study.whole.estimated().is_some());
+    let is_usable = study.whole.estimated().is_some() && verdict.level != Level::Insufficient;
+    let range = summary::range(&study.validity).filter(|_| is_usable);
     let valid = range.map(|range| Block::paragraph(format!("Valid for {range}.")));
     let next = Block::paragraph(Prose::from("Next: ").then(summary::next_step(study, verdict)));
     valid.into_iter().chain([next]).collect()

@@ -245,15 +245,15 @@ fn at_limit(found: &LimitReached) -> String {
 
 /// The part of the feed-forward that no recording shows.
 pub const M_IS_NOT_SHOWN: &str =
-    "m, the constant part of the feed-forward, cannot be estimated: the integrator's initial state takes it up.";
+    "The constant part of the feed-forward, m, cannot be estimated: the integrator's initial state takes it up.";
 
 /// The feed-forward beside PI alone.
 pub fn improvement(found: &FeedForwardFound) -> String {
     let straight = &found.straight;
     format!(
-        "k N_d* + k_a dN_d*/dt: fit {} on {}; PI alone {}.",
-        number::fit(straight.validation.fit_percent),
+        "With the feed-forward k N_d* + k_a dN_d*/dt, the fit on {} is {}; PI alone has {}.",
         straight.validation.stretch.file,
+        number::fit(straight.validation.fit_percent),
         number::fit(straight.pi_alone.fit_percent)
     )
 }

@@ -18,8 +18,9 @@ const MAP_HEIGHT: u32 = 260;
 const FIRINGS: u32 = 6;
 /// Lines of a signal that are named in its spectrum.
 const MOST_NAMED: usize = 12;
-/// Orders whose amplitudes are drawn over the speed.
+/// Orders whose amplitudes are drawn over the speed, of a signal and of all.
 const MOST_CURVES: usize = 5;
+const MOST_ORDERS: usize = 10;
 /// Fewer speeds than these are drawn as points.
 const FEW_POINTS: usize = 3;
 /// Points so many classes of speed apart are joined.
@@ -210,13 +211,14 @@ pub fn over_speed_figures(title: &str, signals: &[OverSpeed]) -> Vec<Figure> {
         "Darker is stronger. Numbers are orders, multiples of the engine's speed; dashed lines are aliases from \
          above half the sample rate. Constant frequencies are level lines: resonances, multiples of the mains.",
     );
+    let drawn = drawn_orders(signals);
     let curves = signals.iter().filter(|signal| !signal.orders.is_empty());
-    let amplitudes: Vec<Panel> = curves.clone().map(amplitudes).collect();
+    let amplitudes: Vec<Panel> = curves.clone().map(|signal| amplitudes(signal, &drawn)).collect();
     let amplitudes = Figure::new(&format!("{title}: orders over the speed"), speed.clone(), amplitudes).with_caption(
         "Amplitudes by least squares, all orders at once, in windows of ten turns; the bands are ± two standard \
          errors.",
     );
-    let phases: Vec<Panel> = curves.filter_map(phases).collect();
+    let phases: Vec<Panel> = curves.filter_map(|signal| phases(signal, &drawn)).collect();
     let phases = Figure::new(&format!("{title}: phases of the orders"), speed, phases)
         .with_caption("Against the crank angle since the recording began.");
     [maps, amplitudes, phases].into_iter().filter(|figure| !figure.panels.is_empty()).collect()
@@ -300,22 +302,41 @@ fn order_lines(signal: &OverSpeed, rate_hz: f64) -> Vec<Layer> {
     layers
 }
 
-/// The strongest orders, and their name.
-fn strongest(signal: &OverSpeed) -> impl Iterator<Item = (&OrderCurve, String)> {
+/// The orders that figures draw, no more than there are colours: the strongest of each signal first.
+fn drawn_orders(signals: &[OverSpeed]) -> Vec<f64> {
+    let mut drawn: Vec<f64> = Vec::new();
+    for rank in 0..MOST_CURVES {
+        for curve in signals.iter().filter_map(|signal| signal.orders.get(rank)) {
+            if drawn.len() < MOST_ORDERS && !drawn.contains(&curve.order) {
+                drawn.push(curve.order);
+            }
+        }
+    }
+    drawn.sort_by(f64::total_cmp);
+    drawn
+}
+
+/// The strongest orders of those drawn, each with its name and its colour, the same in all panels.
+fn strongest<'s>(
+    signal: &'s OverSpeed,
+    drawn: &'s [f64],
+) -> impl Iterator<Item = (&'s OrderCurve, String, Style)> + use<'s> {
     let name = |curve: &OrderCurve| match curve.is_firing {
         true => format!("order {}, firing", curve.order),
         false => format!("order {}", curve.order),
     };
-    signal.orders.iter().take(MOST_CURVES).map(move |curve| (curve, name(curve)))
+    signal.orders.iter().take(MOST_CURVES).filter_map(move |curve| {
+        let place = drawn.iter().position(|order| *order == curve.order)?;
+        Some((curve, name(curve), Style::of_model(place)))
+    })
 }
 
-fn amplitudes(signal: &OverSpeed) -> Panel {
+fn amplitudes(signal: &OverSpeed, drawn: &[f64]) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let mut layers = Vec::new();
     let [lowest, highest] = signal.speed_rad_s;
     let reach = NEAR * (highest - lowest) / signal.map.len().max(1) as f64;
-    for (curve, name) in strongest(signal) {
-        let style = style_of(curve.order);
+    for (curve, name, style) in strongest(signal, drawn) {
         // Between speeds that are far apart nothing is known.
         let is_near = |a: &CurvePoint, b: &CurvePoint| b.speed_rad_s - a.speed_rad_s <= reach;
         for points in curve.points.chunk_by(is_near) {
@@ -339,18 +360,13 @@ fn amplitudes(signal: &OverSpeed) -> Panel {
     Panel::new(Axis::linear(signal.role.symbol(), unit), HEIGHT, layers)
 }
 
-/// One colour an order, in all panels.
-fn style_of(order: f64) -> Style {
-    Style::of_model((2.0 * order).round() as usize)
-}
-
-fn phases(signal: &OverSpeed) -> Option<Panel> {
+fn phases(signal: &OverSpeed, drawn: &[f64]) -> Option<Panel> {
     let mut layers = Vec::new();
-    for (curve, name) in strongest(signal) {
+    for (curve, name, style) in strongest(signal, drawn) {
         let known = || curve.points.iter().filter_map(|p| Some((p.speed_rad_s / RPM_RAD_S, p.phase_rad?.to_degrees())));
         if known().next().is_some() {
             let (x, y): (Vec<f64>, Vec<f64>) = known().unzip();
-            layers.push(Layer::dots(&name, style_of(curve.order), &x, &y));
+            layers.push(Layer::dots(&name, style, &x, &y));
         }
     }
     let axis = Axis::angle(&format!("{}: phase", signal.role.symbol())).within(-180.0, 180.0);

@@ -5,6 +5,7 @@ use page::decimal::significant;
 use page::{Block, Blocks, Cell, Figure, Page, Prose, Table};
 use rig::results::Validation;
 
+use crate::sections::parts::stretch;
 use crate::sections::replays;
 use crate::wording::{mode_short, number};
 
@@ -30,13 +31,13 @@ pub fn page(title: &str, all: &[Replayed]) -> Page {
 }
 
 fn table(all: &[Replayed]) -> Table {
-    let heads = ["Model", "Recording", "Mode", "Used in estimation?", "Signal", "Fit", "RMS error"];
+    let heads = ["Model", "Recording and stretch", "Mode", "Used in estimation?", "Signal", "Fit", "RMS error"];
     let signals = all.iter().flat_map(|one| one.replay.signals.iter().map(move |signal| (one, signal)));
     let row = |(one, signal): (&Replayed, &Validation)| {
         let replay = &one.replay;
         let cells: Vec<Cell> = vec![
             Prose::verbatim(&*one.model).into(),
-            Prose::code(&replay.stretch.file).into(),
+            stretch(&replay.stretch).into(),
             mode_short(replay.mode).into(),
             (if replay.seen_in_estimation { "yes" } else { "no" }).into(),
             Prose::verbatim(&*signal.quantity).into(),

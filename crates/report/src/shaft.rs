@@ -328,10 +328,10 @@ fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
         Panel::new(Axis::linear(symbol, unit), HEIGHT, vec![points("with 95 % interval", Style::Modelled, &x, &values)])
     });
     let names = found.iter().enumerate().map(|(i, (name, _))| format!("{}: {name}", i + 1)).collect::<Vec<_>>();
-    let title = format!("{}: by different routes", recording.file);
+    let title = format!("{}: by different methods", recording.file);
     let sentences: Vec<String> = std::iter::once(names.join(", ")).chain(route_remarks(recording)).collect();
     Some(
-        Figure::new(&title, Axis::linear("route", ""), panels.into())
+        Figure::new(&title, Axis::linear("method", ""), panels.into())
             .with_caption(format!("{}.", sentences.join(". "))),
     )
 }

@@ -11,16 +11,20 @@ use crate::estimated::not_estimated;
 use crate::verdict::{Level, Verdict};
 use crate::wording::{self, number};
 
+/// Digits of a range that is read at a glance, and those of whole revolutions a minute.
+const DIGITS: i32 = 3;
+const WHOLE_RPM: i32 = 5;
+
 /// Where a model is valid: speeds, torques and frequencies of the recordings that it was estimated from.
 pub fn range(validity: &Validity) -> Option<String> {
-    let between = |(low, high): Range, unit: &str| {
-        format!("{} to {}", number::significant(low, 4), number::significant_with_unit(high, 4, unit))
+    let between = |(low, high): Range, digits: i32, unit: &str| {
+        format!("{} to {}", number::significant(low, digits), number::significant_with_unit(high, digits, unit))
     };
-    let rpm = |(low, high): Range| (low / RPM_RAD_S, high / RPM_RAD_S);
+    let rpm = |(low, high): Range| ((low / RPM_RAD_S).round(), (high / RPM_RAD_S).round());
     let known = [
-        validity.dyno_speed_rad_s.map(|range| format!("speeds of {}", between(rpm(range), "rpm"))),
-        validity.air_gap_torque_nm.map(|range| format!("torques of {}", between(range, "Nm"))),
-        validity.frequency_hz.map(|range| format!("frequencies of {}", between(range, "Hz"))),
+        validity.dyno_speed_rad_s.map(|range| format!("speeds of {}", between(rpm(range), WHOLE_RPM, "rpm"))),
+        validity.air_gap_torque_nm.map(|range| format!("torques of {}", between(range, DIGITS, "Nm"))),
+        validity.frequency_hz.map(|range| format!("frequencies of {}", between(range, DIGITS, "Hz"))),
     ];
     let known: Vec<String> = known.into_iter().flatten().collect();
     (!known.is_empty()).then(|| wording::join(&known, "and"))

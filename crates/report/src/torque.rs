@@ -74,7 +74,8 @@ pub fn clock_of_delay(part: &TorqueControl) -> String {
     };
     match &part.torque_skew {
         Some(skew) => format!(
-            "The delay is without the skew of T_d,calc against N_d, {}, from the estimate of the shaft. As recorded, the delay is {}.",
+            "The time stamps of T_d,calc are late against those of N_d by {}, its skew, from the estimate of the shaft. The delay is \
+             without it; as recorded, it is {}.",
             number::parameter(skew),
             recorded(skew).unwrap_or_else(|| number::NOT_KNOWN.to_owned())
         ),

@@ -131,7 +131,7 @@ fn worse_width(a: f64, b: f64) -> f64 {
 
 fn held_out(study: &Study) -> Rule {
     let fits = held_out_fits(study);
-    let asks = "Each part explains its held-out stretch with a fit of 80 % or more; below 50 % is not met.";
+    let asks = "Each part has a fit of 80 % or more on its held-out stretch, which the estimate has not seen; below 50 % is not met.";
     let Some((name, worst)) = fits.iter().copied().reduce(worse_fit) else {
         return Rule { asks, found: "there is no held-out stretch".to_owned(), level: Level::Insufficient };
     };
@@ -201,7 +201,7 @@ fn residuals(study: &Study) -> Rule {
         [] => "no such part was found".to_owned(),
         _ => format!("in doubt: {}", wording::join(&doubted, "and")),
     };
-    let asks = "No part failed to converge, disagrees with a second route, or has residuals correlated with its input. Counted are \
+    let asks = "No part failed to converge, disagrees with a second method, or has residuals correlated with its input. Counted are \
                 lags outside the 99 % region: more than 5 % of them, with a correlation above 0.1.";
     Rule { asks, found, level }
 }

@@ -325,6 +325,15 @@ pub enum Finding {
         /// Mean of |error|²/σ² as the speeds are named, over that with them exchanged.
         misfit_ratio: f64,
     },
+    /// The channels of T_d* and T_d,calc are exchanged: what is named T_d,calc is held, and what is named T_d* follows it.
+    TorquesExchanged {
+        /// The channel that is named T_d*.
+        demand: String,
+        /// The channel that is named T_d,calc.
+        torque: String,
+        /// By how much the first is later than the second, s.
+        later_s: f64,
+    },
     /// The recording is shorter than the estimate needs.
     TooShort {
         /// Its length, s.

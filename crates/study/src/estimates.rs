@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bench_model::analysis::WholeModel;
+use bench_model::drive_ripple::RecordedTorque;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
@@ -58,6 +59,7 @@ pub(super) struct Estimates {
     pub(super) whole: Outcome<WholeModel>,
     pub(super) model: Option<AssembledModel>,
     pub(super) skews: Option<SignalSkews>,
+    pub(super) recorded_torque: Option<RecordedTorque>,
     pub(super) replays: Vec<Replay>,
 }
 
@@ -89,8 +91,10 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         _ => Vec::new(),
     };
     let skews = fits.pieces().map(|pieces| pieces.skews());
+    let recorded_torque = fits.pieces().and_then(|pieces| pieces.recorded_torque());
     Estimates {
         skews,
+        recorded_torque,
         choices: fits.choices,
         timing: timing.into(),
         speed_controller: fits.controller.map(|c| c.result.clone()).into(),

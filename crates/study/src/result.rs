@@ -2,6 +2,7 @@
 
 use bench_model::analysis::WholeModel;
 use bench_model::document::Validity;
+use bench_model::drive_ripple::RecordedTorque;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
@@ -47,6 +48,8 @@ pub struct Study {
     pub validity: Validity,
     /// How the signals of the shaft's recording lie in time against each other.
     pub skews: Option<SignalSkews>,
+    /// How the recordings show T_d.
+    pub recorded_torque: Option<RecordedTorque>,
     /// Replays of recordings on the assembled model.
     pub replays: Vec<Replay>,
     /// Doubts.

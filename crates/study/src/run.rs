@@ -85,6 +85,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
         model: estimates.model.map(|model| AssembledModel { engine_pulses: pulses.flatten(), ..model }),
         validity,
         skews: estimates.skews,
+        recorded_torque: estimates.recorded_torque,
         replays: estimates.replays,
         diagnostics,
     }

@@ -51,7 +51,7 @@ pub(super) fn errors_of(part: Part, findings: &Findings<'_>) -> Vec<Reason> {
     let files = findings.files_of(part);
     let is_from = |found: &Diagnostic| found.place.file.as_ref().is_some_and(|file| files.contains(file));
     let concerns = |found: &&Diagnostic| match &found.finding {
-        Finding::SpeedsExchanged { .. } => part != Part::Whole,
+        Finding::SpeedsExchanged { .. } | Finding::TorquesExchanged { .. } => part != Part::Whole,
         Finding::ImplausibleInertia { inertia: Quantity::EngineInertia, .. } => part == Part::Whole,
         Finding::ImplausibleInertia { .. } | Finding::PulsesOffShaft { .. } => part == Part::Shaft,
         Finding::RoutesDisagree { quantity: Quantity::ProportionalGain | Quantity::IntegralGain, .. } => {

@@ -1,8 +1,9 @@
 //! The assembled model: analysed, and replayed on recordings.
 
 use bench_model::analysis::{WholeInputs, WholeModel, whole_model};
+use bench_model::drive_ripple::RecordedTorque;
 use bench_model::model::{AssembledModel, BenchModel};
-use bench_model::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
+use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
 use part_controller::speed_controller::SpeedControllerFit;
 use part_lines::sine::{SineTest, sine_points};
@@ -16,14 +17,13 @@ use rig::{ControlMode, Experiment, Finding, Severity};
 use crate::Progress;
 use crate::assemble::{StudyParts, assemble as assemble_model};
 use crate::findings::Findings;
+use crate::replayed::{ReplayModel, replayed_stretch};
 
 /// Tests worth replaying in each control mode, best first.
 const REPLAYED_NT: [Test; 4] = [Test::Bs, Test::Ramp, Test::Levels, Test::Unfired];
 const REPLAYED_TN: [Test; 3] = [Test::Step, Test::WhiteNoise, Test::Sine];
 /// Recordings replayed in each mode.
 const REPLAYS_PER_MODE: usize = 2;
-/// Longest stretch that is replayed, s: enough to judge, and quick to draw.
-const REPLAYED_S: f64 = 20.0;
 
 /// The parts that were estimated.
 pub(super) struct Pieces<'a> {
@@ -41,6 +41,13 @@ impl Pieces<'_> {
             engine_speed_s: value(Quantity::EngineSpeedSkew),
             torque_s: value(Quantity::AirGapTorqueSkew) - self.gate_s() / 2.0,
         }
+    }
+
+    /// How the recordings show T_d.
+    pub(super) fn recorded_torque(&self) -> Option<RecordedTorque> {
+        let found = &self.torque_control?.model;
+        let ripple_hz = found.ripple.lines.iter().map(|line| line.frequency_hz).collect();
+        Some(RecordedTorque { delay_s: found.delay_s, ripple_hz })
     }
 
     fn gate_s(&self) -> f64 {
@@ -80,7 +87,8 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
     let AssembledModel { model, uncertainty, .. } = &assembled;
     let sines = findings.of_test(&Test::Sine);
-    let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
+    let torque_control = pieces.torque_control.map(|fit| &fit.model);
+    let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, torque_control).map(|(t, _)| t)).collect();
     let skews = pieces.skews();
     let engine = findings.bench.engine();
     let measured = sines.iter().zip(&torques).map(|(experiment, torque)| {
@@ -107,11 +115,14 @@ fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> V
 
 /// Replays recordings in both modes.
 pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
+    let recorded_torque = pieces.recorded_torque();
+    let replays_on = ReplayModel { model, skews: pieces.skews(), recorded_torque: recorded_torque.as_ref() };
     let mut done = Vec::new();
     for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
         for experiment in replayed(findings, mode, tests) {
             (findings.progress)(Progress::Replaying { file: experiment.file.clone() });
-            match replay_one(findings, pieces, model, experiment) {
+            let is_seen = findings.is_seen(&experiment.file);
+            match replays_on.replay(experiment, replayed_stretch(experiment), is_seen) {
                 Ok(replay) => done.push(replay),
                 Err(error) => {
                     let finding = Finding::NotReplayed { reason: error.into() };
@@ -121,29 +132,4 @@ pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &
         }
     }
     done
-}
-
-fn replay_one(
-    findings: &Findings<'_>,
-    pieces: &Pieces<'_>,
-    model: &BenchModel,
-    experiment: &Experiment,
-) -> Result<Replay, ReplayError> {
-    let (torque, torque_model) = modelled_torque(experiment, pieces.torque_control).unzip();
-    let once_a_turn = match experiment.label.mode {
-        ControlMode::Nt => {
-            pieces.controller.and_then(|c| c.once_a_turn_in(experiment, findings.bench.limits.torque_nm))
-        }
-        ControlMode::Tn => None,
-    };
-    let inputs = ReplayInputs {
-        air_gap_torque: torque.as_ref(),
-        ripple: torque_model.as_ref().map(|model| &model.ripple),
-        skews: pieces.skews(),
-        encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
-        stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),
-        seen_in_estimation: findings.is_seen(&experiment.file),
-        ..ReplayInputs::default()
-    };
-    replay(experiment, model, &inputs)
 }

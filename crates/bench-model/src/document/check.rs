@@ -7,6 +7,7 @@ use rig::engine_pulses::EnginePulses;
 
 use super::error::DocumentError;
 use super::{BenchModelDocument, DescribedParameter, Range};
+use crate::drive_ripple::RecordedTorque;
 use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty, short};
 
 /// Times of controller and sensors.
@@ -18,6 +19,9 @@ const SAMPLE_TIME: Bound = Bound::new(1e-6, 1.0, "s");
 const MOST_SAMPLES: f64 = 250.0;
 /// Where the model has no controller, s.
 const USUAL_SAMPLE_TIME_S: f64 = 1e-3;
+/// Ripple of a drive, and how many lines of it a model may have.
+const RIPPLE: Bound = Bound::new(1e-3, 1e5, "Hz");
+const MOST_LINES: usize = 64;
 /// The frequency of the shaft between both masses.
 const RESONANCE: Bound = Bound::new(1e-3, 1e5, "Hz");
 const TORQUE: Bound = Bound::new(1e-3, 1e8, "Nm");
@@ -45,6 +49,7 @@ pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
     described(model, listed)?;
     uncertain(model, uncertainty)?;
     pulses(document.engine_pulses.as_ref())?;
+    recorded_torque(document.recorded_torque.as_ref())?;
     ranges(document)
 }
 
@@ -81,6 +86,18 @@ fn facts(document: &BenchModelDocument) -> Result<(), DocumentError> {
 /// Refuses pulses that no engine can have.
 fn pulses(pulses: Option<&EnginePulses>) -> Result<(), DocumentError> {
     pulses.map_or(Ok(()), EnginePulses::check).map_err(|impossible| DocumentError::Pulses { impossible })
+}
+
+/// Refuses delays and lines of ripple that no recording shows.
+fn recorded_torque(torque: Option<&RecordedTorque>) -> Result<(), DocumentError> {
+    let Some(RecordedTorque { delay_s, ripple_hz }) = torque else { return Ok(()) };
+    if ripple_hz.len() > MOST_LINES {
+        let count = ripple_hz.len();
+        let problem = format!("`recorded_torque.ripple_hz` has {count} lines, and a drive has {MOST_LINES} at most");
+        return Err(DocumentError::Together { problem });
+    }
+    let lines = ripple_hz.iter().map(|hz| ("recorded_torque.ripple_hz", Some(*hz), RIPPLE));
+    bounded(lines.chain([("recorded_torque.delay_s", Some(*delay_s), TIME)]))
 }
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {

@@ -16,6 +16,7 @@ use rig::engine_pulses::EnginePulses;
 use rig::facts::BenchFacts;
 use serde::{Deserialize, Serialize};
 
+use crate::drive_ripple::RecordedTorque;
 use crate::model::{AssembledModel, BenchModel, ModelUncertainty};
 use crate::skews::SignalSkews;
 pub use described::DescribedParameter;
@@ -45,6 +46,9 @@ pub struct BenchModelDocument {
     /// How the signals of the recordings lay in time against each other.
     #[serde(default)]
     pub skews: Option<SignalSkews>,
+    /// How the recordings show T_d; null without a torque control.
+    #[serde(default)]
+    pub recorded_torque: Option<RecordedTorque>,
     /// The engine's firing pulses with their covariance; null where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
@@ -101,6 +105,7 @@ impl BenchModelDocument {
             uncertainty,
             engine_pulses,
             skews: None,
+            recorded_torque: None,
             not_estimated: Vec::new(),
             validity: Validity::default(),
             provenance,

@@ -29,7 +29,7 @@ fn stat_pi_delay_structure_feed_forward_and_limit_are_said() {
         "No term beyond k and k_a is found",
         "beyond straight",
         "no recording rests at a limit of T_d*",
-        "m, the constant part of the feed-forward",
+        "The constant part of the feed-forward, m",
     ] {
         assert!(text.to_lowercase().contains(&words.to_lowercase()), "{words}: {text}");
     }

@@ -100,7 +100,15 @@ fn exact_a_bench_model_is_compared_with_recordings_and_simulated_on_them() {
     for (name, least) in [("N_d", 80.0), ("N_e", 80.0), ("T_shaft", 60.0)] {
         assert!(fit(name) > least, "{name}: {found}");
     }
-    // The same in the report of the study, which replays a part of it.
+    // The report has the same numbers of the same replay.
+    let study: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
+    let replays = study["study"]["replays"].as_array().unwrap();
+    let of_report =
+        replays.iter().find(|replay| replay["stretch"]["file"].as_str().unwrap().contains("BS_T_NT")).unwrap();
+    for signal in of_report["signals"].as_array().unwrap() {
+        let (reported, name) = (signal["fit_percent"].as_f64().unwrap(), signal["quantity"].as_str().unwrap());
+        assert!((fit(name) - reported).abs() < 1e-6, "{name}: {} here, {reported} in the report", fit(name));
+    }
     let page = with(&compare, &["--plot", "compare.html"]);
     done(&page);
     assert!(page.stdout.contains("T_shaft") && campaign.read("compare.html").contains("Bench models compared"));

@@ -153,3 +153,19 @@ torque = "380 Nm"
     let both = [&update[..], &["--force"]].concat();
     campaign.run(&both).assert_refused(2, &["--force"]);
 }
+
+/// What `init` writes names the program in its first line, and is a bench file all the same.
+#[test]
+fn regress_a_bench_file_that_init_wrote_is_updated_and_replaced() {
+    let campaign = Campaign::whole();
+    let init = ["init", "recordings", "--out", "own.toml", "--quiet"];
+    assert_eq!(campaign.run(&init).code, Some(0));
+    let edited = format!("# after the rebuild\n{}", campaign.read("own.toml"));
+    campaign.write("own.toml", edited.as_bytes());
+    campaign.run(&init).assert_refused(4, &["own.toml", "--force"]);
+    let ran = campaign.run(&[&init[..], &["--update"]].concat());
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""));
+    assert_eq!(campaign.read("own.toml"), edited, "there is nothing to add");
+    assert_eq!(campaign.run(&[&init[..], &["--force"]].concat()).code, Some(0));
+    assert!(!campaign.read("own.toml").contains("rebuild"));
+}

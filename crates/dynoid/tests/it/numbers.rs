@@ -11,7 +11,7 @@ use rig::experiment::ExperimentPlan;
 const OTHER_ROUTES: [&str; 4] = [
     "Delay alone",
     "What ignoring the timing would give",
-    "Other recordings and routes",
+    "Other recordings and methods",
     "The inertias estimated from the data",
 ];
 
@@ -105,8 +105,10 @@ fn compare_replays(page: &str, study: &Value) -> usize {
     let mut compared = 0;
     for replay in study["study"]["replays"].as_array().unwrap() {
         let file = replay["stretch"]["file"].as_str().unwrap();
-        let row =
-            all.iter().find(|row| row.cells.len() > 3 && row.cells[1] == file).unwrap_or_else(|| panic!("no {file}"));
+        let row = all
+            .iter()
+            .find(|row| row.cells.len() > 3 && row.cells[1].starts_with(file))
+            .unwrap_or_else(|| panic!("no {file}"));
         for signal in replay["signals"].as_array().unwrap() {
             let name = signal["quantity"].as_str().unwrap();
             let fits = row.cells[3].split(", ").flat_map(|fits| fits.split(" and "));

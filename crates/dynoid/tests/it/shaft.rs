@@ -26,7 +26,7 @@ fn stat_each_recording_and_all_together_tell_the_shaft_that_was_simulated() {
     let page = campaign.read("shaft.html");
     assert!(
         page.contains("from Δω to T_shaft")
-            && page.contains("by different routes")
+            && page.contains("by different methods")
             && page.contains("Recordings side by side")
     );
     let found = campaign.run(&["shaft", "bench.toml", recordings[0], recordings[1], "--json"]).json();

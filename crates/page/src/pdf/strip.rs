@@ -110,6 +110,17 @@ impl Strip {
         self.links.append(&mut other.links);
     }
 
+    /// Makes the drawings of a strip smaller, about the middle of their width.
+    fn scale(&mut self, scale: f32) {
+        self.height *= scale;
+        for mark in &mut self.marks {
+            if let Shape::Drawing(area, _) = &mut mark.shape {
+                let (width, height) = (scale * area.width, scale * area.height);
+                *area = Area { x: area.x + 0.5 * (area.width - width), y: scale * area.y, width, height };
+            }
+        }
+    }
+
     /// Strips below each other as one.
     pub(super) fn of_stack(all: Vec<Strip>) -> Strip {
         let mut whole = Strip::default();
@@ -201,6 +212,26 @@ pub(super) fn keep_ends(strips: &mut [Strip]) {
     }
 }
 
+/// The part of its size to which a drawing is made smaller at most, so that it need not go to the next page.
+const LEAST_SHRUNK: f32 = 0.75;
+/// The lowest strip that is a drawing of its own, and no sign in a line.
+const LOWEST_DRAWING: f32 = 60.0;
+
+/// Makes drawings smaller if that lets strips fit a height; whether they do.
+fn shrunk(group: &mut [Strip], room: f32) -> bool {
+    let is_drawing = |strip: &Strip| {
+        let drawn = |mark: &Mark| matches!(&mark.shape, Shape::Drawing(area, _) if area.height >= LOWEST_DRAWING);
+        !strip.marks.is_empty() && strip.marks.iter().all(drawn)
+    };
+    let drawn: f32 = group.iter().filter(|strip| is_drawing(strip)).map(|strip| strip.height).sum();
+    let scale = (room - (height(group) - drawn)) / drawn.max(f32::MIN_POSITIVE);
+    if scale < LEAST_SHRUNK {
+        return false;
+    }
+    group.iter_mut().filter(|strip| is_drawing(strip)).for_each(|strip| strip.scale(scale));
+    true
+}
+
 /// The strips of a page, each with its distance from the upper margin.
 pub(super) type Sheet = Vec<(f32, Strip)>;
 
@@ -232,7 +263,10 @@ impl Pages {
         let Some(first) = group.first() else { return };
         let needed = height(&group);
         let on_top = needed + first.repeated.as_ref().map_or(0.0, |repeated| repeated.height);
-        if self.y > 0.0 && self.y + first.before + needed > self.page && on_top <= self.page {
+        let room = self.page - self.y - first.before;
+        let fits = |group: &[Strip], room: f32| height(group) <= room;
+        let mut group = group;
+        if self.y > 0.0 && !fits(&group, room) && on_top <= self.page && !shrunk(&mut group, room) {
             self.turn();
         }
         group.into_iter().for_each(|strip| self.put(strip));

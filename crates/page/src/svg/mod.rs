@@ -214,8 +214,8 @@ fn draw_panel(out: &mut String, drawing: Drawing, index: usize, frame: &Frame, e
     }
     out.push_str("</g>\n");
     outside(out, frame, extent);
-    let is_hidden = panel.layers.iter().any(|layer| layers::is_hidden(layer, frame));
-    let remarks = [panel.note.as_str(), if is_hidden { "band narrower than its line" } else { "" }];
+    let hidden = hidden_bands(panel, frame);
+    let remarks = [panel.note.as_str(), &hidden];
     let notes: String = remarks.iter().filter(|note| !note.is_empty()).map(|note| format!(", {note}")).collect();
     let name = format!("{}{notes}", axis_name(&panel.y));
     label(out, figure, (left, top - 9.0), "start", &format!("class=\"axis-name\" fill=\"{INK}\""), &name);
@@ -224,6 +224,25 @@ fn draw_panel(out: &mut String, drawing: Drawing, index: usize, frame: &Frame, e
         label(out, figure, (right, bottom + 36.0), "end", &format!("class=\"axis-name x\" fill=\"{INK}\""), &name);
     }
     out.push_str("</g>\n");
+}
+
+/// Says of which bands nothing is seen beside their lines: of all of a panel, or of those named.
+fn hidden_bands(panel: &Panel, frame: &Frame) -> String {
+    let bands: Vec<&Layer> = panel.layers.iter().filter(|layer| matches!(layer, Layer::Band { .. })).collect();
+    let hidden: Vec<&&Layer> = bands.iter().filter(|layer| layers::is_hidden(layer, frame)).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for layer in &hidden {
+        if let Layer::Band { name, .. } = layer
+            && !names.contains(&name.as_str())
+        {
+            names.push(name);
+        }
+    }
+    match hidden.len() {
+        0 => String::new(),
+        count if count == bands.len() => "band narrower than its line".to_owned(),
+        _ => format!("band narrower than its line: {}", names.join(", ")),
+    }
 }
 
 /// Arrows where samples lie outside the axis, and how many do.

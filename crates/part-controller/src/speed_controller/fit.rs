@@ -194,16 +194,42 @@ impl SpeedControllerFit {
     pub(super) fn delay_samples(&self) -> i32 {
         self.lags.speed_error
     }
+}
 
-    /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
-    /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
-    /// cannot show.
-    pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
-        let data = Data::of(experiment, torque_limit_nm).ok()?;
-        let fit = refit_stretch(&data, &self.theta, self.lags).ok()?;
-        let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
-        (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
-    }
+/// A PI controller that is known, and the gate of the encoder that it reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownController {
+    /// K_p, Nm s/rad.
+    pub proportional_nm_s_per_rad: f64,
+    /// K_i, Nm/rad.
+    pub integral_nm_per_rad: f64,
+    /// τ, s.
+    pub delay_s: f64,
+    /// T_g, s.
+    pub gate_s: f64,
+    /// Time between updates, s.
+    pub sample_time_s: f64,
+}
+
+/// Once-a-turn error of N_d in a recording in speed control, as far as the controller does not answer it: coefficients of
+/// cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording cannot show.
+pub fn once_a_turn(
+    experiment: &Experiment,
+    controller: &KnownController,
+    torque_limit_nm: Option<f64>,
+) -> Option<(f64, f64)> {
+    let KnownController { proportional_nm_s_per_rad: k_p, integral_nm_per_rad: k_i, delay_s, gate_s, sample_time_s } =
+        *controller;
+    let mut theta = vec![0.0; COUNT];
+    theta[inverse::P] = 1.0 / k_p;
+    theta[inverse::Q] = k_i * sample_time_s / k_p;
+    theta[inverse::LEAD] = (delay_s - 0.5 * gate_s) / sample_time_s;
+    theta[inverse::GATE_SQUARED] = (gate_s / sample_time_s).powi(2);
+    let lags = DemandLags { speed_error: (delay_s / sample_time_s).round() as i32, feed_forward: 0 };
+    let data = Data::of(experiment, torque_limit_nm).ok()?;
+    let fit = refit_stretch(&data, &theta, lags).ok()?;
+    let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
+    (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
 }
 
 /// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is

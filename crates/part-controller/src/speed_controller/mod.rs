@@ -32,7 +32,7 @@ mod terms;
 pub use encoder::Encoder;
 pub use feed_forward::estimate_feed_forward;
 pub use fit::estimate_alone;
-pub use fit::{SpeedControllerFit, estimate};
+pub use fit::{KnownController, SpeedControllerFit, estimate, once_a_turn};
 pub use forward::estimate_forward;
 pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
 pub use terms::{

@@ -1,6 +1,6 @@
 //! The air-gap torque as a model that other estimates use.
 
-use bench_model::drive_ripple::DriveRipple;
+use bench_model::drive_ripple::{DriveRipple, RippleLine};
 use faer::Mat;
 use ident::validate::ResidualTest;
 use ident::{Bounds, Dataset, IdentError};
@@ -53,6 +53,20 @@ pub struct AirGapTorqueModel {
 }
 
 impl AirGapTorqueModel {
+    /// The model of a torque control that is known, with the lines of a ripple that has no size yet: a recording gives it
+    /// ([`AirGapTorqueModel::refit_ripple`]).
+    pub fn known((delay_s, lag_rad_s): (f64, f64), ripple_hz: &[f64], torque_limit_nm: Option<f64>) -> Self {
+        let line =
+            |frequency_hz: &f64| RippleLine { frequency_hz: *frequency_hz, additive_nm: [0.0; 2], relative: [0.0; 2] };
+        AirGapTorqueModel {
+            delay_s,
+            lag_rad_s,
+            ripple: DriveRipple { lines: ripple_hz.iter().map(line).collect(), ..DriveRipple::default() },
+            torque_limit_nm,
+            residual: ResidualStatistics { standard_deviation_nm: 0.0, sample_time_s: 0.0, white: true },
+        }
+    }
+
     /// The model's T_d at the instants of the demand, ripple included, from the present and the past of the demand. The
     /// demand's first value is taken to have stood before.
     ///

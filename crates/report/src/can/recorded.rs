@@ -243,7 +243,7 @@ fn judged(set: &RequirementSet, validation: &Validation) -> Blocks {
     let [speed, torque, power] = validation.omitted;
     let used = format!(
         "{} seconds compared, feedback moved forward by {}. Left out: {}. That is {speed} points of the speed, {torque} of the \
-         torque, and {power} of the power. {} choices of shift and omission exist.",
+         torque, and {power} of the power. That is the best of {} choices of shift and of what is left out.",
         validation.seconds,
         number::measure(validation.shift_s, "s"),
         words::omission(&validation.omission),

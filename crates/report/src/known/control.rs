@@ -55,15 +55,22 @@ fn with_residuals(grade: Grade, validation: &Validation) -> Grade {
     if validation.residuals.as_ref().is_some_and(ResidualTest::depends_on_input) { grade.contradicted() } else { grade }
 }
 
+/// What the residuals of the held-out stretch say of the delay; nothing where they were not tested.
 fn delay_seen(part: &SpeedController) -> String {
-    let share = |validation: &Validation| {
-        validation.residuals.as_ref().map_or_else(|| number::NOT_KNOWN.to_owned(), |t| number::share(t.share_outside()))
+    let (Some(without), Some(with)) = (&part.without_delay.residuals, &part.validation.residuals) else {
+        return String::new();
     };
-    format!(
-        "Without the delay, the residual of PI depends on the input at {} of the lags; with the delay, at {}.",
-        share(&part.without_delay),
-        share(&part.validation)
-    )
+    match (without.depends_on_input(), with.depends_on_input()) {
+        (true, false) => format!(
+            "Without the delay, what PI leaves depends on {} at {} of the lags; with the delay it does not.",
+            with.input,
+            number::share(without.share_outside())
+        ),
+        (false, false) => {
+            format!("With the delay and without it, what PI leaves does not depend on {}.", with.input)
+        }
+        (_, true) => String::new(),
+    }
 }
 
 /// The terms found beyond PI and delay, in the longest recording that shows them.

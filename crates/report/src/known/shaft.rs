@@ -174,7 +174,8 @@ pub(super) fn skews(study: &Study) -> Vec<Known> {
     let known = |quantity: &Quantity| {
         let own = part.estimate.parameter(*quantity)?;
         let why = vec![
-            "Estimated together with K and B; no second route checks it.".to_owned(),
+            "A skew is by how much the time stamps of a signal are late. It is estimated with K and B; no second method checks it."
+                .to_owned(),
             source(study, &part.estimate),
         ];
         Some(Known::of(own, grade(study, own), why))

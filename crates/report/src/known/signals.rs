@@ -1,7 +1,7 @@
 //! Delays of signals, friction, and the engine's torque.
 
 use rig::ExperimentLabel;
-use rig::results::{Outcome, SignalDelay};
+use rig::results::{Outcome, Parameter, SignalDelay};
 use study::{Analyses, Study};
 
 use super::grade::{Grade, Known, WIDTHS, grade, of_part, stretch_words};
@@ -31,10 +31,19 @@ fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
         None => "No second method checks it.".to_owned(),
     });
     if let Some(bend) = &delay.against_speed_bend {
-        why.push(format!("Against the moment N_d begins to bend its delay is {}.", number::parameter(bend)));
+        why.push(beside_bend(delay.role.symbol(), bend));
     }
     let name = format!("delay of {}", delay.role.symbol());
     Some(Known::new("", &name, by_width, number::parameter(own), why))
+}
+
+/// How a torque signal lies against the moment at which the course of N_d bends, in a sentence.
+fn beside_bend(symbol: &str, late: &Parameter) -> String {
+    let turned = |value: f64| if late.value < 0.0 { -value } else { value };
+    let (a, b) = (turned(late.interval.0), turned(late.interval.1));
+    let apart = Parameter { value: late.value.abs(), interval: (a.min(b), a.max(b)), ..late.clone() };
+    let order = if late.value < 0.0 { "before" } else { "after" };
+    format!("{symbol} comes {} {order} the course of N_d bends.", number::parameter(&apart))
 }
 
 /// Friction of the dynamometer.

@@ -35,11 +35,12 @@ pub(super) fn subtitle(study: &Study, origin: &Origin) -> Prose {
         all = all.then(Prose::verbatim(study.bench.name.clone())).then(" · ");
     }
     all = all.then(format!(
-        "{} · {} · studied on {} with dynoid {}",
+        "{} · {} · studied on {} with dynoid {} · document {}",
         wording::variant(study.bench.variant),
         recordings(study),
         origin.date,
-        study.provenance.version
+        study.provenance.version,
+        document_number(study, origin)
     ));
     match study.provenance.seed {
         Some(seed) => {
@@ -47,6 +48,14 @@ pub(super) fn subtitle(study: &Study, origin: &Origin) -> Prose {
         }
         None => all,
     }
+}
+
+/// The day, and digits that other recordings or another bench file change.
+fn document_number(study: &Study, origin: &Origin) -> String {
+    let digits = |hash: &str| hash.get(..8).and_then(|digits| u32::from_str_radix(digits, 16).ok()).unwrap_or(0);
+    let recordings = study.recordings.iter().map(|recording| digits(&recording.sha256));
+    let all = recordings.fold(digits(&origin.bench_file_sha256), |all, one| all ^ one);
+    format!("{}-{all:08x}", origin.date.replace('-', ""))
 }
 
 /// How many recordings there are, and from when.
@@ -72,6 +81,8 @@ pub(super) fn running_head(study: &Study, origin: &Origin) -> String {
         None => title,
     };
     // What must not be lost stands first.
-    let parts = [report.confidentiality.clone(), Some(short), report.test_id.clone(), Some(origin.date.clone())];
+    let number = Some(document_number(study, origin));
+    let parts =
+        [report.confidentiality.clone(), Some(short), report.test_id.clone(), Some(origin.date.clone()), number];
     parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
 }

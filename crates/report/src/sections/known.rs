@@ -22,6 +22,22 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
     section
 }
 
+/// What is known poorly, taken on trust, or not known, each with the last reason for it.
+pub(crate) fn not_known(study: &Study) -> Blocks {
+    let all = known(study, None);
+    let poor = all.iter().filter(|one| one.grade >= Grade::Poorly);
+    let row = |one: &Known| -> Vec<Cell> {
+        let why = one.why.last().cloned().unwrap_or_default();
+        vec![Prose::symbol(&one.symbol).then(" ").then(&*one.name).into(), one.grade.headline().into(), why.into()]
+    };
+    let rows: Vec<Vec<Cell>> = poor.map(row).collect();
+    if rows.is_empty() {
+        return Blocks::default();
+    }
+    let table = Table::of_text(&["Quantity", "How well", "Why"]).with_rows(rows);
+    vec![Block::heading("What is not known, or known poorly"), Block::Table(table)].into()
+}
+
 fn group(grade: Grade, all: &[Known]) -> Blocks {
     let of_grade: Vec<&Known> = all.iter().filter(|one| one.grade == grade).collect();
     let rows: Vec<Vec<Cell>> = of_grade.chunk_by(|a, b| is_alike(a, b)).flat_map(rows).collect();

@@ -6,10 +6,11 @@
 pub(crate) mod analyses;
 pub(crate) mod diagnostics;
 mod diagram;
+mod foundation;
 mod identity;
 mod known;
 mod methods;
-mod parts;
+pub(crate) mod parts;
 mod plots;
 mod provenance;
 pub(crate) mod replays;
@@ -17,11 +18,14 @@ mod submodels;
 pub(crate) mod verdict;
 mod whole;
 
+use rig::results::Part;
 use study::{Analyses, Study};
 
 use page::{Block, Blocks, Page};
 
 use crate::Origin;
+use crate::estimated;
+use crate::wording;
 
 /// The report of a study.
 pub fn study(study: &Study, origin: &Origin) -> Page {
@@ -38,8 +42,17 @@ pub fn summary_page(study: &Study, origin: &Origin) -> Page {
     Page {
         subtitle: identity::subtitle(study, origin),
         running_head: identity::running_head(study, origin),
-        ..Page::new(identity::title(study), verdict::answer(study).into_vec())
+        ..Page::new(identity::title(study), on_one_page(study).into_vec())
     }
+}
+
+/// The answer, the rules that it follows, and what is not known.
+fn on_one_page(study: &Study) -> Blocks {
+    let mut all = verdict::answer(study);
+    all.push(verdict::rules(study));
+    all.push(known::not_known(study));
+    all.push(foundation::signatures(study));
+    all
 }
 
 fn page(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Page {
@@ -58,8 +71,18 @@ fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<
         analyses.iter().for_each(|found| own.push(folded(more(found))));
         own
     };
+    // Of a part with an error no analysis is shown: its numbers would be those that the error concerns.
+    let unless = |part: Part, own: Blocks, more: &dyn Fn(&Analyses) -> Blocks| match estimated::is_struck(study, part) {
+        true => own,
+        false => with(own, more),
+    };
     let only =
         |id, title, content: &dyn Fn(&Analyses) -> Blocks| analyses.map(|found| (id, title, folded(content(found))));
+    let only_unless =
+        |part: Part, id, title, content: &dyn Fn(&Analyses) -> Blocks| match estimated::is_struck(study, part) {
+            true => analyses.map(|_| (id, title, struck(part))),
+            false => only(id, title, content),
+        };
     let all = [
         Some(("verdict", "Verdict", verdict::section(study))),
         Some(("known", "What is known", known::section(study, analyses))),
@@ -67,35 +90,47 @@ fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<
         only("recorded", "What was recorded", &|found| analyses::courses(&found.courses)),
         only("lines", "Lines", &|found| analyses::lines(&found.lines, &found.over_speed)),
         Some(("timing", "Timing", with(submodels::timing(study), &|found| analyses::step(found.step.as_ref())))),
-        only("torque-signals", "Torque signals", &|found| analyses::torque(&found.torque_signals)),
+        only_unless(Part::TorqueControl, "torque-signals", "Torque signals", &|found| {
+            analyses::torque(&found.torque_signals)
+        }),
         Some((
             "speed-control",
             "Speed control",
-            with(submodels::speed_controller(study), &|found| {
+            unless(Part::SpeedController, submodels::speed_controller(study), &|found| {
                 analyses::controller(&found.speed_control, found.pi_study.as_ref())
             }),
         )),
         Some((
             "feed-forward",
             "Feed-forward",
-            with(submodels::feed_forward(study), &|found| analyses::feed_forward(&found.speed_control)),
+            unless(Part::FeedForward, submodels::feed_forward(study), &|found| {
+                analyses::feed_forward(&found.speed_control)
+            }),
         )),
         Some((
             "torque-control",
             "Torque control",
-            with(submodels::torque_control(study), &|found| analyses::torque_control_in_report(&found.torque_control)),
+            unless(Part::TorqueControl, submodels::torque_control(study), &|found| {
+                analyses::torque_control_in_report(&found.torque_control)
+            }),
         )),
         only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
-        Some(("shaft", "Shaft", with(submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
-        only("engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
+        Some(("shaft", "Shaft", unless(Part::Shaft, submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
+        only_unless(Part::Whole, "engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
         Some(("whole", "Whole model", whole::section(study, origin))),
-        only("next", "What to record next", &|found| analyses::next(&found.next)),
+        only_unless(Part::Whole, "next", "What to record next", &|found| analyses::next(&found.next)),
         Some(("replays", "Replays", replays::section(study))),
         Some(("findings", "Findings", diagnostics::section(study))),
         Some(("provenance", "Recordings and bench", provenance::section(study, origin))),
         Some(("methods", "Methods", methods_folded())),
     ];
     all.into_iter().flatten().collect()
+}
+
+/// In place of an analysis whose numbers an error concerns.
+fn struck(part: Part) -> Blocks {
+    let part = wording::part(part);
+    Block::paragraph(format!("Not shown, since an error concerns the {part}. See the findings.")).into()
 }
 
 fn methods_folded() -> Blocks {

@@ -49,12 +49,12 @@ fn overview(replays: &[Replay]) -> Table {
     let row = |replay: &Replay| -> Vec<Cell> {
         vec![
             Prose::strong(replay.label.to_string()).into(),
-            Prose::code(&replay.stretch.file).into(),
+            stretch(&replay.stretch).into(),
             seen(replay.seen_in_estimation).into(),
             replay.signals.iter().fold(Prose::default(), fit).into(),
         ]
     };
-    Table::of_text(&["Recording", "File", "Used in estimation?", "Fit"]).with_rows(replays.iter().map(row))
+    Table::of_text(&["Recording", "Stretch", "Used in estimation?", "Fit"]).with_rows(replays.iter().map(row))
 }
 
 fn seen(seen_in_estimation: bool) -> Prose {

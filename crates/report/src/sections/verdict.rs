@@ -7,6 +7,7 @@ use study::Study;
 use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
 
 use super::diagnostics::{alike, entry};
+use super::foundation;
 use super::replays;
 use crate::estimated::not_estimated;
 use crate::summary;
@@ -19,13 +20,14 @@ const SHOWN_FINDINGS: usize = 4;
 /// The section that comes first.
 pub(crate) fn section(study: &Study) -> Blocks {
     let mut all = answer(study);
+    all.push(foundation::signatures(study));
     all.push(missing(study));
     all.push(findings(study));
-    all.push(rules(&verdict(study).rules));
+    all.push(rules(study));
     all
 }
 
-/// What fits one page of paper: the verdict, where the model is valid, what to do next, six numbers and a replay.
+/// The verdict, where the model is valid, what to do next, six numbers, a replay, and what all of it rests on.
 pub(crate) fn answer(study: &Study) -> Blocks {
     let verdict = verdict(study);
     let mut all = Blocks::from(Block::Callout {
@@ -39,11 +41,14 @@ pub(crate) fn answer(study: &Study) -> Blocks {
         all.push(key_numbers(study));
     }
     all.push(replay(study));
+    if study.whole.estimated().is_some() {
+        all.push(foundation::limits_and_assumptions(study));
+    }
     all
 }
 
 /// The headline; of a model that is not to be used, its cause comes first.
-fn title(verdict: &Verdict) -> String {
+pub(crate) fn title(verdict: &Verdict) -> String {
     let headline = verdict.level.headline();
     match verdict.rules.iter().find(|rule| rule.level == Level::Insufficient) {
         Some(rule) => format!("{}. {headline}", wording::capitalised(&rule.found)),
@@ -94,7 +99,9 @@ fn because(rules: &[Rule]) -> Vec<Block> {
     ]
 }
 
-fn rules(rules: &[Rule]) -> Blocks {
+/// Every rule of the verdict with its outcome.
+pub(super) fn rules(study: &Study) -> Blocks {
+    let rules = verdict(study).rules;
     let row = |rule: &Rule| -> Vec<Cell> {
         let outcome = Prose::tag(tone(rule.level), rule.level.outcome());
         vec![outcome.into(), rule.asks.into(), Cell::from(&rule.found)]

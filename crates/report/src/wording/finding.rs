@@ -93,8 +93,9 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::LateSignal { role: of, late_s, standard_error_s } => {
-            let late = plus_minus(1e3 * late_s, 2e3 * standard_error_s, "ms");
-            format!("The shaft’s equation dates the {} {late} later than N_d.", role(*of))
+            let apart = plus_minus(1e3 * late_s.abs(), 2e3 * standard_error_s, "ms");
+            let order = if *late_s < 0.0 { "before" } else { "behind" };
+            format!("The {} is {apart} {order} N_d, as the equation of the shaft shows.", role(*of))
         }
         Finding::SlowRaster { sample_time_s, is_in_ms } => {
             let hint = if *is_in_ms { " The time stamps seem to be in ms." } else { "" };
@@ -142,6 +143,10 @@ pub fn finding(finding: &Finding) -> String {
                 "The channels of N_d and N_e seem exchanged: the other way round the residual of the shaft’s equation is {times} times smaller."
             )
         }
+        Finding::TorquesExchanged { demand, torque, later_s } => format!(
+            "The channels of T_d* and T_d,calc are exchanged: “{demand}” follows “{torque}” {} later, and “{torque}” is held as a demand is.",
+            duration(*later_s)
+        ),
         Finding::TooShort { duration_s, needed_s } => {
             format!("The recording lasts {}; the estimate needs {}.", duration(*duration_s), duration(*needed_s))
         }
@@ -289,6 +294,9 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::SpeedsExchanged { .. } => {
             "Exchange the two channels in the bench file; until then use no number of this study."
         }
+        Finding::TorquesExchanged { .. } => {
+            "Exchange dyno_torque_demand and air_gap_torque in the bench file; until then use no number of this study."
+        }
         Finding::TooShort { .. } => "Record for longer.",
         Finding::WrongTorqueSign { .. } => {
             "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
@@ -301,7 +309,7 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
         Finding::EarlySignal { advance_s, .. } if *advance_s > EARLY_S => {
-            "No torque is ahead of its demand by so much: check the time stamps of both, and record again."
+            "No torque is ahead of its demand by so much: check in the bench file that both channels are not exchanged, then the time stamps of both."
         }
         Finding::EarlySignal { .. } => {
             "Nothing to do for the model: the estimate of the shaft includes the skew. Record both on one clock to compare them."

@@ -89,8 +89,8 @@ pub fn mode_short(mode: ControlMode) -> &'static str {
 /// How the bench measures torque.
 pub fn variant(variant: BenchVariant) -> &'static str {
     match variant {
-        BenchVariant::LoadCell => "load cell on the dynamometer (DTB): shaft torque is computed, two masses",
-        BenchVariant::TorqueFlange => "torque flange in the shaft (TB): air-gap torque is computed, dual-mass flywheel",
+        BenchVariant::LoadCell => "load cell on the dynamometer: shaft torque is computed, two masses",
+        BenchVariant::TorqueFlange => "torque flange in the shaft: air-gap torque is computed, dual-mass flywheel",
     }
 }
 
@@ -107,8 +107,13 @@ pub fn place(place: &Place) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// The text with a capital first letter.
+/// The text with a capital first letter. A symbol or a name of a file stays as it is: k is another number than K.
 pub fn capitalised(text: &str) -> String {
+    let first = text.split_whitespace().next().unwrap_or_default().trim_end_matches([',', '.', ':', ';']);
+    let is_letter = first.chars().count() == 1 && first != "a";
+    if is_letter || first.contains(['_', '*', '.', '/']) {
+        return text.to_owned();
+    }
     let mut letters = text.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }

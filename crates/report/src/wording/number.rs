@@ -11,7 +11,12 @@ pub fn quantity(parameter: impl Into<WrittenParameter>) -> Quantity {
     let parameter = parameter.into();
     let (low, high) = parameter.interval;
     let is_exact = parameter.value.is_finite() && parameter.standard_error == 0.0 && low == high;
-    let uncertainty = if is_exact { Uncertainty::Exact } else { Uncertainty::Interval(low, high) };
+    let uncertainty = match is_exact {
+        // A search that wants to go below zero ends there.
+        true if parameter.value == 0.0 => Uncertainty::AtLimit,
+        true => Uncertainty::Exact,
+        false => Uncertainty::Interval(low, high),
+    };
     Quantity { value: parameter.value, uncertainty, unit: Unit::new(parameter.notation.unit) }
 }
 

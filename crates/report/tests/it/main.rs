@@ -9,3 +9,4 @@ mod page;
 mod prop;
 mod snap;
 mod verdicts;
+mod words;

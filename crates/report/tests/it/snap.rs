@@ -70,6 +70,7 @@ fn findings() -> Vec<Finding> {
         Finding::ImplausibleMagnitude { role: Role::EngineSpeed, largest: 15_000.0, looks_like: Some("rpm".into()) },
         Finding::SpeedsDisagree { role: Role::EngineSpeed, ratio_to_dyno_speed: 9.549 },
         Finding::SpeedsExchanged { misfit_ratio: 2991.8 },
+        Finding::TorquesExchanged { demand: "T_calc".into(), torque: "T_dyno_dmd".into(), later_s: 3e-3 },
         Finding::TooShort { duration_s: 0.4, needed_s: 12.0 },
         Finding::WrongTorqueSign { correlation: -0.934 },
         Finding::ImplausibleInertia {

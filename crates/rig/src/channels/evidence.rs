@@ -12,9 +12,9 @@ const DELAY_STEP_S: f64 = 0.001;
 
 /// A channel's samples in one recording, with their time stamps.
 #[derive(Clone, Copy)]
-pub(super) struct Samples<'r> {
-    pub(super) time_s: &'r [f64],
-    pub(super) values: &'r [f64],
+pub(crate) struct Samples<'r> {
+    pub(crate) time_s: &'r [f64],
+    pub(crate) values: &'r [f64],
 }
 
 impl<'r> Samples<'r> {
@@ -76,7 +76,7 @@ impl<'r> Samples<'r> {
 }
 
 /// Delay of `later` against `earlier` at which their changes correlate best, with that correlation.
-pub(super) fn best_delay(earlier: Samples<'_>, later: Samples<'_>) -> Option<(f64, f64)> {
+pub(crate) fn best_delay(earlier: Samples<'_>, later: Samples<'_>) -> Option<(f64, f64)> {
     let instants = &later.time_s[..later.time_s.len().min(4000)];
     let later_changes = later.changes(instants, 0.0);
     let steps = (MAX_DELAY_S / DELAY_STEP_S).round() as usize;

@@ -6,7 +6,7 @@
 mod assign;
 mod candidate;
 mod compare;
-mod evidence;
+pub(crate) mod evidence;
 mod guess;
 mod mapping;
 mod score;

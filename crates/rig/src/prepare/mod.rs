@@ -2,6 +2,7 @@
 
 mod clock;
 mod cut;
+mod exchanged;
 mod filtered;
 mod label;
 mod left_out;
@@ -90,6 +91,7 @@ pub fn prepare(
     let mut log = Log::new(file);
     log.reader_findings(recording);
     let sources = map::sources(recording, bench_file, &label, &mut log);
+    exchanged::check(&sources, &label, &mut log);
     let mut mended = BTreeMap::new();
     for source in &sources {
         let left_out = left_out::samples(source, &sources, &label, &mut log);

@@ -11,3 +11,4 @@ mod shaft_benches;
 mod shaft_terms;
 mod study;
 mod study_recorded;
+mod torques_exchanged;

@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<O
         json!({"bench": bench.file.name, "torque_nm": torque_nm, "unchecked": unstated, "beyond": beyond, "friction": inputs.friction,
             "engine_pulses": pulses_from(&bench.stated.pulses), "wanted": answers, "maps": maps, "gradients": gradients})
     };
-    show(&arguments.on.result, || report::can::map(&shown), json, terminal)?;
+    show(&arguments.on.result, || bench.on_page(report::can::map(&shown)), json, terminal)?;
     // A yes that leaves a limit out, or goes beyond the model, is none, as for a test.
     let is_complete = answers.is_empty() || beyond.is_empty() && (unstated.is_empty() || arguments.allow_unchecked);
     Ok(if is_complete && answers.iter().all(WantedAnswer::is_yes) { Outcome::Done } else { Outcome::NotSafe })

@@ -68,7 +68,7 @@ pub(super) fn run(
         assumptions: &assumptions,
         friction: inputs.friction,
     };
-    show(&arguments.on.result, || report::can::predicted(&asked), || facts(&asked), terminal)?;
+    show(&arguments.on.result, || bench.on_page(report::can::predicted(&asked)), || facts(&asked), terminal)?;
     let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
     let is_yes = matches!(verdict.answer, Answer::Yes | Answer::NotJudged);
     Ok(if is_yes && is_complete { Outcome::Done } else { Outcome::NotSafe })

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result
         beyond: &beyond,
     };
     let json = || facts(&bench, &shown, &doubts);
-    show(&arguments.on.result, || report::safety::page(&shown), json, terminal)?;
+    show(&arguments.on.result, || bench.on_page(report::safety::page(&shown)), json, terminal)?;
     let is_complete = checked.unchecked.is_empty() || arguments.allow_unchecked;
     Ok(if checked.safety == Safety::Safe && is_complete { Outcome::Done } else { Outcome::NotSafe })
 }

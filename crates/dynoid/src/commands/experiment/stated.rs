@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use ::bench_model::document::Validity;
+use ::bench_model::document::{BenchModelDocument, Validity};
 use ::bench_model::model::{AssembledModel, BenchModel};
 use design::safety::FrictionSpread;
+use page::{Block, Page, Prose};
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
 use rig::facts::StatedInertia;
@@ -12,12 +13,15 @@ use virtual_bench::StatedBench;
 
 use crate::commands::bench_model::{self, Kind};
 use crate::commands::study::read_bench;
+use crate::date;
 use crate::error::CliError;
 use crate::input;
 use crate::terminal::Terminal;
 
 const WANTED: &str = "a model.json or study.json as `dynoid study` writes, or an FMU of dynoid";
 
+/// Digits of a hash by which people compare files.
+const HASH_DIGITS: usize = 12;
 /// Inertias that differ by more than this part are not the same.
 const SAME_INERTIA: f64 = 1e-3;
 
@@ -28,6 +32,8 @@ pub(in crate::commands) struct Bench {
     pub(in crate::commands) stated: StatedBench,
     /// The range of the recordings that the model is from.
     pub(in crate::commands) validity: Validity,
+    /// Which model it is, in words; none without a model.
+    model_in_words: Option<String>,
 }
 
 impl Bench {
@@ -41,7 +47,9 @@ impl Bench {
             return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
         }
         let (file, _) = read_bench(path)?;
-        let (assembled, validity) = study.map(read_model).transpose()?.unzip();
+        let read = study.map(read_model).transpose()?;
+        let model_in_words = read.as_ref().map(|read| read.in_words.clone());
+        let (assembled, validity) = read.map(|read| (read.assembled, read.validity)).unzip();
         let stated = StatedBench::of(&file, assembled.as_ref().map(|assembled| &assembled.model))
             .map_err(|source| CliError::VirtualBench { path: path.to_owned(), source })?
             .with_pulses(assembled.as_ref().and_then(|assembled| assembled.engine_pulses.as_ref()));
@@ -61,7 +69,16 @@ impl Bench {
                 ));
             }
         }
-        Ok(Bench { file, assembled, stated, validity: validity.unwrap_or_default() })
+        Ok(Bench { file, assembled, stated, validity: validity.unwrap_or_default(), model_in_words })
+    }
+
+    /// A page of predictions, with the bench, the model and the day at its end and at the top of each printed page.
+    pub(in crate::commands) fn on_page(&self, page: Page) -> Page {
+        let model = self.model_in_words.as_deref().unwrap_or("no model of a study");
+        let (today, version) = (date::today(), env!("CARGO_PKG_VERSION"));
+        let line = format!("{} · {model} · predicted on {today}, dynoid {version}", self.file.name);
+        let origin = Block::note(Prose::verbatim(line.clone()));
+        Page { running_head: line, blocks: page.blocks.into_iter().chain([origin]).collect(), ..page }
     }
 
     /// Friction of the dynamometer, as the bench file states it or as dynamometers have it.
@@ -91,14 +108,31 @@ impl Bench {
     }
 }
 
-fn read_model(path: &Path) -> Result<(AssembledModel, Validity), CliError> {
+/// A model with what pages say of it.
+struct ReadModel {
+    assembled: AssembledModel,
+    validity: Validity,
+    in_words: String,
+}
+
+fn read_model(path: &Path) -> Result<ReadModel, CliError> {
     let text = bench_model::text(path, WANTED)?;
     match Kind::of(&text) {
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
         Kind::Bench | Kind::Study => {
             let found = report::model_with_validity(&text);
-            found.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })
+            let (assembled, validity) =
+                found.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })?;
+            Ok(ReadModel { assembled, validity, in_words: in_words(path, &text) })
         }
     }
+}
+
+/// The file of a model, when and with which version it was made, and its hash.
+fn in_words(path: &Path, text: &str) -> String {
+    let provenance = BenchModelDocument::from_json(text).ok().map(|document| document.provenance);
+    let made = provenance.map(|one| format!(" of {}, dynoid {}", one.date, one.dynoid_version)).unwrap_or_default();
+    let hash: String = input::sha256_of_text(text).chars().take(HASH_DIGITS).collect();
+    format!("model {}{made}, SHA-256 {hash}…", path.display())
 }

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use bench_model::document::BenchModelDocument;
-use bench_model::replay::{Replay, ReplayInputs, replay};
+use bench_model::replay::Replay;
 use recording::{Channel, Format, Raster, Recording};
 use report::replayed::Replayed;
 use report::wording;
@@ -15,7 +15,7 @@ use rig::experiment::Test;
 use rig::results::{Trace, Validation};
 use rig::{BenchFile, ControlMode, Excitation, Experiment, ExperimentLabel, Severity};
 use serde_json::{Value, json};
-use study::experiment_of;
+use study::{ReplayModel, experiment_of, replayed_stretch};
 
 use super::model_file::AnyModelFile;
 use super::recorded::check_output;
@@ -71,7 +71,7 @@ pub(super) fn compare(
     if arguments.horizon.is_some() {
         return Err(of_linear_models("--horizon"));
     }
-    let all = replays(models, (&arguments.meet, &arguments.bench), terminal)?;
+    let all = replays(models, (&arguments.meet, &arguments.bench), Unasked::AsStudy, terminal)?;
     let page = || report::replayed::page("Bench models compared", &all);
     show(&arguments.result, page, || json(&all), terminal)?;
     Ok(Outcome::Done)
@@ -92,7 +92,7 @@ pub(super) fn simulate(
     if let Some(path) = out {
         check_output(path, meet.on.len())?;
     }
-    let all = replays(&[model], (meet, bench), terminal)?;
+    let all = replays(&[model], (meet, bench), Unasked::Whole, terminal)?;
     if let Some(path) = out {
         FileFormat::of_output(path)?.write(&recording(&all), path)?;
     }
@@ -109,6 +109,7 @@ fn of_linear_models(option: &str) -> CliError {
 fn replays(
     models: &[Named],
     (meet, bench): (&MeetArguments, &BenchArguments),
+    unasked: Unasked,
     terminal: &mut Terminal,
 ) -> Result<Vec<Replayed>, CliError> {
     if meet.sample_time_s.is_some() {
@@ -136,7 +137,7 @@ fn replays(
         errors.for_each(|doubt| terminal.warning(&wording::remark(doubt)));
         for model in models {
             let is_seen = model.document.provenance.recordings.iter().any(|used| used.sha256 == source.sha256);
-            let replay = replayed(&model.document, &experiment, meet, is_seen)?;
+            let replay = replayed(&model.document, &experiment, stretch(&experiment, meet, unasked), is_seen)?;
             all.push(Replayed { model: paths::with_slashes(&model.path), replay });
         }
     }
@@ -151,19 +152,37 @@ fn not_replayed(reasons: &[rig::Diagnostic]) -> CliError {
 fn replayed(
     document: &BenchModelDocument,
     experiment: &Experiment,
-    meet: &MeetArguments,
+    stretch_s: Option<(f64, f64)>,
     seen_in_estimation: bool,
 ) -> Result<Replay, CliError> {
-    let window = meet.window;
-    let is_cut = window.from_s.is_some() || window.to_s.is_some();
-    let stretch = (window.from_s.unwrap_or(f64::NEG_INFINITY), window.to_s.unwrap_or(f64::INFINITY));
-    let inputs = ReplayInputs {
+    let replays_on = ReplayModel {
+        model: &document.model,
         skews: document.skews.unwrap_or_default(),
-        stretch_s: is_cut.then_some(stretch),
-        seen_in_estimation,
-        ..ReplayInputs::default()
+        recorded_torque: document.recorded_torque.as_ref(),
     };
-    replay(experiment, &document.model, &inputs).map_err(|error| CliError::NotReplayed { reason: error.to_string() })
+    let replay = replays_on.replay(experiment, stretch_s, seen_in_estimation);
+    replay.map_err(|error| CliError::NotReplayed { reason: error.to_string() })
+}
+
+/// What is replayed where no stretch is asked for.
+#[derive(Clone, Copy)]
+enum Unasked {
+    /// All of a recording.
+    Whole,
+    /// What a study replays of it, so that both give the same numbers.
+    AsStudy,
+}
+
+/// The stretch that is replayed, s of the recording's clock; all of it where `None`.
+fn stretch(experiment: &Experiment, meet: &MeetArguments, unasked: Unasked) -> Option<(f64, f64)> {
+    let window = meet.window;
+    if window.from_s.is_some() || window.to_s.is_some() {
+        return Some((window.from_s.unwrap_or(f64::NEG_INFINITY), window.to_s.unwrap_or(f64::INFINITY)));
+    }
+    match unasked {
+        Unasked::Whole => None,
+        Unasked::AsStudy => replayed_stretch(experiment),
+    }
 }
 
 /// The bench file, which names the channels: the one given, or that of the first model, which lies beside it or one folder up.

@@ -62,10 +62,7 @@ fn pages(whole: Figure) -> Vec<Figure> {
 /// A sentence that may begin in small letters and end without a stop.
 pub(crate) fn sentence(text: &str) -> Blocks {
     let stop = if text.ends_with(['.', ':']) { "" } else { "." };
-    // A file's name begins as it does.
-    let names_file = text.split(' ').next().is_some_and(|word| word.contains(['/', '.']));
-    let text = if names_file { text.to_owned() } else { capitalised(text) };
-    Block::paragraph(text + stop).into()
+    Block::paragraph(capitalised(text) + stop).into()
 }
 
 /// A heading below that of the section.

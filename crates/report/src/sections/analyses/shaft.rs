@@ -122,5 +122,5 @@ fn routes(recording: &ShaftRecording) -> Blocks {
             vec![format!("{}: {}", route.name, wording::reasons(why)), blank(), blank(), blank(), blank()]
         }
     });
-    plain_table(&["Route", "K", "B", "J_d", "J_e"], rows)
+    plain_table(&["Method", "K", "B", "J_d", "J_e"], rows)
 }

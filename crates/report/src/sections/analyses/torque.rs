@@ -51,7 +51,7 @@ fn delays(found: &TorqueSignals) -> Blocks {
         return no_result("Delays", "no recording moves T_d* by itself; run WhiteNoise_T_TN or Step_T_TN");
     }
     let heads =
-        ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
+        ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each method, 95 % intervals"];
     let mut all = heading("Delays in every recording that shows them");
     all.push(plain_table(&heads, rows));
     let found = found.recordings.iter().filter_map(|recording| recording.delays.estimated());

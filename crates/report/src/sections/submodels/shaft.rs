@@ -76,12 +76,12 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
     let panels = vec![Panel::new(Axis::linear("|error|/σ", ""), 150, layers)];
     let x = Axis::linear("frequency", "Hz");
     Figure::new("Residual of the shaft model by frequency", x, panels).with_caption(format!(
-        "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \
-             {} left out of the fit.",
+        "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound.{}",
         spectrum.normalised_magnitude.len(),
         match spectrum.excluded_hz.len() {
-            1 => "one frequency".to_owned(),
-            n => format!("{n} frequencies"),
+            0 => String::new(),
+            1 => " Dashed line: a frequency that the fit leaves out.".to_owned(),
+            n => format!(" Dashed lines: {n} frequencies that the fit leaves out."),
         }
     ))
 }
@@ -100,8 +100,9 @@ fn ignoring_timing(part: &Shaft) -> Blocks {
             number::quantity(plain).into(),
         ]
     });
-    let text = "Speed and torque pass different gates and arrive at different times. A fit that trusts their time \
-                stamps takes the difference for damping, and its intervals do not show that.";
+    let text = "A speed is the mean over the gate of its encoder, the time in which that counts. Skews are by how much the time \
+                stamps of a signal are late. A fit that ignores both takes the difference for damping, and its intervals do not \
+                show that.";
     let headings = ["", "Parameter", "With gate and skew", "Ignoring them"];
     vec![
         Block::heading("What ignoring the timing would give"),
@@ -113,7 +114,7 @@ fn ignoring_timing(part: &Shaft) -> Blocks {
 
 fn cross_checks(part: &Shaft) -> Blocks {
     if part.cross_checks.is_empty() {
-        return Block::note("There was no other recording or route to check this estimate.").into();
+        return Block::note("No other recording and no second method checks this estimate.").into();
     }
     let value = |estimate: &Estimate, quantity| match estimate.parameter(quantity) {
         Some(parameter) => number::quantity(parameter).into(),
@@ -124,9 +125,9 @@ fn cross_checks(part: &Shaft) -> Blocks {
     };
     let this = row(Prose::strong("this estimate").into(), &part.estimate);
     let others = part.cross_checks.iter().map(|(name, estimate)| row(name.into(), estimate));
-    let table = Table::of_text(&["Route", "K", "B"]).with_rows(std::iter::once(this).chain(others));
+    let table = Table::of_text(&["From", "K", "B"]).with_rows(std::iter::once(this).chain(others));
     vec![
-        Block::heading("Other recordings and routes"),
+        Block::heading("Other recordings and methods"),
         Block::note(
             "The others are estimated from whole recordings. An analysis of one recording keeps a part of it for the test of the \
              estimate, and so has slightly other values.",

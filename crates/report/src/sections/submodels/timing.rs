@@ -9,8 +9,8 @@ use page::{Block, Blocks, Cell, Prose, Table};
 use crate::sections::parts::{not_estimated, parameters, stretch};
 use crate::wording::{number, role, role_name};
 
-const WHAT: &str = "How late each torque signal is, against the torque demand T_d* and against the moment the \
-                    dynamometer speed N_d begins to bend.";
+const WHAT: &str = "How late each torque signal is behind the torque demand T_d*, and behind the torque itself. The course of N_d \
+                    bends at the moment at which the torque acts.";
 
 /// The timing table.
 pub(crate) fn timing(study: &Study) -> Blocks {
@@ -20,12 +20,12 @@ pub(crate) fn timing(study: &Study) -> Blocks {
     };
     let rows = timing.delays.iter().map(row);
     let heads =
-        ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "The same delay by other routes", "Measured in"];
+        ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "The first delay by other methods", "Measured in"];
     let mut all = Blocks::from(vec![
         Block::lead(WHAT),
         Block::Table(Table::of_text(&heads).with_rows(rows)),
         Block::note(
-            "Routes without a model see the mean delay over the demand’s spectrum. They agree with the first column to about a \
+            "Methods without a model see the mean delay over the demand’s spectrum. They agree with the first column to about a \
              tenth of a millisecond at best, the correlation peak to about one.",
         ),
     ]);
@@ -70,7 +70,7 @@ fn delay_cell(parameter: Option<&Parameter>) -> Cell {
 
 fn routes(routes: &[DelayRoute]) -> String {
     if routes.is_empty() {
-        return "one route only".to_owned();
+        return "one method only".to_owned();
     }
     let listed: Vec<String> = routes.iter().map(|r| format!("{} {}", r.name, number::duration(r.delay_s))).collect();
     listed.join("; ")
