@@ -11,9 +11,6 @@ use rig::{BenchFile, Experiment, Role};
 
 use crate::shaft::{self, NoisyTorque, ShaftInputs, TorqueDelay};
 
-/// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
-const FRICTION_DOUBT_PERCENT: f64 = 20.0;
-
 /// The torque that moves the shaft, between its samples; of a long recording in the minutes in which N_e changes most.
 pub fn shaft_torque(
     experiment: &Experiment,
@@ -80,7 +77,7 @@ fn torque_delay(control: &TorqueControlFit) -> TorqueDelay {
 fn friction_slope(bench: &BenchFile) -> (f64, f64) {
     match bench.dynamometer_friction_nm_s_per_rad {
         Some(slope) => {
-            let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(FRICTION_DOUBT_PERCENT);
+            let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(rig::dyno_friction::DOUBT_PERCENT);
             (slope, percent / 100.0 * slope)
         }
         None => ShaftInputs::usual_friction(bench.dynamometer_inertia_kg_m2),

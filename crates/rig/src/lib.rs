@@ -14,6 +14,7 @@ pub mod bench_file;
 pub mod bench_parameters;
 pub mod channels;
 pub mod diagnostics;
+pub mod dyno_friction;
 pub mod engine_pulses;
 mod error;
 pub mod estimation;

@@ -3,13 +3,8 @@
 use bench_model::friction::DynoFriction;
 use numerics::random::Stream;
 use rig::BenchFile;
+use rig::dyno_friction::{DOUBT_PERCENT, MOST_COULOMB, MOST_SLOPE_S_PER_RAD};
 use serde::Serialize;
-
-/// Friction of dynamometers over their torque limit at the most: Coulomb friction of 0.4 %, and a slope over speed of 0.005 % a rad/s.
-/// Together they are 2 % at 300 rad/s. Bearings, seals and the fan of asynchronous machines have 0.2 … 2 % there.
-const MOST: (f64, f64) = (4e-3, 5e-5);
-/// Standard uncertainty of stated friction unless that is stated, % of it: friction changes with the temperature of the oil.
-const DOUBT_PERCENT: f64 = 20.0;
 
 /// Whence friction is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -47,8 +42,8 @@ impl FrictionSpread {
         let (slope, coulomb) = (bench.dynamometer_friction_nm_s_per_rad, bench.dynamometer_coulomb_friction_nm);
         FrictionSpread {
             from: if slope.and(coulomb).is_some() { FrictionFrom::Stated } else { FrictionFrom::Assumed },
-            coulomb_nm: coulomb.map_or((0.0, MOST.0 * torque_limit_nm), about),
-            viscous_nm_s_per_rad: slope.map_or((0.0, MOST.1 * torque_limit_nm), about),
+            coulomb_nm: coulomb.map_or((0.0, MOST_COULOMB * torque_limit_nm), about),
+            viscous_nm_s_per_rad: slope.map_or((0.0, MOST_SLOPE_S_PER_RAD * torque_limit_nm), about),
         }
     }
 

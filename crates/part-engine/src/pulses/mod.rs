@@ -6,6 +6,7 @@
 //! its spread counts as an error.
 
 mod fit;
+mod friction;
 mod windows;
 
 use std::f64::consts::SQRT_2;
@@ -25,14 +26,13 @@ use signal::distributions::normal_quantile;
 
 use crate::source::{TwoMasses, Values};
 use fit::{Class, Joined, Recording};
+use friction::Friction;
 use windows::{Record, Seen, firings_counted};
 
 /// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing order alone.
 const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
-/// The most friction that a dynamometer's bearings have, over its torque limit: at rest, and for each rad/s.
-const MOST_FRICTION: (f64, f64) = (4e-3, 5e-5);
 
 /// The pulses that recordings show; `is_sound` says which of them may be used.
 ///
@@ -56,7 +56,7 @@ pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) 
     let class = Class::of(&prior);
     let places: Vec<usize> = looked_for(cylinders, prior.harmonics.len()).collect();
     let orders: Vec<f64> = places.iter().map(|place| prior.harmonics[*place].order).collect();
-    let friction = Friction::of(parts.bench.limits.torque_nm.unwrap_or_else(|| largest_torque_nm(&all)));
+    let friction = Friction::of(parts.bench, || largest_torque_nm(&all));
     let looks = parallel::map(&all, |experiment| seen(experiment, parts, (&values, friction), &orders));
     let mut reasons = Vec::new();
     let mut seen: Vec<(Recording, Vec<Seen>)> = Vec::new();
@@ -98,30 +98,6 @@ fn largest_torque_nm(experiments: &[&Experiment]) -> f64 {
 /// Whether ignition angles set the engine's torque.
 fn is_by_ignition(experiment: &Experiment) -> bool {
     experiment.label.test == Test::Bs
-}
-
-/// Friction of the dynamometer's bearings: each part of it is anywhere between none and its most.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Friction {
-    most_coulomb_nm: f64,
-    most_viscous_nm_s_per_rad: f64,
-}
-
-impl Friction {
-    fn of(torque_limit_nm: f64) -> Self {
-        let (coulomb, viscous) = MOST_FRICTION;
-        Friction { most_coulomb_nm: coulomb * torque_limit_nm, most_viscous_nm_s_per_rad: viscous * torque_limit_nm }
-    }
-
-    /// The middle at a speed, Nm.
-    fn middle_nm(&self, speed_rad_s: f64) -> f64 {
-        0.5 * (self.most_coulomb_nm + self.most_viscous_nm_s_per_rad * speed_rad_s)
-    }
-
-    /// Its standard deviation, Nm.
-    fn deviation_nm(&self, speed_rad_s: f64) -> f64 {
-        self.most_coulomb_nm.hypot(self.most_viscous_nm_s_per_rad * speed_rad_s) / 12.0_f64.sqrt()
-    }
 }
 
 /// Places of the harmonics that are looked for.

@@ -13,7 +13,7 @@ use faer::Mat;
 use numerics::linalg::{Qr, solve_upper};
 use signal::{Complex64, Signal};
 
-use super::Friction;
+use super::friction::Friction;
 use crate::source::Values;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
@@ -165,7 +165,7 @@ impl Record<'_> {
             let weights: f64 = samples.iter().map(Sample::weight).sum();
             (weights > 0.0).then(|| samples.iter().map(slope).sum::<f64>() / weights)
         };
-        let friction_nm = self.friction.middle_nm(speed_rad_s);
+        let friction_nm = self.friction.mean_nm(speed_rad_s);
         let shaft_nm = air_gap_nm + friction_nm + v.dyno_inertia * acceleration(&speeds)?;
         Some(Moments {
             speed_rad_s,
