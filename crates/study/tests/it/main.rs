@@ -7,6 +7,7 @@ mod comparison;
 mod damages;
 mod drawn_benches;
 mod next_experiment;
+mod recorded_bench;
 mod shaft_benches;
 mod shaft_terms;
 mod study;
