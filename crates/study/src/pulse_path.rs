@@ -11,7 +11,7 @@ use part_torque::torque_control::TorqueControlFit;
 use rig::experiment::Sought;
 use rig::facts::BenchVariant;
 use rig::results::{Quantity, Shaft};
-use rig::{ControlMode, Experiment, Finding, Role, Severity};
+use rig::{ControlMode, Excitation, Experiment, Finding, Role, Severity};
 use signal::{Complex64, Signal};
 
 use crate::findings::Findings;
@@ -53,13 +53,14 @@ impl Answer {
     }
 }
 
-/// Doubts each recording in which the pulses do not pass as K and B say.
+/// Doubts each recording at a constant speed demand in which the pulses do not pass as K and B say.
 pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], shaft: &Shaft, answer: Option<Answer>) {
     if findings.bench.variant != BenchVariant::LoadCell {
         return;
     }
     let firing = findings.bench.engine().firings_per_turn();
-    for experiment in Sought::Shaft.candidates(experiments) {
+    let is_at_a_speed = |experiment: &&Experiment| experiment.label.excitation == Excitation::Torque;
+    for experiment in Sought::Shaft.candidates(experiments).into_iter().filter(is_at_a_speed) {
         let of = |order| passed(experiment, (shaft, answer), findings.bench.dynamometer_inertia_kg_m2, order);
         let found = [firing, 2.0 * firing].into_iter().filter_map(of);
         let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
