@@ -175,6 +175,13 @@ pub enum Finding {
         /// Its least power over that at other frequencies.
         ratio: f64,
     },
+    /// N_d is smoother than what the speed controller answers to, as behind a mean or a filter.
+    SpeedSmoothed {
+        /// The mean that would do the same, s.
+        mean_s: f64,
+        /// Sample time of N_d, s.
+        sample_time_s: f64,
+    },
     /// Time stamps are missing for a while.
     Gap {
         /// Length, s.

@@ -24,6 +24,7 @@ use crate::Progress;
 use crate::findings::Findings;
 use crate::fits::Fits;
 use crate::folded_pulses::Folded;
+use crate::pulse_path::Answer;
 use crate::whole::{self, Whole};
 use crate::{demand_clock, firing, pulse_path, ripple_clock, struck};
 
@@ -78,7 +79,8 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     doubt_exchange(findings, parts);
     let mut timing = timing(findings, parts);
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
-        pulse_path::doubt(findings, chosen.experiment, shaft);
+        let answer = Answer::of(fits.controller.as_ref().ok().copied(), fits.torque_control.as_ref().ok());
+        pulse_path::doubt(findings, &parts.experiments, shaft, answer);
         cross_check(findings, parts, (shaft, chosen.experiment));
     }
     struck::strike(&mut fits, &mut timing, findings);
@@ -112,6 +114,7 @@ fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits
     if let Ok(fit) = fits.controller {
         doubt_gains(findings, parts, fit);
         findings.doubt_residuals(Part::SpeedController, &fit.result.validation);
+        doubt_smoothing(findings, fit);
         if let Some(step) = fit.coarse_demand_nm {
             let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
             findings.doubt(&fit.result.validation.stretch.file, Severity::Note, finding);
@@ -125,6 +128,19 @@ fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits
         // The shortest lag that the data allow: a lag that they do not show is none.
         let bandwidth = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
         demand_clock::doubt(findings, bandwidth.filter(|_| fit.has_lag()).map_or(0.0, |a| 1.0 / a.interval.1));
+    }
+}
+
+/// Doubts N_d of the speed controller's recording where it is smoother than an encoder makes it.
+fn doubt_smoothing(findings: &mut Findings<'_>, controller: &SpeedControllerFit) {
+    let file = &controller.result.validation.stretch.file;
+    let of = findings.experiments.iter().find(|experiment| &experiment.file == file);
+    let Some(sample_time_s) = of.and_then(|one| one.signal(Role::DynoSpeed)).map(|speed| speed.sample_time_s) else {
+        return;
+    };
+    if controller.encoder.is_behind_a_filter(sample_time_s) {
+        let finding = Finding::SpeedSmoothed { mean_s: controller.encoder.gate_s, sample_time_s };
+        findings.doubt_channel(file, Role::DynoSpeed, finding);
     }
 }
 

@@ -1,14 +1,17 @@
 //! Whether the engine's pulses pass the shaft as K, B and J_d let them through.
 //!
-//! Far above what a controller does, T_shaft alone moves the dynamometer: ω_d/ω_e = (K + B s)/(J_d s² + B s + K) at the frequency of
-//! the pulses, which both speeds show far above their noise. A filter on one of the speeds changes that ratio at once, while K and B
+//! T_shaft moves the dynamometer, and in speed control the torque G ω_d by which the controller answers: ω_d/ω_e =
+//! (K + B s)/(J_d s² + (B + G) s + K) at the frequency of the pulses, which both speeds show far above their noise. A filter on one of the speeds changes that ratio at once, while K and B
 //! make up for most of it at the lower frequencies that they are estimated from.
 
 use std::f64::consts::TAU;
 
+use part_controller::speed_controller::SpeedControllerFit;
+use part_torque::torque_control::TorqueControlFit;
+use rig::experiment::Sought;
 use rig::facts::BenchVariant;
 use rig::results::{Quantity, Shaft};
-use rig::{Experiment, Finding, Role, Severity};
+use rig::{ControlMode, Excitation, Experiment, Finding, Role, Severity};
 use signal::{Complex64, Signal};
 
 use crate::findings::Findings;
@@ -24,23 +27,58 @@ const BESIDE: [f64; 8] = [-20.0, -16.0, -12.0, -8.0, 8.0, 12.0, 16.0, 20.0];
 /// A speed that varies by more than this part of itself is at many frequencies.
 const CONSTANT: f64 = 0.03;
 
-/// Doubts the recording that the shaft is from, where the pulses do not pass as its K and B say.
-pub(super) fn doubt(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft) {
+/// What the speed controller makes of N_d: T_d/ω_d = F(s) (K_p + K_i/s) e^{−sτ}, F being the torque control.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Answer {
+    proportional: f64,
+    integral: f64,
+    delay_s: f64,
+    lag_rad_s: f64,
+}
+
+impl Answer {
+    pub(super) fn of(controller: Option<&SpeedControllerFit>, drive: Option<&TorqueControlFit>) -> Option<Self> {
+        let value = |quantity| controller?.result.estimate.parameter(quantity).map(|found| found.value);
+        let model = &drive?.model;
+        Some(Answer {
+            proportional: value(Quantity::ProportionalGain)?,
+            integral: value(Quantity::IntegralGain)?,
+            delay_s: value(Quantity::ControllerDelay)? + model.delay_s,
+            lag_rad_s: model.lag_rad_s,
+        })
+    }
+
+    fn at(&self, s: Complex64) -> Complex64 {
+        (self.proportional + self.integral / s) * (-s * self.delay_s).exp() / (1.0 + s / self.lag_rad_s)
+    }
+}
+
+/// Doubts each recording at a constant speed demand in which the pulses do not pass as K and B say.
+pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], shaft: &Shaft, answer: Option<Answer>) {
     if findings.bench.variant != BenchVariant::LoadCell {
         return;
     }
     let firing = findings.bench.engine().firings_per_turn();
-    let found = [firing, 2.0 * firing].into_iter().filter_map(|order| passed(experiment, shaft, findings, order));
-    let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
-    if let Some((frequency_hz, ratio)) = farthest.filter(|(_, ratio)| !(AS_IT_SHOULD.0..AS_IT_SHOULD.1).contains(ratio))
-    {
-        findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffShaft { frequency_hz, ratio });
+    let is_at_a_speed = |experiment: &&Experiment| experiment.label.excitation == Excitation::Torque;
+    for experiment in Sought::Shaft.candidates(experiments).into_iter().filter(is_at_a_speed) {
+        let of = |order| passed(experiment, (shaft, answer), findings.bench.dynamometer_inertia_kg_m2, order);
+        let found = [firing, 2.0 * firing].into_iter().filter_map(of);
+        let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
+        let is_off = |ratio: f64| !(AS_IT_SHOULD.0..AS_IT_SHOULD.1).contains(&ratio);
+        if let Some((frequency_hz, ratio)) = farthest.filter(|(_, ratio)| is_off(*ratio)) {
+            findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffShaft { frequency_hz, ratio });
+        }
     }
 }
 
 /// The frequency of an order, and its strength in N_d over that in N_e as a part of what the shaft makes of it; nothing where either
-/// does not show it.
-fn passed(experiment: &Experiment, shaft: &Shaft, findings: &Findings<'_>, order: f64) -> Option<(f64, f64)> {
+/// does not show it, or where a controller that is not known answers to it.
+fn passed(
+    experiment: &Experiment,
+    (shaft, answer): (&Shaft, Option<Answer>),
+    inertia_kg_m2: f64,
+    order: f64,
+) -> Option<(f64, f64)> {
     let [dyno, engine] = [experiment.signal(Role::DynoSpeed)?, experiment.signal(Role::EngineSpeed)?].map(middle);
     let mean = dyno.mean()?.abs();
     let is_constant = |speed: &Signal| speed.samples.iter().all(|x| (x.abs() - mean).abs() < 5.0 * CONSTANT * mean);
@@ -50,9 +88,12 @@ fn passed(experiment: &Experiment, shaft: &Shaft, findings: &Findings<'_>, order
     }
     let value = |quantity| shaft.estimate.parameter(quantity).map(|found| found.value);
     let (k, b) = (value(Quantity::Stiffness)?, value(Quantity::Damping)?);
-    let j = findings.bench.dynamometer_inertia_kg_m2;
     let s = Complex64::new(0.0, order * mean);
-    let expected = ((k + b * s) / (j * s * s + b * s + k)).norm();
+    let braking = match experiment.label.mode {
+        ControlMode::Nt => answer?.at(s),
+        ControlMode::Tn => Complex64::ZERO,
+    };
+    let expected = ((k + b * s) / (inertia_kg_m2 * s * s + (b + braking) * s + k)).norm();
     let of = |speed: &Signal| strength(&Seen::over_angle_of(speed, &dyno, mean), order);
     let found = (of(&dyno)? / of(&engine)?).sqrt();
     Some((order * mean / TAU, found / expected))

@@ -53,7 +53,8 @@ pub(super) fn errors_of(part: Part, findings: &Findings<'_>) -> Vec<Reason> {
     let concerns = |found: &&Diagnostic| match &found.finding {
         Finding::SpeedsExchanged { .. } | Finding::TorquesExchanged { .. } => part != Part::Whole,
         Finding::ImplausibleInertia { inertia: Quantity::EngineInertia, .. } => part == Part::Whole,
-        Finding::ImplausibleInertia { .. } | Finding::PulsesOffShaft { .. } => part == Part::Shaft,
+        Finding::ImplausibleInertia { .. } => part == Part::Shaft,
+        Finding::PulsesOffShaft { .. } => part == Part::Shaft && is_from(found),
         Finding::RoutesDisagree { quantity: Quantity::ProportionalGain | Quantity::IntegralGain, .. } => {
             matches!(part, Part::SpeedController | Part::FeedForward) && is_from(found)
         }

@@ -122,7 +122,7 @@ fn alarms(seed: u64, known: &Known) -> BTreeSet<String> {
     let raised = known.study.diagnostics.iter().filter(|found| found.severity != Severity::Note);
     let kind = |found: &Diagnostic| {
         let words = format!("{:?}", found.finding);
-        println!("bench {seed}: {words}");
+        println!("bench {seed}: {:?} {words}", found.place);
         words.split([' ', '{', '(']).next().unwrap_or_default().to_owned()
     };
     raised.map(kind).collect()

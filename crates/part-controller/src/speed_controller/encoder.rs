@@ -7,6 +7,10 @@ use signal::Signal;
 const ASSUMED_GATE_DOUBT: f64 = 0.1;
 /// Relative standard uncertainty of a gate that the bench file states.
 const STATED_GATE_DOUBT: f64 = 0.01;
+/// An encoder that is read each time has a gate of one sample. One of more than so many samples, and of more than so many s, which by
+/// this many standard errors is no accident, is that of a mean or a filter behind the encoder.
+const LONGEST_GATE: (f64, f64) = (2.5, 2.5e-3);
+const CERTAIN: f64 = 4.0;
 /// The fit has seen the encoder if its residual is at least this part of the noise floor of the logged speed; otherwise
 /// the controller reads the very samples that are logged, and the fit says nothing of their errors.
 const SEEN_PART: f64 = 0.3;
@@ -34,6 +38,11 @@ impl Encoder {
         let seen = fitted.filter(|e| e.noise_rad_s > SEEN_PART * floor);
         let (gate_s, gate_standard_error_s) = match (stated_gate_s, seen) {
             (Some(gate), _) => (gate, STATED_GATE_DOUBT * gate),
+            // Whether the mean or filter is in other recordings too, nothing shows.
+            (None, Some(e)) if e.is_behind_a_filter(sample_time) => {
+                let beyond_s = e.gate_s - sample_time;
+                (sample_time + 0.5 * beyond_s, e.gate_standard_error_s.hypot(beyond_s / 12f64.sqrt()))
+            }
             (None, Some(e)) if e.gate_standard_error_s < ASSUMED_GATE_DOUBT * sample_time && e.gate_s > 0.0 => {
                 (e.gate_s, e.gate_standard_error_s)
             }
@@ -45,6 +54,12 @@ impl Encoder {
             noise_rad_s: seen.map_or(floor, |e| e.noise_rad_s),
             once_a_turn: seen.map_or((0.0, 0.0), |e| e.once_a_turn),
         }
+    }
+
+    /// Whether N_d is smoother than any encoder makes it, beside what the controller sees; its sample time in s.
+    pub fn is_behind_a_filter(&self, sample_time_s: f64) -> bool {
+        let longest_s = f64::max(LONGEST_GATE.0 * sample_time_s, LONGEST_GATE.1);
+        self.gate_s - CERTAIN * self.gate_standard_error_s > longest_s
     }
 
     /// Amplitude of the once-a-turn error as a fraction of the speed.

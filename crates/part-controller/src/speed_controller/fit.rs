@@ -152,7 +152,8 @@ fn found_in(data: &Data) -> Result<Found, EstimateError> {
     let coarse_demand_nm = data.coarse_demand_nm()?;
     if coarse_demand_nm.is_none() {
         let (fit, lags) = fit_with_lag(&smooth, start.clone(), |j| j < inverse::K)?;
-        if fit.parameters[inverse::GATE_SQUARED] > 0.0 || shares_noise(data, &fit, lags)? {
+        let is_gated = fit.parameters[inverse::GATE_SQUARED] > 0.0;
+        if is_gated || leads_by_whole_samples(&fit) && shares_noise(data, &fit, lags)? {
             return Ok(Found { fit, lags, smooth, start, open_gate: None });
         }
     }
@@ -162,10 +163,15 @@ fn found_in(data: &Data) -> Result<Found, EstimateError> {
         fit_with_lag(&smooth, start, |j| j < inverse::K && j != inverse::GATE_SQUARED)
     };
     let (gated, gateless) = (with_gate(1.0)?, with_gate(0.0)?);
-    let lead = gateless.0.parameters[inverse::LEAD];
-    let reads_what_is_logged = (lead - lead.round()).abs() < WHOLE_LEAD;
-    let ((fit, lags), (other, _)) = if reads_what_is_logged { (gateless, gated) } else { (gated, gateless) };
+    let ((fit, lags), (other, _)) =
+        if leads_by_whole_samples(&gateless.0) { (gateless, gated) } else { (gated, gateless) };
     Ok(Found { fit, lags, smooth, start, open_gate: Some(OpenGate { coarse_demand_nm, other }) })
+}
+
+/// Whether a fit without a gate has the lead of a controller that reads what is logged.
+fn leads_by_whole_samples(fit: &Minimum) -> bool {
+    let lead = fit.parameters[inverse::LEAD];
+    (lead - lead.round()).abs() < WHOLE_LEAD
 }
 
 /// Whether the controller reads the very samples that are logged.

@@ -166,6 +166,50 @@ fn exact_controller_that_reads_the_logged_speed_shows_no_gate() {
     assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-4);
 }
 
+/// N_d behind a mean of five samples, or behind a lag of 2 ms, is not what the controller answers to.
+#[test]
+fn exact_a_speed_behind_a_filter_is_told_from_an_encoder() {
+    let is_behind_a_filter = |work: &dyn Fn(&[f64]) -> Vec<f64>| {
+        let mut experiment = record(Case { noise_rad_s: 1e-3, ..Case::default() });
+        let speed = experiment.signals.get_mut(&Role::DynoSpeed).unwrap();
+        speed.samples = work(&speed.samples);
+        estimate(&experiment, None).unwrap().encoder.is_behind_a_filter(T)
+    };
+    assert!(!is_behind_a_filter(&|x| x.to_vec()));
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    assert!(is_behind_a_filter(&|x| (0..x.len()).map(|k| mean(&x[k.saturating_sub(4)..=k])).collect()));
+    assert!(is_behind_a_filter(&|x| {
+        let mut state = x[0];
+        let lagged = x.iter().map(|x| {
+            state += (x - state) / 3.0;
+            state
+        });
+        lagged.collect()
+    }));
+}
+
+/// Noise that hides the gate does not make a controller of whole delays one that reads the samples half way between two of them.
+#[test]
+fn stat_a_gate_that_noise_hides_leaves_the_delay_right() {
+    let mut held = 0;
+    for seed in 0..20 {
+        // Stamps that jitter: noise of the angle, whose difference is noise of the speed that rises with frequency.
+        let mut random = Random::new(seed + 50);
+        let angle: Vec<f64> = (0..12_003).map(|_| random.normal()).collect();
+        let mut experiment = record(Case { seed, ..Case::default() });
+        let speed = experiment.signals.get_mut(&Role::DynoSpeed).unwrap();
+        let rising = |k: usize| angle[k + 3] - 3.0 * angle[k + 2] + 3.0 * angle[k + 1] - angle[k];
+        speed.samples.iter_mut().enumerate().for_each(|(k, x)| *x += 0.4 * rising(k));
+        let found = estimate(&experiment, None).unwrap();
+        let delay = found.result.estimate.parameter(Quantity::ControllerDelay).unwrap().clone();
+        let off = (delay.value - T).abs() / (0.5 * (delay.interval.1 - delay.interval.0));
+        println!("{seed}: τ {:.3e} in {:?}, gate {:.2e} s", delay.value, delay.interval, found.encoder.gate_s);
+        assert!(off < 2.0, "{delay:?}");
+        held += usize::from(off <= 1.0);
+    }
+    assert!(held >= 17, "{held} of 20");
+}
+
 #[test]
 fn exact_once_a_turn_error_is_separated_from_the_gains() {
     let found = estimate(&record(Case { eccentricity: 3e-4, ..Case::default() }), None).unwrap();

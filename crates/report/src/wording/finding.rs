@@ -64,6 +64,13 @@ pub fn finding(finding: &Finding) -> String {
             "At some frequencies it has only {} of the noise that it has at others: a low-pass filter or a mean has acted on it.",
             share(*ratio)
         ),
+        Finding::SpeedSmoothed { mean_s, sample_time_s } => {
+            let [mean, sample] = [mean_s, sample_time_s].map(|s| duration(*s));
+            format!(
+                "N_d is smoother than what the speed controller answers to, as by a mean over {mean} (a sample is {sample}). A filter or a \
+                 mean has acted on it, or the controller has a derivative."
+            )
+        }
         Finding::TorquesDisagree { role: of, gain, offset_nm, looks_like } => {
             torques(&role(*of), *gain, *offset_nm, *looks_like)
         }
@@ -237,6 +244,9 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::Spikes { .. } => "They were interpolated. Check sensor and cable.",
         Finding::SamplesFiltered { .. } => {
             "Delays contain that of the filter, and damping and gains are biased. Record without the filter."
+        }
+        Finding::SpeedSmoothed { .. } => {
+            "Record N_d without the filter, each sample as the encoder gives it. The report of dynoid speed-control shows a derivative."
         }
         Finding::TorquesDisagree { .. } => {
             "Check unit, channel and zero of both torques in the bench file; until then do not use what is estimated from this channel."

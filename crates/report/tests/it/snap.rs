@@ -41,6 +41,7 @@ fn findings() -> Vec<Finding> {
         Finding::Spikes { count: 1, farthest: 400.0 },
         Finding::Spikes { count: 12, farthest: 0.0 },
         Finding::SamplesFiltered { ratio: 0.0012 },
+        Finding::SpeedSmoothed { mean_s: 0.0069, sample_time_s: 0.001 },
         Finding::TorquesDisagree {
             role: Role::DynoTorqueDemand,
             gain: 0.25,

@@ -16,6 +16,10 @@ use crate::role::Role;
 const SPIKE_FALSE_ALARM: f64 = 1e-6;
 /// A slower controller's demand rests for more of its samples.
 const MINORITY: f64 = 0.5;
+/// T_d* may rest where N_d rested up to so many samples before: a controller is no later. At this part of its repeats, beyond those by
+/// chance, it follows N_d.
+const LATEST: usize = 20;
+const FOLLOWS: f64 = 0.5;
 /// A demand with more pulses of one sample than this part of its samples is meant to have them.
 const MOST_PULSES: f64 = 0.01;
 /// A torque this part of the demanded range beyond that range was not demanded: a drive overshoots less.
@@ -29,7 +33,9 @@ pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &Experimen
         return if source.role.is_demand() { spikes_of_demand(source, log) } else { Vec::new() };
     }
     match find_stale(source.samples) {
-        Some(stale) if !is_computed || is_repeated_at_times(&stale) => stale_samples(source, stale, log),
+        Some(stale) if !is_computed || is_repeated_at_times(&stale) && !rests_with_speed(source, &stale, all) => {
+            stale_samples(source, stale, log)
+        }
         None if !is_computed => spikes(source, all, log),
         _ => Vec::new(),
     }
@@ -37,6 +43,25 @@ pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &Experimen
 
 fn is_repeated_at_times(stale: &Stale) -> bool {
     matches!(stale.how, Staleness::Repeated { .. }) && stale.share() < MINORITY
+}
+
+/// Whether T_d* repeats where N_d has, some samples before: a controller that sees the same as before demands the same. N_d in steps
+/// repeats by chance, and T_d* then changes by multiples of what one of these steps makes of it.
+fn rests_with_speed(demand: &Source<'_>, stale: &Stale, all: &[Source<'_>]) -> bool {
+    let is_on_clock = |source: &&Source<'_>| source.time_s.len() == demand.time_s.len();
+    let Some(speed) = all.iter().find(|source| source.role == Role::DynoSpeed).filter(is_on_clock) else {
+        return false;
+    };
+    let rests: Vec<bool> = speed.samples.windows(2).map(|pair| pair[0] == pair[1]).collect();
+    let share = |of: &dyn Fn(usize) -> bool| {
+        let counted = rests.iter().enumerate().filter(|(i, _)| of(*i));
+        let (resting, all) =
+            counted.fold((0.0, 0.0), |(sum, all), (_, rests)| (sum + f64::from(u8::from(*rests)), all + 1.0));
+        resting / f64::max(all, 1.0)
+    };
+    let by_chance = share(&|_| true);
+    let before = |lag: usize| share(&|i| stale.samples.get(i + 1 + lag).is_some_and(|is_stale| *is_stale));
+    (0..=LATEST).any(|lag| before(lag) - by_chance > FOLLOWS * (1.0 - by_chance))
 }
 
 fn stale_samples(source: &Source<'_>, stale: Stale, log: &mut Log) -> Vec<bool> {

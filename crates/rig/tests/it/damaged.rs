@@ -76,6 +76,32 @@ fn regress_repeated_samples_of_a_computed_demand_are_named() {
     assert!(found.iter().any(|finding| matches!(finding, Finding::SamplesRepeated { .. })), "{found:?}");
 }
 
+/// N_d in steps repeats by chance, and T_d* of the controller that reads it then repeats too. Repeats of a logger are named all the same.
+#[test]
+fn regress_a_demand_that_rests_where_the_speed_does_is_not_named() {
+    let (step, gain) = (0.01, 0.047);
+    let speed = |k: usize| 1200.0 + 0.9 * (0.01 * k as f64).sin() + 0.2 * (0.6 * k as f64).sin();
+    let seen: Vec<f64> = (0..8000).map(|k| ((speed(k) + 0.02 * noise(k, 3)) / step).round() * step).collect();
+    let mut integral = 0.0;
+    let demand = |k: usize| {
+        integral += 2e-5 * (seen[k] - 1200.0);
+        ((20.0 + gain / step * (seen[k.saturating_sub(2)] - 1200.0) + integral) / step).round() * step
+    };
+    let demand: Vec<f64> = (0..8000).map(demand).collect();
+    let named = |demand: Vec<f64>| {
+        let mut recording = with("DynoTorqueDemand", 1e-3, |_| demand.clone());
+        let of = recording.channels.iter_mut().find(|channel| channel.name == "DynoSpeed").unwrap();
+        of.samples.clone_from(&seen);
+        let (_, diagnostics) = labelled(&recording, "BS_T_NT").unwrap();
+        let found = found(&diagnostics, "DynoTorqueDemand");
+        found.iter().any(|finding| matches!(finding, Finding::SamplesRepeated { .. }))
+    };
+    assert!(!named(demand.clone()));
+    let mut repeated = demand;
+    (1..repeated.len()).filter(|i| i * i % 7 == 1).for_each(|i| repeated[i] = repeated[i - 1]);
+    assert!(named(repeated));
+}
+
 #[test]
 fn regress_spikes_are_left_out_of_speeds_and_of_torques_that_nobody_asked_for() {
     for (name, step_s) in [("DynoSpeed", 1e-3), ("EngineSpeed", 2e-3), ("DynoTorqueCalc", 4e-3)] {

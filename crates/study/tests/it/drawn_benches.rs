@@ -271,9 +271,13 @@ fn regress_steps_that_samples_see_at_one_age_leave_the_shaft_right() {
     let seed = 70_088;
     let bench = Drawn::new(seed);
     let study = bench.study(seed);
-    // Neither is claimed: they are not estimated, or their intervals hold every value that a drive can have.
-    let says_nothing = |quantity| found(&study, quantity).is_none_or(|one| one.interval.0 < 0.0);
-    assert!([Quantity::TorqueControlDelay, Quantity::TorqueControlBandwidth].into_iter().all(says_nothing));
+    // Neither is claimed. They are not estimated, or their intervals hold every drive of the class: whether samples separate the two
+    // is itself decided by a test, in which the noise has a part.
+    let says_nothing = |(quantity, largest): (Quantity, f64)| {
+        found(&study, quantity).is_none_or(|one| one.interval.0 < 0.0 && one.interval.1 > largest)
+    };
+    let drawn = [(Quantity::TorqueControlDelay, 1.5e-3), (Quantity::TorqueControlBandwidth, 900.0)];
+    assert!(drawn.into_iter().all(says_nothing));
     for quantity in [Quantity::Stiffness, Quantity::DynoInertia] {
         let (found, truth) = (found(&study, quantity).unwrap(), bench.truth(quantity));
         assert!((found.value / truth - 1.0).abs() < 0.005, "{found:?} {truth}");

@@ -7,6 +7,8 @@ mod comparison;
 mod damages;
 mod drawn_benches;
 mod next_experiment;
+mod recorded_bench;
+mod recorded_benches;
 mod shaft_benches;
 mod shaft_terms;
 mod study;

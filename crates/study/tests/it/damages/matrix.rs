@@ -1,67 +1,35 @@
 //! Damages of growing size, to all recordings of a campaign or to one: no number is wrong without a cause that is named, and the
 //! verdict never improves as the damage grows. The benches are of a simulator that shares no code with the project.
 
-use std::path::Path;
-
 use recording::{Channel, Raster, Recording};
 use report::verdict::{Level, verdict};
 use rig::Severity;
 use rig::experiment::ExperimentPlan;
-use rig::results::{Estimate, Quantity};
+use rig::results::Quantity;
 use signal::filter::Sos;
 use study::Study;
-use units::RPM_RAD_S;
 use virtual_bench::simulate;
 
 use super::work::{CALC, CELL, DYNO_SPEED, ENGINE_SPEED, SHAFT, SPEED_DEMAND, SPEEDS, TORQUE_DEMAND, TORQUES};
 use super::{Brought, kind, parameters, study_of};
-use bench_testkit::benches::{bench_file, default_bench, in_parallel};
-use bench_testkit::recordings::{BENCH_A, recordings};
+use crate::recorded_bench::{RecordedBench, found};
+use bench_testkit::benches::{default_bench, in_parallel};
+use bench_testkit::recordings::recordings;
 
 /// A number is wrong beyond so many half widths of its interval.
 const WRONG: f64 = 1.5;
+/// Numbers that are compared with the truth.
+const TOLD: [Quantity; 3] = [Quantity::Stiffness, Quantity::Damping, Quantity::ProportionalGain];
 /// The recordings of a drawn bench, by the start of their names; all of them.
 const WHICH: [&str; 5] = ["", "BS", "White", "Levels", "Ramp"];
 
-/// A campaign with its truth.
-struct Drawn {
-    name: String,
-    brought: Brought,
-    truth: Vec<(Quantity, f64)>,
-}
-
-impl Drawn {
-    /// None, and the test counts as skipped, where the recordings are absent.
-    fn of(name: &str) -> Option<Self> {
-        let recordings = recordings(name);
-        let folder = testdata::shared(&format!("recordings/{name}")).filter(|_| !recordings.is_empty())?;
-        let text = std::fs::read_to_string(Path::new(&folder).join("truth.json")).unwrap();
-        let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let number = |key: &str| truth[key].as_f64().unwrap();
-        let rounded = |key: &str| format!("{:.4}", number(key));
-        let limit = format!("{} Nm", truth["T_max"].as_f64().unwrap_or(400.0));
-        let mut bench = bench_file(&rounded("J_d"), &rounded("J_e"), &limit, BENCH_A);
-        bench.cylinders = truth["imbalance"].as_array().map_or(4, Vec::len) as u32;
-        let truth = vec![
-            (Quantity::Stiffness, number("K")),
-            (Quantity::Damping, number("B")),
-            (Quantity::ProportionalGain, number("Kp") / RPM_RAD_S),
-        ];
-        Some(Drawn { name: name.to_owned(), brought: Brought { bench, recordings }, truth })
-    }
-
-    /// What of a study is wrong, with the half widths by which it is.
-    fn wrong(&self, study: &Study) -> Vec<String> {
-        let shaft = study.shaft.estimated().map(|part| &part.estimate);
-        let controller = study.speed_controller.estimated().map(|part| &part.estimate);
-        let estimates: Vec<&Estimate> = shaft.into_iter().chain(controller).collect();
-        let off = self.truth.iter().filter_map(|(quantity, truth)| {
-            let found = estimates.iter().find_map(|estimate| estimate.parameter(*quantity))?;
-            let widths = (found.value - truth) / (0.5 * (found.interval.1 - found.interval.0));
-            (widths.abs() > WRONG).then(|| format!("{} {widths:+.1}", quantity.symbol()))
-        });
-        off.collect()
-    }
+/// What of a study is wrong, with the half widths by which it is.
+fn wrong(bench: &RecordedBench, study: &Study) -> Vec<String> {
+    let off = TOLD.iter().filter_map(|quantity| {
+        let widths = bench.half_widths_off(found(study, *quantity)?);
+        (widths.abs() > WRONG).then(|| format!("{} {widths:+.1}", quantity.symbol()))
+    });
+    off.collect()
 }
 
 /// What is done to a campaign, in steps that grow.
@@ -203,6 +171,10 @@ fn all_series() -> Vec<Series> {
     all
 }
 
+fn brought_of(bench: &RecordedBench) -> Brought {
+    Brought { bench: bench.file.clone(), recordings: bench.recordings.clone() }
+}
+
 /// One study of a damaged campaign.
 struct Row {
     text: String,
@@ -210,19 +182,19 @@ struct Row {
     is_silent: bool,
 }
 
-fn row(drawn: &Drawn, usual: &[String], series: &Series, (size, step): &(String, Step)) -> Row {
-    let mut damaged = drawn.brought.clone();
+fn row(bench: &RecordedBench, usual: &[String], series: &Series, (size, step): &(String, Step)) -> Row {
+    let mut damaged = brought_of(bench);
     step(&mut damaged);
     let Some(study) = study_of(&damaged) else {
-        let text = format!("{} | {} {size} {} | refused", drawn.name, series.name, series.which);
+        let text = format!("{} | {} {size} {} | refused", bench.name, series.name, series.which);
         return Row { text, level: Level::Insufficient, is_silent: false };
     };
-    let wrong = drawn.wrong(&study);
+    let wrong = wrong(bench, &study);
     let (level, named) = (verdict(&study).level, named(&study, usual));
     let is_silent = !wrong.is_empty() && (level == Level::Good || named.is_empty());
     let text = format!(
         "{} | {} {size} {} | {} | {} | {}{}",
-        drawn.name,
+        bench.name,
         series.name,
         series.which,
         level.key(),
@@ -247,17 +219,17 @@ fn named(study: &Study, usual: &[String]) -> Vec<String> {
 
 /// The studies of a bench, a line each; how many are silent or improve, and how many there are.
 fn of_bench(name: &str, series: &[Series]) -> [usize; 3] {
-    let Some(drawn) = Drawn::of(name) else { return [0; 3] };
-    let clean = study_of(&drawn.brought).unwrap();
+    let Some(bench) = RecordedBench::of(name) else { return [0; 3] };
+    let clean = study_of(&brought_of(&bench)).unwrap();
     let usual = named(&clean, &[]);
     println!(
         "{name} | none | {} | {} | {}",
         verdict(&clean).level.key(),
         usual.join(" "),
-        drawn.wrong(&clean).join("; ")
+        wrong(&bench, &clean).join("; ")
     );
     let rows = in_parallel(series.len(), |i| {
-        let rows: Vec<Row> = series[i].steps.iter().map(|step| row(&drawn, &usual, &series[i], step)).collect();
+        let rows: Vec<Row> = series[i].steps.iter().map(|step| row(&bench, &usual, &series[i], step)).collect();
         rows.iter().for_each(|row| println!("{}", row.text));
         rows
     });
@@ -289,13 +261,19 @@ fn stat_an_error_strikes_the_parts_that_rest_on_its_recording() {
     let clean = small();
     assert_eq!(errors_and_parts(&study_of(&clean).unwrap()), (vec![], [true; 3]));
     let of_shaft = [true, false, false];
-    let cases: [(&str, Step, [bool; 3]); 5] = [
+    let cases: [(&str, Step, [bool; 3]); 6] = [
         ("!PulsesOffSpeed", Box::new(|b| b.each(|one| scaled(one, &SPEEDS, 5.0))), [false; 3]),
         ("!ClockRate", Box::new(|b| clocked(&mut b.file("White").1, 3.0)), of_shaft),
         (
             "!PulsesOffShaft",
             Box::new(|b| filtered(&mut b.file("White").1, ENGINE_SPEED, |x, s| filtered_both_ways(x, s, 30.0))),
             of_shaft,
+        ),
+        // The shaft is from the other recording.
+        (
+            "!PulsesOffShaft",
+            Box::new(|b| filtered(&mut b.file("BS").1, ENGINE_SPEED, |x, s| filtered_both_ways(x, s, 30.0))),
+            [true; 3],
         ),
         ("!EarlySignal", Box::new(|b| later(&mut b.file("White").1, &[TORQUE_DEMAND], 6.0)), of_shaft),
         ("!FiringOrderDisagrees", Box::new(|b| b.bench.cylinders = 6), [true, true, false]),
