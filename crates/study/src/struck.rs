@@ -54,7 +54,10 @@ pub(super) fn errors_of(part: Part, findings: &Findings<'_>) -> Vec<Reason> {
         Finding::SpeedsExchanged { .. } | Finding::TorquesExchanged { .. } => part != Part::Whole,
         Finding::ImplausibleInertia { inertia: Quantity::EngineInertia, .. } => part == Part::Whole,
         Finding::ImplausibleInertia { .. } => part == Part::Shaft,
-        Finding::PulsesOffShaft { .. } => part == Part::Shaft && is_from(found),
+        // A filter makes pulses weaker: of N_d, which the controller is from, or of N_e.
+        Finding::PulsesOffShaft { ratio, .. } => {
+            is_from(found) && (part == Part::Shaft || part == Part::SpeedController && *ratio < 1.0)
+        }
         Finding::RoutesDisagree { quantity: Quantity::ProportionalGain | Quantity::IntegralGain, .. } => {
             matches!(part, Part::SpeedController | Part::FeedForward) && is_from(found)
         }

@@ -286,6 +286,17 @@ fn stat_an_error_strikes_the_parts_that_rest_on_its_recording() {
     }
 }
 
+/// K_p was off by five half widths.
+#[test]
+fn regress_a_lag_of_the_speed_strikes_the_controller_and_leaves_the_shaft() {
+    let mut damaged = small();
+    filtered(&mut damaged.file("BS").1, DYNO_SPEED, |x, step_s| lagged(x, step_s, 5e-3));
+    let study = study_of(&damaged).unwrap();
+    let named = named(&study, &[]);
+    let (_, [controller, shaft, _]) = errors_and_parts(&study);
+    assert!(named.iter().any(|kind| kind == "!PulsesOffShaft") && !controller && shaft, "{named:?}");
+}
+
 #[test]
 #[ignore = "slow: hundreds of studies a bench"]
 fn stat_no_damage_of_any_size_is_wrong_without_a_word() {
