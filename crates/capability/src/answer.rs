@@ -5,6 +5,7 @@ use bench_model::simulate::LoopMode;
 use cycle::{CycleError, Judged, Validation};
 use design::safety::{AtResonance, slowed};
 use numerics::parallel;
+use rig::ControlMode;
 use rig::experiment::{Demands, ExperimentPlan};
 use rig::random::Source;
 
@@ -14,6 +15,8 @@ use crate::demand::Demand;
 use crate::error::CapabilityError;
 use crate::extremes::{LimitOf, Peak, peaks, unbounded};
 use crate::filter;
+use crate::fired::Firing;
+use crate::following::Following;
 use crate::judged;
 use crate::outcome::{CanInputs, Drawn, Outcome, keeps_limits, meets_sets};
 use crate::plan_run;
@@ -72,9 +75,23 @@ fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Resu
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(false),
         other => other?,
     };
-    Ok(keeps_limits(inputs, &peaks_of(inputs, driven, bench, &trace))
-        && judged::own(&trace, inputs.own).iter().all(Judged::passes)
-        && meets_sets(inputs, &validations(inputs, &trace)?))
+    let meets_all =
+        judged::own(&trace, inputs.own).iter().all(Judged::passes) && meets_sets(inputs, &validations(inputs, &trace)?);
+    Ok(meets_all
+        && (keeps_limits(inputs, &bounds_of(inputs, driven, bench, &trace)?)
+            || keeps_all_limits(inputs, driven, bench, &trace)?))
+}
+
+fn keeps_all_limits(
+    inputs: &CanInputs<'_>,
+    driven: &Driven<'_>,
+    bench: &Drawn,
+    trace: &Trace,
+) -> Result<bool, CapabilityError> {
+    match peaks_of(inputs, driven, bench, trace) {
+        Err(CapabilityError::Prediction(PredictionError::Unstable)) => Ok(false),
+        other => Ok(keeps_limits(inputs, &other?)),
+    }
 }
 
 fn nominal(inputs: &CanInputs<'_>) -> Drawn {
@@ -83,6 +100,7 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
         engine: inputs.engine.clone(),
         engine_speed: 1.0,
         friction: inputs.friction.middle(),
+        following: Following::EXACT,
         firing_seed: Some(inputs.seed),
     }
 }
@@ -90,15 +108,42 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
 fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
     let mut of_friction = Source::Friction.stream(inputs.seed);
+    let mut of_following = Source::EngineTorque.stream(inputs.seed);
+    let largest_nm = largest_demanded_nm(inputs);
     let draw = |i: usize| {
         let model = inputs.spread.draw(inputs.model, &mut random).ok_or(CapabilityError::NoBench)?;
         let speed = random.between(inputs.slowest_engine_control, 1.0);
         let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
         let firing_seed = Some(inputs.seed.wrapping_add(i as u64));
         let friction = inputs.friction.draw(&mut of_friction);
-        Ok(Drawn { model, engine: slowed(&engine, speed), engine_speed: speed, friction, firing_seed })
+        // An engine that controls its speed gives what that asks for.
+        let following = match largest_nm {
+            Some(largest_nm) => inputs.following.draw(largest_nm, &mut of_following),
+            None => Following::EXACT,
+        };
+        let engine = following.slower(&slowed(&engine, speed));
+        Ok(Drawn { model, engine, engine_speed: speed, friction, following, firing_seed })
     };
     (0..inputs.samples).map(draw).collect()
+}
+
+impl CanInputs<'_> {
+    /// Whether the test demands a torque of the engine.
+    pub fn is_torque_demanded(&self) -> bool {
+        largest_demanded_nm(self).is_some()
+    }
+}
+
+/// The largest torque that is demanded of the engine, Nm; none where no torque is.
+fn largest_demanded_nm(inputs: &CanInputs<'_>) -> Option<f64> {
+    let largest = |torques: &[f64]| torques.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+    match inputs.demand {
+        Demand::Cycle(cycle) => Some(largest(&cycle.reference.torque_nm)),
+        Demand::Plan(plan, demands) => {
+            let is_demanded = plan.label.mode == ControlMode::Nt && plan.has_shaft && !plan.is_motored;
+            is_demanded.then(|| largest(&demands.engine_torque_nm))
+        }
+    }
 }
 
 /// What benches are driven by.
@@ -111,7 +156,7 @@ enum Driven<'a> {
 impl<'a> Driven<'a> {
     fn of(inputs: &CanInputs<'a>) -> Self {
         match inputs.demand {
-            Demand::Cycle(cycle) => Driven::Cycle(CycleGrid::of(&cycle, inputs.model, inputs.engine, inputs.filter_hz)),
+            Demand::Cycle(cycle) => Driven::Cycle(CycleGrid::of(&cycle, inputs.model, inputs.filter_hz)),
             Demand::Plan(plan, demands) => {
                 Driven::Plan(plan, demands, inputs.filter_hz.map(|corner_hz| filter::demands(demands, corner_hz)))
             }
@@ -120,11 +165,12 @@ impl<'a> Driven<'a> {
 
     fn trace(&self, inputs: &CanInputs<'_>, bench: &Drawn) -> Result<Trace, CapabilityError> {
         let trace = match self {
-            Driven::Cycle(grid) => grid.run(&bench.model, bench.friction)?,
+            Driven::Cycle(grid) => grid.run(bench)?,
             Driven::Plan(plan, asked, filtered) => {
+                let demands = bench.following.demands(filtered.as_ref().unwrap_or(asked));
                 let prediction = PredictionInputs {
                     plan,
-                    demands: filtered.as_ref().unwrap_or(asked),
+                    demands: &demands,
                     model: &bench.model,
                     engine: &bench.engine,
                     firing_seed: bench.firing_seed,
@@ -148,8 +194,12 @@ fn outcome(
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
         other => other?,
     };
+    let peaks = match peaks_of(inputs, driven, bench, &trace) {
+        Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
+        other => other?,
+    };
     Ok(Outcome {
-        peaks: peaks_of(inputs, driven, bench, &trace),
+        peaks,
         validations: validations(inputs, &trace)?,
         own: judged::own(&trace, inputs.own),
         is_unstable: false,
@@ -165,19 +215,52 @@ fn validations(inputs: &CanInputs<'_>, trace: &Trace) -> Result<Vec<Validation>,
     }
 }
 
-fn peaks_of(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> [Peak; LimitOf::COUNT] {
-    let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
-    let near = AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
-    peaks(trace, &added(driven, bench, trace), &near, &inputs.limits)
+/// The largest values of a run.
+fn peaks_of(
+    inputs: &CanInputs<'_>,
+    driven: &Driven<'_>,
+    bench: &Drawn,
+    trace: &Trace,
+) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
+    with_pulses(inputs, driven, bench, trace, |firing| firing.peaks())
 }
 
-/// What pulses add to each value of a run that has none of its own; nothing to one that has.
-fn added(driven: &Driven<'_>, bench: &Drawn, trace: &Trace) -> Vec<Added> {
-    let Driven::Cycle(grid) = driven else { return Vec::new() };
-    let most_nm = grid.engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+/// What none of them is above.
+fn bounds_of(
+    inputs: &CanInputs<'_>,
+    driven: &Driven<'_>,
+    bench: &Drawn,
+    trace: &Trace,
+) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
+    with_pulses(inputs, driven, bench, trace, |firing| Ok(firing.bounds()))
+}
+
+/// A plan's run has its pulses.
+fn with_pulses(
+    inputs: &CanInputs<'_>,
+    driven: &Driven<'_>,
+    bench: &Drawn,
+    trace: &Trace,
+    of_cycle: impl Fn(&Firing<'_>) -> Result<[Peak; LimitOf::COUNT], CapabilityError>,
+) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
+    let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
+    let near = &AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
+    let limits = &inputs.limits;
+    match driven {
+        Driven::Plan(..) => Ok(peaks(trace, &[], near, limits)),
+        Driven::Cycle(grid) => {
+            of_cycle(&Firing { grid, bench, trace, added: &added(grid, bench, trace), near, limits })
+        }
+    }
+}
+
+/// What pulses add at the most to each value of a cycle's run.
+fn added(grid: &CycleGrid, bench: &Drawn, trace: &Trace) -> Vec<Added> {
+    let engine_nm = grid.given_nm(bench);
+    let most_nm = engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
     let pulses = Pulses::of(&bench.model, &bench.engine, LoopMode::Speed, grid.range_rad_s(), most_nm);
     let at = |(engine_nm, speed): (&f64, &f64)| pulses.at(*engine_nm, *speed);
-    grid.engine_nm.iter().zip(&trace.engine_speed_rad_s).map(at).collect()
+    engine_nm.iter().zip(&trace.engine_speed_rad_s).map(at).collect()
 }
 
 fn unstable() -> Outcome {

@@ -11,6 +11,7 @@ use rig::engine_pulses::KnownPulses;
 
 use crate::demand::Demand;
 use crate::extremes::{LimitOf, Peak};
+use crate::following::{Following, FollowingSpread};
 
 /// What an answer rests on.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +34,8 @@ pub struct CanInputs<'a> {
     pub slowest_engine_control: f64,
     /// How the friction of their dynamometers differs.
     pub friction: FrictionSpread,
+    /// How the torque of their engines follows what is demanded of it.
+    pub following: FollowingSpread,
     /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is judged by the demands
     /// as they were.
     pub filter_hz: Option<f64>,
@@ -63,6 +66,8 @@ pub(crate) struct Drawn {
     /// Share of the stated bandwidth that its speed control has.
     pub(crate) engine_speed: f64,
     pub(crate) friction: DynoFriction,
+    /// How its torque follows what is demanded.
+    pub(crate) following: Following,
     pub(crate) firing_seed: Option<u64>,
 }
 

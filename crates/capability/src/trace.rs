@@ -35,6 +35,23 @@ impl Trace {
         self.start_s + place as f64 * self.step_s
     }
 
+    /// From one value to another.
+    pub(crate) fn part(&self, from: usize, to: usize) -> Trace {
+        let part = |values: &[f64]| values.get(from..=to).unwrap_or_default().to_vec();
+        Trace {
+            start_s: self.time_s(from),
+            speed_demand_rad_s: part(&self.speed_demand_rad_s),
+            speed_rad_s: part(&self.speed_rad_s),
+            torque_demand_nm: part(&self.torque_demand_nm),
+            torque_nm: part(&self.torque_nm),
+            dyno_speed_rad_s: part(&self.dyno_speed_rad_s),
+            engine_speed_rad_s: part(&self.engine_speed_rad_s),
+            shaft_torque_nm: part(&self.shaft_torque_nm),
+            dyno_demand_nm: part(&self.dyno_demand_nm),
+            ..*self
+        }
+    }
+
     /// Whether every value is finite and of a size that a bench can have.
     pub(crate) fn is_bounded(&self) -> bool {
         let is_bounded = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);

@@ -96,6 +96,8 @@ pub struct Engine {
     pub burn_rad: f64,
     /// Friction of the engine, Nm.
     pub friction_nm: f64,
+    /// What it gives of a torque that is demanded: gain, and offset, Nm. Its speed control corrects both.
+    pub torque_error: (f64, f64),
     /// Time constant of the air path, s.
     pub air_lag_s: f64,
     /// K_p of its speed control, Nm s/rad.

@@ -15,7 +15,7 @@ pub fn draw(seed: u64) -> Bench {
     Bench {
         drive: drive(&mut random),
         controller: controller(&train, &mut random),
-        engine: engine(&mut random),
+        engine: Engine { torque_error: torque_error(seed), ..engine(&mut random) },
         sensors: sensors(&mut random),
         clocks: clocks(&mut random),
         train,
@@ -81,10 +81,17 @@ fn engine(random: &mut Random) -> Engine {
         ignition_rad: random.between(10.0, 25.0_f64).to_radians(),
         burn_rad: random.between(45.0, 65.0_f64).to_radians(),
         friction_nm: 4.0 * count as f64,
+        torque_error: (1.0, 0.0),
         air_lag_s: random.between(0.0, 0.05),
         speed_proportional_nm_s_per_rad: 2.0 * quickness,
         speed_integral_nm_per_rad: 6.0 * quickness * quickness,
     }
+}
+
+/// Control units know the torque to some per cent.
+fn torque_error(seed: u64) -> (f64, f64) {
+    let mut random = Random::new(seed ^ 0x7043_9e00);
+    (random.between(0.97, 1.03), random.between(-1.5, 1.5))
 }
 
 fn sensors(random: &mut Random) -> Sensors {

@@ -96,6 +96,7 @@ struct Moving<'a> {
     drive: Drive,
     dyno_control: DynoSpeedControl,
     engine_control: EngineSpeedControl,
+    torque_error: (f64, f64),
     limit_nm: f64,
     sensors: Sensors,
 }
@@ -107,16 +108,18 @@ impl<'a> Moving<'a> {
         let angle_rad = random.between(0.0, 2.0 * TAU);
         let ripple_rad = random.between(0.0, TAU);
         let first = |values: &[f64]| values.first().copied().unwrap_or(0.0);
+        let (gain, offset_nm) = bench.engine.torque_error;
+        let given_nm = |demanded_nm: f64| gain * demanded_nm + offset_nm;
         let (speed_rad_s, torque_nm) = (first(&demand.speed_rad_s), first(&demand.torque_nm));
         let friction_nm =
             bench.train.coulomb_nm * speed_rad_s.signum() + bench.train.viscous_nm_s_per_rad * speed_rad_s;
         let (air_gap_nm, engine_nm) = match demand.mode {
             Mode::Torque => (torque_nm, torque_nm + friction_nm),
-            Mode::Speed | Mode::SpeedByIgnition => (torque_nm - friction_nm, torque_nm),
+            Mode::Speed | Mode::SpeedByIgnition => (given_nm(torque_nm) - friction_nm, given_nm(torque_nm)),
         };
         // Ignition only takes torque away.
         let charged_nm = match demand.mode {
-            Mode::SpeedByIgnition => demand.torque_nm.iter().copied().fold(engine_nm, f64::max),
+            Mode::SpeedByIgnition => demand.torque_nm.iter().copied().map(given_nm).fold(engine_nm, f64::max),
             Mode::Speed | Mode::Torque => engine_nm,
         };
         let engine =
@@ -141,6 +144,7 @@ impl<'a> Moving<'a> {
             drive: Drive::new(&bench.drive, air_gap_nm, 0.0, ripple_rad),
             dyno_control: DynoSpeedControl::new(&bench.controller, bench.drive.limit_nm, speed_rad_s, air_gap_nm),
             engine_control: EngineSpeedControl::new(&bench.engine, engine_nm),
+            torque_error: bench.engine.torque_error,
             limit_nm: bench.drive.limit_nm,
             sensors: Sensors::new(&bench.sensors, 0.0, motions, air_gap_nm, sensors_random),
         }
@@ -163,7 +167,8 @@ impl<'a> Moving<'a> {
                 torque_nm.clamp(-self.limit_nm, self.limit_nm)
             }
             mode => {
-                self.engine.demand(torque_nm, mode == Mode::SpeedByIgnition);
+                let (gain, offset_nm) = self.torque_error;
+                self.engine.demand(gain * torque_nm + offset_nm, mode == Mode::SpeedByIgnition);
                 self.dyno_control.update(reading.dyno_rad_s, speed_rad_s)
             }
         };

@@ -9,7 +9,7 @@ use bench_model::document::Validity;
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance};
 use bench_testkit::benches::bench_file;
 use bench_testkit::recordings::BENCH_A;
-use capability::{CanInputs, Demand, LimitOf, can, shapes};
+use capability::{CanInputs, Demand, FollowingSpread, LimitOf, can, shapes};
 use design::safety::{BenchSpread, FrictionSpread, Proportion};
 use numerics::parallel;
 use numerics::random::Stream;
@@ -127,6 +127,7 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
         spread: BenchSpread::Estimated(&known.uncertainty),
         slowest_engine_control: 1.0,
         friction: FrictionSpread::NONE,
+        following: FollowingSpread::NONE,
         filter_hz: None,
         sets: &[],
         own: &[],

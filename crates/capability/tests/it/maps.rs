@@ -15,6 +15,7 @@ use rig::engine_pulses::KnownPulses;
 use rig::experiment::{Demands, ExperimentPlan, Waveform};
 use units::RPM_RAD_S;
 
+use crate::pulses::bench_with_compression;
 use crate::support::{Bench, bench};
 
 const SPEED: f64 = 1500.0 * RPM_RAD_S;
@@ -46,6 +47,21 @@ fn smooth() -> Bench {
         ..Limits::default()
     };
     bench
+}
+
+/// A slow sine swings the engine's torque far: what pulses add at the other frequencies must not follow from that.
+#[test]
+fn regress_the_amplitude_at_a_frequency_does_not_depend_on_the_others() {
+    let mut bench = bench_with_compression();
+    bench.limits = Limits { shaft_torque_nm: Some(180.0), ..Limits::default() };
+    let at_20_hz = |frequencies: &[f64]| {
+        let found = map(&inputs(&bench), SineOf::Torque, frequencies, &[SPEED]).unwrap();
+        found.places[0].last().unwrap().amplitude
+    };
+    let (alone, beside) = (at_20_hz(&[20.0]), at_20_hz(&[0.1, 1.0, 20.0]));
+    for (alone, beside) in alone.into_iter().zip(beside) {
+        assert!((beside / alone - 1.0).abs() < 0.02, "{beside} for {alone}");
+    }
 }
 
 /// The sine with this amplitude, after it has settled.

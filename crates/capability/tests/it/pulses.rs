@@ -1,4 +1,4 @@
-//! The bound of the firing pulses, which cycles and the map take, against pulses that are simulated.
+//! Firing pulses of a cycle, which is simulated in stretches, against those of a plan that is simulated as a whole.
 
 use capability::{CanInputs, CycleDemand, Demand, LimitOf, can};
 use cycle::Reference;
@@ -31,7 +31,7 @@ fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; MOVED.len()] {
     MOVED.map(|of| verdict.limits.iter().find(|one| one.of == of).unwrap().values.quantile(0.5))
 }
 
-/// Bound and simulation of a run from one speed, rpm, straight to another.
+/// Largest values of a cycle and of a plan from one speed, rpm, straight to another.
 fn both(from: f64, to: f64) -> ([f64; MOVED.len()], [f64; MOVED.len()]) {
     both_of(&bench(), 80.0, (from, to))
 }
@@ -40,36 +40,39 @@ fn both_of(bench: &Bench, torque: f64, (from, to): (f64, f64)) -> ([f64; MOVED.l
     let speed = |k: f64| (from + k * (to - from)) * RPM_RAD_S;
     let seconds = (0..=DURATION_S as usize).map(|k| speed(k as f64 / DURATION_S)).collect();
     let reference = Reference::of_itself(0.0, seconds, vec![torque; DURATION_S as usize + 1]);
-    let bound = peaks(bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }));
+    let of_cycle = peaks(bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }));
     let each = (0..(DURATION_S * 1e3) as usize).map(|k| speed(k as f64 * 1e-3 / DURATION_S)).collect();
     let plan = ExperimentPlan {
         speed_rad_s: Waveform::Sampled { sample_time_s: 1e-3, values: each },
         engine_torque_nm: Waveform::Constant { value: torque },
         ..ExperimentPlan::levels_n_nt(from, DURATION_S)
     };
-    (bound, peaks(bench, Demand::Plan(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S))))
+    (of_cycle, peaks(bench, Demand::Plan(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S))))
+}
+
+/// Firings vary, and two runs of some seconds have other strong ones.
+fn assert_alike(what: &str, part: f64, (of_cycle, of_plan): ([f64; MOVED.len()], [f64; MOVED.len()])) {
+    for ((of, of_cycle), of_plan) in MOVED.into_iter().zip(of_cycle).zip(of_plan) {
+        println!("{what}, {of:?}: plan {of_plan:.1}, cycle over it {:.3}", of_cycle / of_plan);
+        // Away from the resonance, changes are those of single strong firings.
+        let slack = match of {
+            LimitOf::SpeedGradient => 3.0,
+            LimitOf::TorqueSlew => 100.0,
+            _ => 0.0,
+        };
+        assert!((of_cycle - of_plan).abs() < part * of_plan + slack, "{what}, {of:?}: {of_cycle} against {of_plan}");
+    }
 }
 
 #[test]
-fn ref_the_bound_of_pulses_is_what_a_speed_that_is_held_gives() {
+fn ref_a_cycle_at_one_speed_has_the_largest_values_of_a_plan() {
     for rpm in [700.0, 900.0, 1100.0, 1500.0, 2000.0, 3000.0, 4500.0] {
-        let (bound, simulated) = both(rpm, rpm);
-        for ((of, bound), simulated) in MOVED.into_iter().zip(bound).zip(simulated) {
-            let ratio = bound / simulated;
-            println!("{rpm} rpm, {of:?}: {simulated:.1}, bound over it {ratio:.3}");
-            // Away from the resonance, changes are those of single strong firings, of which there is a bound alone.
-            let slack = match of {
-                LimitOf::SpeedGradient => 6.0,
-                LimitOf::TorqueSlew => 200.0,
-                _ => 0.0,
-            };
-            assert!(ratio > 0.97 && bound < 1.1 * simulated + slack, "{rpm} rpm, {of:?}: {bound} against {simulated}");
-        }
+        assert_alike(&format!("{rpm} rpm"), 0.08, both(rpm, rpm));
     }
 }
 
 /// A bench whose engine has compression without load, gas torque, and masses in one harmonic: what they add is not proportional to the torque.
-fn bench_with_compression() -> Bench {
+pub(crate) fn bench_with_compression() -> Bench {
     let mut bench = bench();
     bench.engine.cycle_variation = 0.0;
     bench.engine.cycle_harmonics = vec![CycleHarmonic::default(); 4];
@@ -80,35 +83,15 @@ fn bench_with_compression() -> Bench {
 }
 
 #[test]
-fn ref_the_bound_holds_where_pulses_do_not_grow_with_the_torque_alone() {
+fn ref_the_same_holds_where_pulses_do_not_grow_with_the_torque_alone() {
     let bench = bench_with_compression();
     for (torque, rpm) in [(0.0, 1200.0), (50.0, 1200.0), (120.0, 2500.0)] {
-        let (bound, simulated) = both_of(&bench, torque, (rpm, rpm));
-        println!("{torque} Nm, {rpm} rpm: {simulated:.1?}, bound {bound:.1?}");
-        assert!((0.97..1.1).contains(&(bound[0] / simulated[0])), "{torque} Nm: {bound:.1?} against {simulated:.1?}");
+        assert_alike(&format!("{torque} Nm, {rpm} rpm"), 0.08, both_of(&bench, torque, (rpm, rpm)));
     }
 }
 
-/// A test with a high torque somewhere makes no larger pulses elsewhere.
+/// Pulses that could come of a resonance that is held do not come of one that is passed. What comes depends on where a firing meets it.
 #[test]
-fn ref_the_bound_is_close_far_below_the_largest_torque() {
-    let bench = bench_with_compression();
-    let speed_rad_s = 1200.0 * RPM_RAD_S;
-    let of_torques = |torques: Vec<f64>| {
-        let reference = Reference::of_itself(0.0, vec![speed_rad_s; torques.len()], torques);
-        peaks(&bench, Demand::Cycle(CycleDemand { reference: &reference, map: None }))
-    };
-    let steady = of_torques(vec![-50.0; 9]);
-    // The torque of the dynamometer brakes less than the pulses pull: the largest T_shaft is that at -50 Nm.
-    let ramped = of_torques(vec![-50.0, -50.0, -50.0, -50.0, -40.0, -30.0, -20.0, -10.0, 0.0]);
-    assert!((ramped[0] / steady[0] - 1.0).abs() < 0.05, "{ramped:.1?} for {steady:.1?}");
-}
-
-#[test]
-fn ref_a_resonance_that_is_passed_gives_no_more_than_the_bound() {
-    let (bound, simulated) = both(450.0, 1200.0);
-    for ((of, bound), simulated) in MOVED.into_iter().zip(bound).zip(simulated) {
-        println!("passed, {of:?}: {simulated:.1}, bound {bound:.1}");
-        assert!(bound > 0.97 * simulated, "{of:?}: {bound} against {simulated}");
-    }
+fn ref_a_resonance_that_a_cycle_passes_gives_what_it_gives_a_plan() {
+    assert_alike("passed", 0.15, both(450.0, 1200.0));
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bench_model::document::Validity;
-use capability::{CanInputs, Demand, shapes};
+use capability::{CanInputs, Demand, FollowingSpread, shapes};
 use cycle::{Feedback, Reference, RequirementSet, requirement, validate};
 use design::safety::{BenchSpread, FrictionSpread};
 use numerics::parallel;
@@ -86,6 +86,7 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         spread: BenchSpread::Estimated(&uncertainty),
         slowest_engine_control: 1.0,
         friction: FrictionSpread::NONE,
+        following: FollowingSpread::NONE,
         filter_hz: None,
         sets: std::slice::from_ref(&set),
         own: &[],

@@ -2,7 +2,7 @@
 
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
-use capability::{CanInputs, Demand};
+use capability::{CanInputs, Demand, FollowingSpread};
 use cycle::EngineMap;
 use design::safety::{BenchSpread, FrictionSpread, Prior};
 use rig::bench_file::Limits;
@@ -43,6 +43,7 @@ impl Bench {
             spread: BenchSpread::Prior(Prior::default()),
             slowest_engine_control: 1.0,
             friction: FrictionSpread::NONE,
+            following: FollowingSpread::NONE,
             filter_hz: None,
             sets: &[],
             own: &[],

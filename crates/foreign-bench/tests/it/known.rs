@@ -18,6 +18,7 @@ const RECORDED_S: f64 = 24.0;
 
 /// A bench and its study.
 pub(crate) struct Known {
+    pub(crate) seed: u64,
     pub(crate) bench: Bench,
     pub(crate) file: BenchFile,
     pub(crate) study: Study,
@@ -41,7 +42,7 @@ impl Known {
         let recordings = Prepared::of(&file, sources, &mut |_| {});
         let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) };
         let study = run(campaign, &mut |_| {}).unwrap();
-        Known { bench, file, study, speed_rad_s }
+        Known { seed, bench, file, study, speed_rad_s }
     }
 
     fn truth(&self, quantity: Quantity) -> f64 {

@@ -12,6 +12,7 @@ pub(crate) fn quiet(seed: u64) -> Bench {
     let mut bench = draw(seed);
     (bench.drive.added_ripple_nm, bench.drive.multiplied_ripple) = (0.0, 0.0);
     bench.engine.cycle_variation = 0.0;
+    bench.engine.torque_error = (1.0, 0.0);
     let sensors = &mut bench.sensors;
     (sensors.slits, sensors.pitch_error_rad) = (None, [0.0; 2]);
     (sensors.speed_noise_rad_s, sensors.torque_noise_nm, sensors.speed_step_rad_s) = (0.0, 0.0, 1e-12);

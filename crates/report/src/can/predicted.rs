@@ -1,6 +1,6 @@
 //! The answer to whether a bench can run a test.
 
-use capability::{Answer, Beyond, Easier, LimitOf, Verdict};
+use capability::{Answer, Beyond, Easier, FollowingSpread, LimitOf, Verdict};
 use cycle::RequirementSet;
 use design::safety::{FrictionSpread, Proportion};
 use page::{
@@ -40,6 +40,8 @@ pub struct Asked<'a> {
     pub assumptions: &'a [Assumption],
     /// Friction of the dynamometer.
     pub friction: FrictionSpread,
+    /// How its engine follows torques that the test demands, where that is assumed.
+    pub following: Option<FollowingSpread>,
 }
 
 /// The answer, what limits it, and the courses.
@@ -194,15 +196,31 @@ fn findings(asked: &Asked<'_>) -> Blocks {
         all.push(finding(Tone::Bad, "not stable", words));
     }
     all.push(friction(&asked.friction));
+    if let Some(words) = following(asked) {
+        all.push(finding(Tone::Caution, "assumed", words));
+    }
     if asked.is_cycle {
-        let engine = "The engine gives the demanded torque at its flywheel, through the intake of [virtual_bench.engine]. Its controller \
-                      adds what its own inertia needs. The test of the torque therefore judges the bench, not the engine.";
+        let engine = "Each engine is asked for the torque of the cycle at its flywheel, and for what its own inertia needs. It gives \
+                      that through the intake of [virtual_bench.engine], firing by firing.";
         all.push(finding(Tone::Plain, "assumed", engine.to_owned()));
-        let pulses = "Firing pulses count for every limit, with the response of the bench at each speed. Where the cycle passes a \
-                      resonance quickly, less comes of them.";
-        all.push(finding(Tone::Plain, "bound", pulses.to_owned()));
+        let pulses = "Firing pulses count for every limit. Stretches of the cycle are simulated firing by firing: first those in which \
+                      pulses could make the largest values.";
+        all.push(finding(Tone::Plain, "how", pulses.to_owned()));
     }
     all
+}
+
+/// How engines follow torques that are demanded, where nobody states it.
+fn following(asked: &Asked<'_>) -> Option<String> {
+    let FollowingSpread { gain, offset, lag_s } = asked.following?;
+    let percent = |share: f64| number::significant(100.0 * share, 2);
+    Some(format!(
+        "the torque of each engine has a gain within ±{} %, an offset within ±{} % of the largest torque (standard deviations), and a \
+         lag of 0 … {} ms beside its intake. State your engine in [virtual_bench.engine] to leave this out.",
+        percent(gain),
+        percent(offset),
+        number::significant(1e3 * lag_s, 2)
+    ))
 }
 
 /// What no bench drawn can show, each as a finding.

@@ -1,6 +1,6 @@
 //! The answer from the model.
 
-use capability::{Answer, Beyond, CanInputs, Easier, LimitVerdict, can, easier};
+use capability::{Answer, Beyond, CanInputs, Easier, FollowingSpread, LimitVerdict, can, easier};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, Prior};
 use report::can::{Asked, answer, limit_of, statistic};
 use serde_json::json;
@@ -39,6 +39,7 @@ pub(super) fn run(
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
         friction: bench.friction(),
+        following: if is_assumed { FollowingSpread::ASSUMED } else { FollowingSpread::NONE },
         filter_hz: None,
         sets: &wanted.sets,
         own: &wanted.own,
@@ -67,6 +68,7 @@ pub(super) fn run(
         pulses: &bench.stated.pulses,
         assumptions: &assumptions,
         friction: inputs.friction,
+        following: Some(inputs.following).filter(|_| is_assumed && inputs.is_torque_demanded()),
     };
     show(&arguments.on.result, || bench.on_page(report::can::predicted(&asked)), || facts(&asked), terminal)?;
     let is_complete = verdict.unchecked.is_empty() || arguments.allow_unchecked;
@@ -129,5 +131,6 @@ fn facts(asked: &Asked<'_>) -> serde_json::Value {
         "engine_pulses": pulses_from(asked.pulses),
         "assumptions": asked.assumptions,
         "friction": asked.friction,
+        "engine_following": asked.following,
     })
 }

@@ -100,7 +100,7 @@ impl Asked {
                 }
             }
             What::Cycle(reference) => {
-                let updates = 0..1000 * (reference.speed_rad_s.len() - 1);
+                let updates = 0..=1000 * (reference.speed_rad_s.len() - 1);
                 let speed = |k: usize| reference.speed_at(1e-3 * k as f64);
                 let torque = |k: usize| {
                     let acceleration = (speed(k + 1) - speed(k)) / 1e-3;

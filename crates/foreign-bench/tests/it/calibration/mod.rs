@@ -19,7 +19,7 @@ use crate::known::Known;
 use crate::support::drawn;
 use asked::Asked;
 use predicted::{Predictor, SAMPLES};
-use tally::{Row, Yes, tallies};
+use tally::{GOAL, LEAST, Row, Tally, Yes, tallies};
 
 /// Runs of each test on a true bench, each from another start angle.
 const RUNS: u64 = 3;
@@ -50,7 +50,12 @@ fn found(seed: u64, runs: u64) -> Option<Found> {
         let demand = asked.foreign(predictor.engine_inertia_kg_m2());
         for start in 0..runs {
             let ran = run(&known.bench, &demand, seed + 1 + start);
-            found.rows.extend(rows(&asked, &verdict, &ran));
+            let rows = rows(&asked, &verdict, &ran);
+            rows.iter().filter(|row| !row.is_inside()).for_each(|row| {
+                let ((of, test), (low, high)) = (&row.of, row.band);
+                println!("bench {}, {of}, {test}: {:.4} … {:.4}, happened {:.4}", known.seed, low, high, row.happened);
+            });
+            found.rows.extend(rows);
             let reaches_any = |ofs: &[LimitOf]| ofs.iter().any(|of| is_reached(*of, &limits, &ran));
             let mut answer = |by, ofs: &[LimitOf]| {
                 found.answers.push(Yes { by, test: asked.name, is_wrong: reaches_any(ofs) });
@@ -157,12 +162,22 @@ fn stat_predictions_have_the_size_of_what_happens() {
 fn stat_stated_bands_hold_on_benches_of_the_other_simulator() {
     let (rows, answers) = calibrated(&drawn(300, 60_000), RUNS);
     let tallies = tallies(&rows, &answers);
-    // What holds today. The other goals are printed, and become assertions as soon as they hold.
-    for statistic in ["power", "speed"] {
+    // What holds today, within two standard deviations of the counts; runs of one bench go together. The other goals are printed, and become
+    // assertions as soon as they hold.
+    for statistic in ["power", "speed", "shaft_torque", "shaft_torque_slew", "torque"] {
         let tally = &tallies[statistic];
-        assert!(100 * tally.wrong <= 3 * tally.yes, "{statistic}: {} of {}", tally.wrong, tally.yes);
+        assert!(tally.inside() >= LEAST - 2.0 * deviation(LEAST, tally.runs), "{statistic}: {}", tally.inside());
     }
-    for (statistic, tally) in tallies.iter().filter(|(statistic, _)| statistic.starts_with("own")) {
-        assert!(tally.inside() >= 0.6, "{statistic}: {}", tally.inside());
+    for (statistic, tally) in tallies.iter().filter(|(statistic, _)| statistic.contains("Torque")) {
+        assert!(tally.inside() >= GOAL.0 - 2.0 * deviation(GOAL.0, tally.runs), "{statistic}: {}", tally.inside());
     }
+    let sum = |of: fn(&Tally) -> usize| tallies.values().map(of).sum::<usize>();
+    let (yes, wrong) = (sum(|tally| tally.yes), sum(|tally| tally.wrong));
+    let share = wrong as f64 / yes.max(1) as f64;
+    assert!(share <= 1.0 - SURE + 2.0 * deviation(1.0 - SURE, yes), "{wrong} of {yes}");
+}
+
+/// Standard deviation of a share of so many runs, of which those of one bench count once.
+fn deviation(share: f64, runs: usize) -> f64 {
+    (share * (1.0 - share) * RUNS as f64 / runs.max(1) as f64).sqrt()
 }

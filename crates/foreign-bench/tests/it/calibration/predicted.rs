@@ -3,7 +3,7 @@
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
-use capability::{CanInputs, Verdict, can};
+use capability::{CanInputs, FollowingSpread, Verdict, can};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, SafetyCheck, SafetyInputs, check};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
@@ -23,6 +23,7 @@ pub(crate) struct Predictor<'a> {
     spread: BenchSpread<'a>,
     pulses: KnownPulses,
     friction: FrictionSpread,
+    following: FollowingSpread,
     model: BenchModel,
     engine: EngineParameters,
 }
@@ -43,14 +44,16 @@ impl<'a> Predictor<'a> {
         let engine = EngineParameters { intake_lag_s: known.bench.engine.air_lag_s, ..stated.parameters.engine };
         let spread = BenchSpread::Estimated(&assembled.uncertainty);
         let friction = FrictionSpread::of(&known.file, stated.parameters.drive.torque_limit_nm);
-        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, friction, model, engine })
+        let following = FollowingSpread { lag_s: 0.0, ..FollowingSpread::ASSUMED };
+        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, friction, following, model, engine })
     }
 
     /// Of a bench that is known exactly, but for its speed control in torque control.
     pub(crate) fn exact(model: BenchModel, engine: EngineParameters) -> Self {
         let spread = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
         let (pulses, friction) = (KnownPulses::Stated, FrictionSpread::NONE);
-        Predictor { limits: Limits::default(), spread, pulses, friction, model, engine }
+        let following = FollowingSpread::NONE;
+        Predictor { limits: Limits::default(), spread, pulses, friction, following, model, engine }
     }
 
     /// J_e as the program knows it, kg m².
@@ -67,6 +70,7 @@ impl<'a> Predictor<'a> {
             spread: self.spread,
             pulses: &self.pulses,
             friction: self.friction,
+            following: self.following,
             // Shares and bands are compared, also beyond the recordings' range.
             validity: Validity::default(),
             slowest_engine_control: ASSUMED_ENGINE,
