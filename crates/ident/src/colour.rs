@@ -114,6 +114,15 @@ impl Colour {
     }
 }
 
+/// The covariance under coloured errors, with no variance less than under white ones: of short records the residuals look more
+/// opposed from sample to sample than the errors are, since the fit has taken out what is slow. Correlations stay.
+pub(crate) fn no_less_than(white: &Mat<f64>, coloured: &Mat<f64>) -> Mat<f64> {
+    let n = coloured.nrows();
+    let ratio = |j: usize| (white[(j, j)] / coloured[(j, j)]).sqrt();
+    let factors: Vec<f64> = (0..n).map(ratio).map(|r| if r.is_finite() { r.max(1.0) } else { 1.0 }).collect();
+    Mat::from_fn(n, n, |i, j| factors[i] * factors[j] * coloured[(i, j)])
+}
+
 /// The sizes of `L⁻¹ e(t)`, with a sign where there is one output; NaN where a residual is missing that it takes.
 fn sizes(series: &[f64], coefficients: &[Mat<f64>], root: &Mat<f64>) -> Vec<f64> {
     let p = root.nrows();

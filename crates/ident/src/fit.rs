@@ -105,6 +105,15 @@ pub enum Doubt {
     },
     /// Inputs are taken to have been, before each record, what they are at its first sample.
     HeldBefore,
+    /// The outputs refute that inputs were, before each record, what they are at its first sample; the estimate assumes it all
+    /// the same, since the rows that do without are too few.
+    HeldBeforeRefuted,
+    /// The profile of a parameter shows smaller errors of an output with other parameters, where no estimate was possible: the
+    /// intervals are those of the covariance, and too narrow.
+    NotTheLeast {
+        /// Index of the output.
+        output: usize,
+    },
     /// A parameter is at a bound: it has no interval, and the covariance of the others holds with it there.
     AtBound {
         /// Its index.

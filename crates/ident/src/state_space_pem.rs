@@ -20,7 +20,7 @@ const GLANCE: usize = 5;
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ` over all of `A`, `B`, `C`, `D`, `K` and the initial state of each experiment by damped
 /// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of
-/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate, and of one output at the ARX model of the same order where that leads lower; of 100 000 samples or
+/// the states, so no canonical form limits the models or spoils the conditioning. Starts at the model given; or at a subspace estimate, and of one output at the ARX model of the same order where that leads lower; of 100 000 samples or
 /// more, at the model of a tenth of them, where that is better. Steps that shrink slowly are extrapolated.
 /// Data are taken as they are: remove offsets first.
 ///
@@ -124,7 +124,10 @@ impl StateSpacePem {
             search = from_there.near_the_end();
         }
         let mut termination = search.run(self.iteration_limit)?;
-        if let Some(other) = self.again_from_equation_error(data, &search, estimated) {
+        // A start that was given is meant.
+        if self.start.is_none()
+            && let Some(other) = self.again_from_equation_error(data, &search, estimated)
+        {
             (search, termination) = other;
         }
         let (iterations, initial_states, model) = search.into_parts();

@@ -22,6 +22,14 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             "the inputs count as constant before the record, at their first value; start the record earlier if they moved shortly before"
                 .into()
         }
+        Doubt::HeldBeforeRefuted => {
+            "the estimate assumes that the inputs were constant before the record, and the outputs refute that; the rows that need no such assumption are too few; start the record earlier, or search a shorter delay"
+                .into()
+        }
+        Doubt::NotTheLeast { output } => format!(
+            "other parameters leave smaller errors of {}, but the data do not determine all of them there; the intervals are too narrow; lower the order, or fix a parameter",
+            outputs.get(*output).map_or("an output", |label| label.name.as_str())
+        ),
         Doubt::AtBound { parameter } => format!(
             "{} is at its bound, so it has no interval; the intervals of the others hold with it there; widen the bound, or fix the parameter",
             parameters.get(*parameter).map_or("a parameter", String::as_str)

@@ -40,7 +40,13 @@ pub(crate) fn combine<C: ContinuousChannel>(
     let resting = combined.resting.iter().map(|parameter| Doubt::AtBound { parameter: *parameter }).collect();
     let samples = parts.iter().map(|p| p.minimum.residuals.len()).min().unwrap_or(0);
     let usual = doubts(data, samples, combined.termination.converged(), combined.condition);
-    let past = if beginning.is_held { vec![Doubt::HeldBefore] } else { Vec::new() };
+    let past = match (beginning.is_held, beginning.is_refuted) {
+        (_, true) => vec![Doubt::HeldBeforeRefuted],
+        (true, false) => vec![Doubt::HeldBefore],
+        (false, false) => Vec::new(),
+    };
+    let missed = (0..parts.len()).filter(|output| !parts[*output].is_least);
+    let missed = missed.map(|output| Doubt::NotTheLeast { output }).collect();
     let few = few_lines(data, parts)?;
     let fit = Fit {
         covariance: by_profiles(combined.covariance, parts),
@@ -55,7 +61,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
         termination: combined.termination,
         iterations: combined.iterations,
         condition: combined.condition,
-        doubts: [few, usual, past, resting, followed].concat(),
+        doubts: [few, usual, past, missed, resting, followed].concat(),
         origin: None,
         model,
     };
@@ -65,7 +71,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
     Ok(Fit { initial_states, ..fit }.doubting(data).doubting_feedback(&about))
 }
 
-/// The covariance with every delay as uncertain as its profile shows it where that is not as the covariance has it: the
+/// The covariance with every parameter as uncertain as its profile shows it, where there is one and the covariance differs: the
 /// further end counts.
 fn by_profiles<C: ContinuousChannel>(mut covariance: Mat<f64>, parts: &[OutputFit<C>]) -> Mat<f64> {
     let (mut first, total) = (0, covariance.nrows());

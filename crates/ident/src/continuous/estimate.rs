@@ -7,7 +7,7 @@ use super::channel::ContinuousChannel;
 use super::model::ContinuousModel;
 use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, liveliest};
-use crate::colour::{Colour, Sandwich};
+use crate::colour::{Colour, Sandwich, no_less_than};
 use crate::distributions::student_t_quantile;
 use crate::nonlinear::lowest_point;
 use crate::structure_error::StructureError;
@@ -61,8 +61,10 @@ pub(crate) struct OutputFit<C> {
     /// Initial states and offsets that took degrees of freedom.
     pub(crate) nuisance: usize,
     pub(crate) bounds: Vec<Bounds>,
-    /// Of the delays, where their profiles were looked at.
+    /// Of the parameters whose profiles were looked at, such as delays.
     pub(crate) ends: Vec<Ends>,
+    /// Whether no profile has shown smaller errors of other parameters.
+    pub(crate) is_least: bool,
     /// Whether the errors are smallest here; otherwise the estimate is of another kind.
     pub(crate) is_searched: bool,
 }
@@ -184,16 +186,16 @@ fn minimum_from<C: ContinuousChannel>(
     if !matches!(first, Err(IdentError::RankDeficient { .. })) {
         return first;
     }
-    let at = lowest_point(problem, theta, bounds, settings.search)?.1;
-    let model = problem.model.with_parameters(&at)?;
+    let lowest = lowest_point(problem, theta, bounds, settings.search)?;
+    let model = problem.model.with_parameters(&lowest.parameters)?;
     let apart: Vec<f64> =
         model.channels().iter().flat_map(|c| c.apart().unwrap_or_else(|| c.clone()).parameters()).collect();
-    if apart == at {
+    if apart == lowest.parameters {
         return first;
     }
     let stay = NonlinearOptions { iteration_limit: 0, ..settings.search };
     let minimum = minimise(problem, &clamped(&apart, bounds), bounds, stay)?;
-    Ok(Minimum { termination: Termination::SmallDecrease, ..minimum })
+    Ok(Minimum { termination: lowest.termination, iterations: lowest.iterations, ..minimum })
 }
 
 /// Where a search in long data begins: at the minimum of their liveliest part, from which few steps are left.
@@ -207,7 +209,7 @@ fn refined<C: ContinuousChannel>(
     let short = liveliest(records, COMPARED);
     let within = settings.within(&short, records);
     let found = lowest_point(&mut errors(start, &short, data, within), theta, bounds, within.search);
-    found.map_or_else(|_| theta.to_vec(), |(_, parameters)| parameters)
+    found.map_or_else(|_| theta.to_vec(), |lowest| lowest.parameters)
 }
 
 /// What a few steps make of each starting model on the liveliest part of the data, best first; a single one as it is.
@@ -235,8 +237,8 @@ fn try_starts<C: ContinuousChannel>(
     if tried.is_empty() {
         return Err(failure.unwrap_or(StructureError::NoStart.into()));
     }
-    tried.sort_by(|x, y| x.0.total_cmp(&y.0));
-    Ok(tried.into_iter().map(|(_, theta)| theta).collect())
+    tried.sort_by(|x, y| x.cost.total_cmp(&y.cost));
+    Ok(tried.into_iter().map(|lowest| lowest.parameters).collect())
 }
 
 /// A model that needs no search as the estimate of one output.
@@ -277,6 +279,7 @@ fn judged<C: ContinuousChannel>(
         nuisance,
         bounds: bounds.to_vec(),
         ends: Vec::new(),
+        is_least: true,
         is_searched: true,
     })
 }
@@ -293,9 +296,7 @@ fn residual_series(minimum: &Minimum, records: &[Record<'_>]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.output[r.first..].iter().map(&mut placed).collect()).collect()
 }
 
-/// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom. No
-/// variance is less than with white errors: of short records the residuals look more opposed from sample to sample than the
-/// errors are, since the fit has taken out what is slow.
+/// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom.
 fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Result<(Mat<f64>, f64), IdentError> {
     let remaining = minimum.degrees_of_freedom() - nuisance as f64;
     let series = residual_series(minimum, records);
@@ -319,10 +320,7 @@ fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Res
     }
     let scale = minimum.residuals.len() as f64 / remaining;
     let coloured = faer::Scale(scale) * sandwich.covariance();
-    let ratio = |j: usize| (white[(j, j)] / coloured[(j, j)]).sqrt();
-    let factors: Vec<f64> = (0..n).map(ratio).map(|r| if r.is_finite() { r.max(1.0) } else { 1.0 }).collect();
-    let covariance = Mat::from_fn(n, n, |i, j| factors[i] * factors[j] * coloured[(i, j)]);
-    Ok((covariance, remaining.min(colour.degrees_of_freedom())))
+    Ok((no_less_than(&white, &coloured), remaining.min(colour.degrees_of_freedom())))
 }
 
 fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
@@ -341,4 +339,38 @@ pub(super) fn doubts(data: &Dataset, samples: usize, converged: bool, condition:
         doubts.push(Doubt::RowsLeftOut { rows: data.samples() - samples, of: data.samples() });
     }
     doubts
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use lti::ProcessModel;
+
+    use super::*;
+    use crate::band_limited::Ground;
+    use crate::continuous::ProcessSystem;
+    use crate::continuous::record::{Beginning, records};
+
+    #[test]
+    fn regress_a_search_that_its_limit_ends_at_equal_lags_is_not_said_to_converge() {
+        let mut random = signal::excitation::Random::new(4);
+        let u: Vec<f64> = (0..200).map(|_| random.normal()).collect();
+        let mut y = vec![0.0; 200];
+        for t in 1..200 {
+            y[t] = 0.8 * y[t - 1] + 0.2 * u[t - 1];
+        }
+        let data = Dataset::siso(0.1, &u, &y).unwrap();
+        let ground = Ground::new(&data, true).unwrap();
+        let records = records(&ground, 0, Beginning { first: 0, is_held: false, is_refuted: false }).unwrap();
+        let channel = ProcessModel::new(1.0).unwrap().with_lags(vec![0.5, 0.5]).unwrap();
+        let model = ProcessSystem::new(vec![channel], 1, Mat::identity(1, 1)).unwrap();
+        let bounds = [Bounds::NONE, Bounds::new(0.01, 10.0), Bounds::new(0.01, 10.0)];
+        // One step from equal lags, whose columns are the same, leads to equal lags.
+        let search = NonlinearOptions { iteration_limit: 1, ..NonlinearOptions::default() };
+        let nuisance = Nuisance { initial_state: false, offset: false };
+        let settings = Settings { nuisance, stable: true, search };
+        let mut problem = errors(&model, &records, &data, settings);
+        let minimum = minimum_from(&mut problem, &model.parameters(), &bounds, settings).unwrap();
+        assert_eq!((minimum.termination, minimum.iterations), (Termination::IterationLimit, 1));
+    }
 }

@@ -16,7 +16,7 @@ use super::output_error::{OutputError, Ready};
 use super::projection::Basis;
 use super::record::{Beginning, Record, records};
 use crate::band_limited::Ground;
-use crate::colour::{Colour, Sandwich};
+use crate::colour::{Colour, Sandwich, no_less_than};
 use crate::dense::whitening;
 use crate::{Bounds, IdentError, Minimum, ResidualModel, minimise};
 
@@ -289,8 +289,9 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
         }
         let colour = Colour::of(&series, count);
         let scale = minimum.residuals.len() as f64 / remaining;
+        let white = faer::Scale(scale) * &minimum.unscaled_covariance;
         if colour.is_white() {
-            return Ok((faer::Scale(scale) * &minimum.unscaled_covariance, remaining));
+            return Ok((white, remaining));
         }
         let (mut sandwich, mut index) = (Sandwich::new(&colour, &minimum.unscaled_covariance)?, 0);
         let mut rows = vec![0.0; count * n];
@@ -306,7 +307,8 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
             }
             sandwich.finish_series();
         }
-        Ok((faer::Scale(scale) * sandwich.covariance(), remaining.min(colour.degrees_of_freedom())))
+        let coloured = faer::Scale(scale) * sandwich.covariance();
+        Ok((no_less_than(&white, &coloured), remaining.min(colour.degrees_of_freedom())))
     }
 
     fn combined(&self, minimum: Minimum, bounds: &[Bounds], iterations: usize) -> Result<Combined, IdentError> {

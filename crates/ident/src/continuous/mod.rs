@@ -30,7 +30,7 @@ use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
 use estimate::{OutputFit, Settings, fit_output, judge_at};
 use output_error::Nuisance;
-use past::{begun, search_from};
+use past::{begun, with_ends};
 use record::{Beginning, Record, records};
 use start::Candidate;
 
@@ -181,7 +181,8 @@ impl ContinuousTransferFunction {
         let options = self.spread(data)?;
         let ground = Ground::new(data, self.at_rest)?;
         let part = |output: usize, beginning| options.search(&ground, output, beginning, None);
-        let (beginning, parts) = search_from(&ground, options.first_sample(data), options.settings(), part)?;
+        let (beginning, parts) = begun(&ground, options.first_sample(data), options.settings(), part)?;
+        let parts = with_ends(&ground, beginning, parts, options.settings())?;
         let fit = combine(&ground, beginning, &parts, options.settings())?;
         Ok(fit.made_by(self.method.name(), data))
     }
@@ -212,7 +213,7 @@ impl ContinuousTransferFunction {
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
         let found = self.fit_one(data, (output, beginning), Some(start))?;
         let ground = Ground::new(data, self.at_rest)?;
-        profile::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings())
+        Ok(profile::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings()))
     }
 
     /// [`Self::fit`] from what was found for each output.

@@ -29,17 +29,15 @@ const UNMOVED: f64 = 0.01;
 /// Errors below this part of the output are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// As [`begun`], with the ends of delays by their profiles.
-pub(crate) fn search_from<C: ContinuousChannel>(
+/// The estimates of all outputs with the ends of their intervals by profiles.
+pub(crate) fn with_ends<C: ContinuousChannel>(
     ground: &Ground<'_>,
-    reached: usize,
+    beginning: Beginning,
+    parts: Vec<OutputFit<C>>,
     settings: Settings,
-    part: impl Fn(usize, Beginning) -> Result<OutputFit<C>, IdentError>,
-) -> Result<(Beginning, Vec<OutputFit<C>>), IdentError> {
-    let (beginning, parts) = begun(ground, reached, settings, part)?;
-    let with_ends = |(output, part)| profiled(ground.plain, &records(ground, output, beginning)?, part, settings);
-    let parts = parts.into_iter().enumerate().map(with_ends).collect::<Result<_, IdentError>>()?;
-    Ok((beginning, parts))
+) -> Result<Vec<OutputFit<C>>, IdentError> {
+    let with_ends = |(output, part)| Ok(profiled(ground.plain, &records(ground, output, beginning)?, part, settings));
+    parts.into_iter().enumerate().map(with_ends).collect()
 }
 
 /// The estimates of all outputs, where the rows begin that they rest on, and what they take for the inputs before. Delays
@@ -54,20 +52,21 @@ pub(crate) fn begun<C: ContinuousChannel>(
         let parts = (0..ground.plain.outputs()).map(|output| part(output, beginning));
         Ok((beginning, parts.collect::<Result<_, _>>()?))
     };
-    let unknown = Beginning { first: ground.edge + reached, is_held: false };
+    let unknown = Beginning { first: ground.edge + reached, is_held: false, is_refuted: false };
     if reached == 0 || !may_rest(ground.plain, unknown.first) {
         return all(unknown);
     }
-    let held = match all(Beginning { first: ground.edge, is_held: true }) {
-        Ok(held) => held,
+    let held = Beginning { first: ground.edge, is_held: true, is_refuted: false };
+    let parts = match all(held) {
+        Ok((_, parts)) => parts,
         Err(error) => return all(unknown).map_err(|_| error),
     };
-    for (output, part) in held.1.iter().enumerate() {
-        if is_refuted(ground, output, part, unknown, settings)? {
-            return Ok(all(unknown).unwrap_or(held));
+    for (output, part) in parts.iter().enumerate() {
+        if is_refuted(ground, output, part, (held, unknown), settings)? {
+            return Ok(all(unknown).unwrap_or((Beginning { is_refuted: true, ..held }, parts)));
         }
     }
-    Ok(held)
+    Ok((held, parts))
 }
 
 /// Whether all inputs rest at the first samples, or do not move behind the first rows, so that nothing else can be assumed.
@@ -107,15 +106,21 @@ fn scatter(u: &[f64]) -> f64 {
 fn is_refuted<C: ContinuousChannel>(
     ground: &Ground<'_>,
     output: usize,
-    held: &OutputFit<C>,
-    unknown: Beginning,
+    part: &OutputFit<C>,
+    (held, unknown): (Beginning, Beginning),
     settings: Settings,
 ) -> Result<bool, IdentError> {
-    let later = records(ground, output, unknown)?;
-    let start = std::slice::from_ref(&held.model);
-    let Ok(without) = fit_output(ground.plain, &later, start, &held.bounds, settings) else { return Ok(false) };
+    let (all, later) = (records(ground, output, held)?, records(ground, output, unknown)?);
+    let start = std::slice::from_ref(&part.model);
+    let least = |records: &[Record<'_>]| fit_output(ground.plain, records, start, &part.bounds, settings);
+    let Ok(without) = least(&later) else { return Ok(false) };
+    // An estimate of another kind has more than the least errors, whatever the inputs were before.
+    let Ok(cost) = (if part.is_searched { Ok(part.minimum.cost) } else { least(&all).map(|least| least.minimum.cost) })
+    else {
+        return Ok(false);
+    };
     let energy: f64 = later.iter().map(Record::energy).sum();
-    let (cost, more) = (held.minimum.cost, held.minimum.residuals.len() - without.minimum.residuals.len());
+    let more = part.minimum.residuals.len() - without.minimum.residuals.len();
     if more == 0 || cost <= ROUNDING * ROUNDING * energy {
         return Ok(false);
     }

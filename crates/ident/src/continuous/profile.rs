@@ -1,8 +1,9 @@
 //! Intervals from the profile of the errors.
 //!
 //! Beside zeros, and where inputs are held, the errors as a function of a delay are flat, bent at whole samples, and have
-//! several minima. A covariance knows one of them. Time constants of short data are no better. The profile of a parameter is the
-//! smallest sum of squares with it held; the interval is all values that this does not refute, from the first to the last.
+//! several minima. A covariance knows one of them. Time constants of short data are no better. So transfer functions have profiles
+//! of their delays, and process models those of all parameters. The profile of a parameter is the smallest sum of squares with it
+//! held; the interval is all values that this does not refute, from the first to the last.
 //!
 //! # Source
 //! Bates & Watts, *Nonlinear Regression Analysis and Its Applications*, 1988, ch. 6; Venzon & Moolgavkar, *A method for computing
@@ -11,17 +12,21 @@
 use super::channel::ContinuousChannel;
 use super::estimate::{Ends, OutputFit, Settings, errors, fit_output, quantile};
 use super::record::Record;
-use crate::{Bounds, Dataset, IdentError, NonlinearOptions, Parametric, minimise};
+use crate::nonlinear::lowest_point;
+use crate::{Bounds, Dataset, IdentError, NonlinearOptions, Parametric};
 
-/// Steps of a search with a parameter held, and the part of the cost below which its fall is over.
+/// Steps of a search with a parameter held. It is over where one lowers the cost by less than this part of what an interval
+/// allows, or by next to nothing.
 const STEPS: usize = 40;
-const FLAT: f64 = 1e-9;
+const FLAT: f64 = 1e-3;
+const UNSEEN: f64 = 1e-9;
 
 /// Samples beyond an end in which further minima are looked for.
 const BEYOND: f64 = 4.0;
 
-/// Growth of the steps towards an end.
+/// Growth of the steps towards an end, and their shrinkage where one of a delay has gone too far.
 const GROWTH: f64 = 1.6;
+const SHRINKAGE: f64 = 4.0;
 
 /// An end is between two points whose rise, over that of the limit, is no further from one than this, or after so many halvings.
 const NEAR: f64 = 0.25;
@@ -60,26 +65,39 @@ struct Profile<'a, C> {
     better: f64,
 }
 
-/// The estimate with the ends of its delays by their profiles, at the better minimum that these may lead to.
+/// The estimate with the ends of its intervals by profiles, at the better minimum that these may lead to. Where none can be
+/// estimated there, or another is better still, it has the intervals of the covariance and is not the least.
 pub(crate) fn profiled<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
     mut found: OutputFit<C>,
     settings: Settings,
-) -> Result<OutputFit<C>, IdentError> {
+) -> OutputFit<C> {
     for _ in 0..PROFILES {
         match ends(data, records, &found, settings) {
-            Shown::Ends(ends) => return Ok(OutputFit { ends, ..found }),
-            Shown::Better(theta) => {
-                let start = found.model.with_parameters(&theta)?;
-                found = fit_output(data, records, &[start], &found.bounds, settings)?;
-            }
+            Shown::Ends(ends) => return OutputFit { ends, ..found },
+            Shown::Better(theta) => match fit_from(data, records, &found, &theta, settings) {
+                Ok(better) => found = better,
+                Err(_) => break,
+            },
         }
     }
-    Ok(found)
+    OutputFit { is_least: false, ..found }
 }
 
-/// The ends of every delay that was searched and does not rest on a bound, and of what else the channels want profiles of.
+/// The estimate that a search from these parameters comes to.
+fn fit_from<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    found: &OutputFit<C>,
+    theta: &[f64],
+    settings: Settings,
+) -> Result<OutputFit<C>, IdentError> {
+    let start = found.model.with_parameters(theta)?;
+    fit_output(data, records, &[start], &found.bounds, settings)
+}
+
+/// The ends of every parameter that the channels want a profile of, that was searched and does not rest on a bound.
 fn ends<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
@@ -125,16 +143,16 @@ impl<C: ContinuousChannel> Profile<'_, C> {
         self.data.sample_time_s()
     }
 
-    /// No minimum of a delay is passed over.
-    fn longest_step(&self) -> f64 {
+    /// The last step towards an end is no longer, so that no minimum of a delay is passed over there.
+    fn last_step(&self) -> f64 {
         if self.is_delay { 0.5 * self.sample_time_s() } else { f64::INFINITY }
     }
 
     fn end(&self, sign: f64) -> Result<f64, Vec<f64>> {
         let minimum = &self.found.minimum;
         let by_covariance = self.found.covariance[(self.parameter, self.parameter)].max(0.0).sqrt();
-        let step = if self.is_delay {
-            (2.0 * by_covariance).clamp(1e-6 * self.sample_time_s(), self.longest_step())
+        let mut step = if self.is_delay {
+            (2.0 * by_covariance).clamp(1e-6 * self.sample_time_s(), self.last_step())
         } else {
             2.0 * by_covariance
         };
@@ -145,14 +163,16 @@ impl<C: ContinuousChannel> Profile<'_, C> {
                 None => return Ok(inside.1[self.parameter]),
             };
             match if self.is_delay { self.further(&outside, sign)? } else { None } {
-                Some(further) => inside = further,
+                Some(further) => (inside, step) = (further, self.last_step()),
                 None => return self.between(inside, outside),
             }
         }
     }
 
-    /// Moves on to the last point before the profile is above its limit, and returns the first beyond; none at a bound.
+    /// Moves on to the last point before the profile is above its limit, and returns the first beyond; none at a bound. Where the
+    /// profile is low over many samples the steps grow, and become short again before its end.
     fn walk(&self, inside: &mut Point, sign: f64, mut step: f64) -> Result<Option<Point>, Vec<f64>> {
+        let mut longest = f64::INFINITY;
         loop {
             let at = inside.1[self.parameter];
             let next = self.found.bounds[self.parameter].clamp(at + sign * step);
@@ -160,11 +180,15 @@ impl<C: ContinuousChannel> Profile<'_, C> {
                 return Ok(None);
             }
             let tried = self.held_at(&inside.1, next)?;
-            if tried.0 > self.limit {
+            if tried.0 <= self.limit {
+                *inside = tried;
+                step = (GROWTH * step).min(longest);
+            } else if step <= self.last_step() {
                 return Ok(Some(tried));
+            } else {
+                longest = (step / SHRINKAGE).max(self.last_step());
+                step = longest;
             }
-            *inside = tried;
-            step = (GROWTH * step).min(self.longest_step());
         }
     }
 
@@ -224,10 +248,13 @@ impl<C: ContinuousChannel> Profile<'_, C> {
         theta[self.parameter] = value;
         bounds[self.parameter] = Bounds::new(value, value);
         let mut problem = errors(&self.found.model, self.records, self.data, self.settings);
-        let search = NonlinearOptions { iteration_limit: STEPS, cost_tolerance: FLAT, ..self.settings.search };
-        let tried = match minimise(&mut problem, &theta, &bounds, search) {
-            Ok(minimum) => (minimum.cost, minimum.parameters),
-            // What cannot be determined there is refuted.
+        let allowed = (self.limit - self.found.minimum.cost) / self.limit.max(f64::MIN_POSITIVE);
+        let cost_tolerance = (FLAT * allowed).max(UNSEEN);
+        let search = NonlinearOptions { iteration_limit: STEPS, cost_tolerance, ..self.settings.search };
+        let tried = match lowest_point(&mut problem, &theta, &bounds, search) {
+            // The errors count there whether they determine the other parameters or not.
+            Ok(lowest) => (lowest.cost, lowest.parameters),
+            // Where there is no model, or one without finite errors, nothing is possible.
             Err(_) => (f64::INFINITY, theta),
         };
         if tried.0 < self.better { Err(tried.1) } else { Ok(tried) }

@@ -11,6 +11,8 @@ pub(crate) struct Beginning {
     pub(crate) first: usize,
     /// Whether inputs before the record are what they are at its first sample; otherwise they are zero.
     pub(crate) is_held: bool,
+    /// Whether the outputs refute that, and no estimate can do without it.
+    pub(crate) is_refuted: bool,
 }
 
 /// An input over one record.
@@ -120,7 +122,7 @@ pub(crate) fn records<'a>(
     for k in 0..inputs {
         check_input(ground.plain, k)?;
     }
-    let Beginning { first, is_held } = beginning;
+    let Beginning { first, is_held, .. } = beginning;
     let course = |e: &'a crate::Experiment, k: usize| {
         let columns: Vec<&'a [f64]> = (0..ground.width).map(|j| e.input(ground.width * k + j)).collect();
         let before = if is_held { columns[0][0] } else { 0.0 };

@@ -9,7 +9,7 @@ use numerics::vector::sum_of_squares;
 use crate::structure_error::StructureError;
 use crate::{IdentError, Termination, Triangle};
 pub use problem::{Bounds, NonlinearOptions};
-pub(crate) use problem::{Lowest, SumOfSquares};
+pub(crate) use problem::{Lowest, LowestPoint, SumOfSquares};
 use search::Search;
 
 /// Residuals ε(θ) and their Jacobian ∂ε/∂θ.
@@ -163,7 +163,7 @@ pub fn minimise<M: ResidualModel>(
     })
 }
 
-/// The cost and the parameters that [`minimise`] comes to, whether the data separate all parameters there or not.
+/// The point that [`minimise`] comes to, whether the data separate all parameters there or not.
 ///
 /// # Errors
 /// Those of [`minimise`] at the start.
@@ -172,12 +172,12 @@ pub(crate) fn lowest_point<M: ResidualModel>(
     start: &[f64],
     bounds: &[Bounds],
     options: NonlinearOptions,
-) -> Result<(f64, Vec<f64>), IdentError> {
+) -> Result<LowestPoint, IdentError> {
     let mut tabulated = Tabulated::new(model, bounds);
     check_start(&tabulated, start, bounds)?;
     let mut search = Search::new(&mut tabulated, start, bounds)?;
-    search.run(options, |_, _| false)?;
-    Ok(search.point())
+    let termination = search.run(options, |_, _| false)?.ok_or(StructureError::GivenUp)?;
+    Ok(search.point(termination))
 }
 
 /// [`minimise`] for anything that yields the factor of [J ε].

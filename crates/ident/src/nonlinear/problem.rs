@@ -66,6 +66,15 @@ impl Default for NonlinearOptions {
     }
 }
 
+/// Where a search ended, whether the data separate all parameters there or not; the fields are those of [`Minimum`].
+#[derive(Debug, Clone)]
+pub(crate) struct LowestPoint {
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) cost: f64,
+    pub(crate) termination: Termination,
+    pub(crate) iterations: usize,
+}
+
 /// Where a search ended; the fields are those of [`Minimum`].
 #[derive(Debug, Clone)]
 pub(crate) struct Lowest {

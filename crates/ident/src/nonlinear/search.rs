@@ -3,7 +3,7 @@
 use faer::Mat;
 use numerics::linalg::Qr;
 
-use super::problem::{Bounds, Lowest, NonlinearOptions, SumOfSquares};
+use super::problem::{Bounds, Lowest, LowestPoint, NonlinearOptions, SumOfSquares};
 use crate::condition::checked_condition;
 use crate::{IdentError, Termination, Triangle};
 
@@ -208,9 +208,10 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         }
     }
 
-    /// Where it is: the cost and the parameters.
-    pub(super) fn point(&self) -> (f64, Vec<f64>) {
-        (self.cost, self.parameters.clone())
+    /// Where it is, whatever the data separate there.
+    pub(super) fn point(self, termination: Termination) -> LowestPoint {
+        let Search { parameters, cost, iterations, .. } = self;
+        LowestPoint { parameters, cost, termination, iterations }
     }
 
     pub(super) fn finish(self, termination: Termination) -> Result<Lowest, IdentError> {

@@ -11,9 +11,9 @@ use crate::band_limited::Ground;
 use crate::continuous::combine::combine;
 use crate::continuous::estimate::{OutputFit, Settings, fit_output};
 use crate::continuous::output_error::Nuisance;
-use crate::continuous::past::search_from;
+use crate::continuous::past::{begun, with_ends};
 use crate::continuous::record::{Beginning, Record, records};
-use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
+use crate::continuous::{ContinuousChannel, ProcessSystem, check_delays, first_sample, one_each};
 use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
@@ -167,33 +167,39 @@ impl ProcessFit {
     /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
     /// are no range or that no process has, a zero and no pole, or a parameter that there is not; [`IdentError::Missing`] for a gap in
     /// an input (gaps in outputs are left out); [`IdentError::Constant`]; [`IdentError::TooFewSamples`];
-    /// [`IdentError::RankDeficient`] where the data do not determine every parameter, as with two lags where one is
-    /// enough.
+    /// [`IdentError::RankDeficient`] where the data do not determine every parameter. Two lags that come out equal are no
+    /// error: no data separate those, and they are put a little apart.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let record = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
         let mut longest = FIRST_DELAY.0.min((FIRST_DELAY.1 * record).floor());
-        let mut fit = self.fit_to(data, longest)?;
-        while self.delay_s.is_none() && ends_at(&fit, longest * data.sample_time_s()) {
+        let ground = Ground::new(data, self.at_rest)?;
+        let mut found = self.search_to(&ground, longest)?;
+        while self.delay_s.is_none() && ends_at(&found.1, longest * data.sample_time_s()) {
             let longer = (LONGER * longest).min((LONGEST_DELAY * record).floor());
-            let Some(further) = (longer > longest).then(|| self.fit_to(data, longer).ok()).flatten() else { break };
+            let Some(further) = (longer > longest).then(|| self.search_to(&ground, longer).ok()).flatten() else {
+                break;
+            };
             longest = longer;
             // On the same rows a longer range cannot be worse, but for a search that went astray.
-            fit = if further.samples == fit.samples && further.loss > fit.loss { fit } else { further };
+            found = if is_above(&further.1, &found.1) { found } else { further };
         }
-        Ok(fit)
+        let (beginning, parts) = found;
+        let parts = with_ends(&ground, beginning, parts, self.settings())?;
+        Ok(combine(&ground, beginning, &parts, self.settings())?.made_by("simulation error", data))
     }
 
-    /// The estimate with delays of at most so many samples where they have no other bounds.
-    fn fit_to(&self, data: &Dataset, longest_delay: f64) -> Result<Fit<ProcessSystem>, IdentError> {
-        let ranges = self.ranges(data, longest_delay)?;
-        let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());
-        let ground = Ground::new(data, self.at_rest)?;
+    /// The estimates of all outputs with delays of at most so many samples where they have no other bounds, without profiles.
+    fn search_to(&self, ground: &Ground<'_>, longest_delay: f64) -> Result<(Beginning, Parts), IdentError> {
+        let ranges = self.ranges(ground.plain, longest_delay)?;
+        let longest = |r: &Ranges| first_sample(&r.delay_s, ground.plain.sample_time_s());
         let reached = if self.at_rest { 0 } else { ranges.iter().map(longest).max().unwrap_or(0) };
+        let part = |output: usize, beginning| search(ground, output, beginning, &ranges[output], self.settings());
+        begun(ground, reached, self.settings(), part)
+    }
+
+    fn settings(&self) -> Settings {
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
-        let settings = Settings { nuisance, stable: true, search: self.search };
-        let part = |output: usize, beginning| search(&ground, output, beginning, &ranges[output], settings);
-        let (beginning, parts) = search_from(&ground, reached, settings, part)?;
-        Ok(combine(&ground, beginning, &parts, settings)?.made_by("simulation error", data))
+        Settings { nuisance, stable: true, search: self.search }
     }
 
     /// What is searched for each output.
@@ -238,6 +244,9 @@ impl ProcessFit {
     }
 }
 
+/// The estimates of all outputs.
+type Parts = Vec<OutputFit<ProcessModel>>;
+
 /// The estimate for one output.
 fn search(
     ground: &Ground<'_>,
@@ -257,11 +266,21 @@ fn search(
 }
 
 /// Whether a delay ended at the upper end of what was searched.
-fn ends_at(fit: &Fit<ProcessSystem>, longest_s: f64) -> bool {
-    let parameters = fit.model.parameter_names().into_iter().zip(fit.parameters()).enumerate();
-    parameters
-        .filter(|(j, _)| fit.is_at_bound(*j))
-        .any(|(_, (name, value))| name.starts_with("Td") && value == longest_s)
+fn ends_at(parts: &[OutputFit<ProcessModel>], longest_s: f64) -> bool {
+    let ends = |part: &OutputFit<ProcessModel>| {
+        let delays = part.model.channels().iter().zip(part.model.offsets());
+        let mut delays = delays.filter_map(|(channel, first)| Some(first + channel.delay_parameter()?));
+        delays.any(|j| part.minimum.at_bound[j] && part.minimum.parameters[j] == longest_s)
+    };
+    parts.iter().any(ends)
+}
+
+/// Whether estimates on the same rows have larger errors than others, by the product of their mean squares.
+fn is_above(parts: &[OutputFit<ProcessModel>], others: &[OutputFit<ProcessModel>]) -> bool {
+    let both = || parts.iter().zip(others);
+    let excess = |(part, other): (&OutputFit<_>, &OutputFit<_>)| (part.minimum.cost / other.minimum.cost).ln();
+    both().all(|(part, other)| part.minimum.residuals.len() == other.minimum.residuals.len())
+        && both().map(excess).sum::<f64>() > 0.0
 }
 
 fn structure(name: &str) -> Result<ProcessModel, IdentError> {

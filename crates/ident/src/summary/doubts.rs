@@ -32,6 +32,13 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
         }
         Doubt::RowsLeftOut { rows, of } => format!("{rows} of {of} rows could not be used."),
         Doubt::HeldBefore => "inputs count as constant before the record, at their first value.".to_owned(),
+        Doubt::HeldBeforeRefuted => {
+            "the outputs refute that inputs were constant before the record, and the other rows are too few.".to_owned()
+        }
+        Doubt::NotTheLeast { output } => format!(
+            "other parameters give smaller errors of output {}, and cannot be estimated; the standard errors are too small.",
+            output + 1
+        ),
         Doubt::AtBound { parameter } => {
             let name = parameters.get(*parameter).map_or("a parameter", String::as_str);
             format!("{name} is at its bound and has no standard error; those of the others hold with it there.")

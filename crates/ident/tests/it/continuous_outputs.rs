@@ -162,3 +162,19 @@ fn exact_an_output_that_is_three_times_another_adds_nothing() {
         assert!((ratio - 1.0).abs() < 0.1, "{i} {j}: {ratio}");
     }
 }
+
+/// The errors of short records look opposed from sample to sample; that makes no interval shorter beside another output.
+#[test]
+fn regress_another_output_does_not_narrow_the_intervals_of_short_records() {
+    let fit = |data: &Dataset| ContinuousTransferFunction::new(0, 1).with_offset().fit(data).unwrap().standard_errors();
+    let ratio = |seed: u64| {
+        let mut noise = Noise::new(seed);
+        let clean = record(40, 0.0, 0.0, &mut noise);
+        let e = &clean.experiments()[0];
+        let y = Mat::from_fn(40, 2, |t, i| e.outputs[(t, i)] + 0.3 * noise.normal());
+        let alone = fit(&Dataset::siso(0.1, e.input(0), &(0..40).map(|t| y[(t, 0)]).collect::<Vec<f64>>()).unwrap());
+        fit(&Dataset::new(0.1, e.inputs.clone(), y).unwrap())[1] / alone[1]
+    };
+    let least = (0..20).map(ratio).fold(f64::INFINITY, f64::min);
+    assert!(least > 0.85, "{least}");
+}

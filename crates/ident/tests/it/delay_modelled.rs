@@ -406,3 +406,13 @@ fn stat_intervals_hold_the_dead_time_beside_one_to_four_poles_with_zeros_and_wit
         assert!(claims >= 28 && holding as f64 >= 0.87 * claims as f64, "{poles} {has_zero}: {holding} of {claims}");
     }
 }
+
+/// An interval of no confidence has no width, from which no standard error follows.
+#[test]
+fn regress_intervals_of_no_confidence_are_refused_and_errors_do_not_depend_on_the_level() {
+    let data = lags_in_noise(1, 300, &[4.0]);
+    let at = |level: f64| ModelledDelay { level, ..ModelledDelay::default() }.estimate(&data);
+    assert!(at(0.0).is_err());
+    let error = |level: f64| at(level).unwrap().best().dead_times[0].standard_error;
+    assert!((error(0.5) / error(0.99) - 1.0).abs() < 1e-9);
+}

@@ -325,3 +325,13 @@ fn regress_a_higher_order_fits_a_clean_sweep_no_worse() {
         assert!(higher <= 1.02 * lower, "{linear} {deviation}: {higher} {lower}");
     }
 }
+
+#[test]
+fn regress_a_model_to_start_from_is_not_replaced_by_another() {
+    let data = data(&siso(0.1), 300, &[0.0; 4], 5);
+    let fit = Subspace::new(4).without_noise_model().fit(&data).unwrap();
+    let worse: Vec<f64> = fit.parameters().iter().map(|v| 0.9 * v).collect();
+    let start = fit.model.with_parameters(&worse).unwrap();
+    let evaluated = StateSpacePem { iteration_limit: 0, ..StateSpacePem::from_model(start) }.fit(&data).unwrap();
+    assert!(gain_error(evaluated.model.system(), fit.model.with_parameters(&worse).unwrap().system()) < 1e-9);
+}

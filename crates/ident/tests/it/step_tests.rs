@@ -330,7 +330,7 @@ fn regress_a_rest_shorter_than_the_longest_delay_is_enough() {
 #[test]
 fn stat_a_rest_that_the_output_refutes_is_not_taken_for_one() {
     let truth = ProcessModel::new(2.0).unwrap().with_lags(vec![3.0]).unwrap();
-    // Steps at 40, 100, …; the first 42 samples are cut off.
+    // Steps at 40, 50, 70, 100, …; the first 42 samples are cut off.
     let input: Vec<f64> = (0..400).map(|k| if k < 40 { -2.0 } else { f64::from((k / 50 + k / 70) % 3) }).collect();
     let mut noise = Noise::new(5);
     let output: Vec<f64> = answer(&truth, 1.23, &input, 0.1).iter().map(|y| y + 0.01 * noise.normal()).collect();
@@ -341,4 +341,17 @@ fn stat_a_rest_that_the_output_refutes_is_not_taken_for_one() {
     for ((low, high), wanted) in fit.intervals(0.99).iter().zip([2.0, 3.0, 1.23]) {
         assert!(*low <= wanted && wanted <= *high, "{low} {wanted} {high}");
     }
+}
+
+/// The record begins one sample after a step, and only its last rows do not depend on the input before.
+#[test]
+fn regress_a_rest_that_is_refuted_and_needed_is_a_doubt() {
+    let truth = ProcessModel::new(2.0).unwrap().with_lags(vec![0.5]).unwrap();
+    let input: Vec<f64> = (0..67).map(|k| f64::from(u8::from(k >= 40) + u8::from(k >= 60))).collect();
+    let mut noise = Noise::new(8);
+    let output: Vec<f64> = answer(&truth, 0.33, &input, 0.1).iter().map(|y| y + 1e-6 * noise.normal()).collect();
+    let data = Dataset::siso(0.1, &input[41..], &output[41..]).unwrap();
+    let fit = ProcessFit::named("P1D").unwrap().with_delay_between(&[(0.0, 2.0)]).fit(&data).unwrap();
+    let refuted = fit.doubts.contains(&Doubt::HeldBeforeRefuted);
+    assert!(refuted && !fit.doubts.contains(&Doubt::HeldBefore), "{:?} {:?}", fit.parameters(), fit.doubts);
 }

@@ -51,9 +51,11 @@ enum Weight {
 impl Weight {
     fn of(doubt: &Doubt) -> Self {
         match doubt {
-            Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } | Doubt::DependentOutputs { .. } => {
-                Weight::Grave
-            }
+            Doubt::Unstable
+            | Doubt::NotConverged
+            | Doubt::HeldBeforeRefuted
+            | Doubt::ExplainsLittle { .. }
+            | Doubt::DependentOutputs { .. } => Weight::Grave,
             Doubt::FollowsInputs { share, .. } if *share > MOSTLY => Weight::Grave,
             Doubt::RowsLeftOut { .. } | Doubt::HeldBefore | Doubt::CovarianceIsLowerBound => Weight::Note,
             _ => Weight::Doubt,

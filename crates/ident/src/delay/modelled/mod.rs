@@ -5,6 +5,8 @@ mod pure;
 mod ripple;
 mod structure;
 
+use std::rc::Rc;
+
 use super::signals;
 use crate::continuous::ContinuousChannel;
 use crate::data::check_range;
@@ -27,6 +29,9 @@ const LESS_LIKELY: f64 = 0.95;
 
 /// Confidence from which on a simpler model is out of the question.
 const REFUTED: f64 = 0.9999;
+
+/// Least confidence of an interval: one of none has no width, and says nothing.
+const LEAST_LEVEL: f64 = 1e-3;
 
 /// An interval that takes more than this share of the searched range means nothing.
 const UNDETERMINED: f64 = 0.8;
@@ -68,11 +73,12 @@ impl ModelledDelay {
         signals(data)?;
         check_range("longest", self.longest as f64, 1.0, 1e5)?;
         check_range("dating", self.dating, 0.0, 1e5)?;
-        check_range("level", self.level, 0.0, 1.0 - 1e-12)?;
+        check_range("level", self.level, LEAST_LEVEL, 1.0 - 1e-12)?;
         let late = made_late(data)?;
         let beginning = Structure::beginning(self, &late)?;
         let (mut models, mut failure): (Vec<DelayModel>, _) = (Vec::new(), None);
-        let mut clean: Option<Dataset> = None;
+        // The data without ripple that each model is of.
+        let mut cleans: Vec<Rc<Dataset>> = Vec::new();
         let is_held = data.intersample() == Intersample::ZeroOrderHold;
         // The error of a gain under a held input jumps from sample to sample: no search finds its least, see [`pure`].
         let ladder = &LADDER[usize::from(is_held)..];
@@ -87,12 +93,14 @@ impl ModelledDelay {
             let structure = Structure { options: self, beginning, zeros, poles };
             // Whether a richer model is better shows without its own ripple and tests.
             let mut start = None;
-            if let Some((best, clean)) = choice(&models).zip(clean.as_ref()) {
-                let Ok((model, found)) = structure.glance(clean) else { break };
+            if let Some(best) = choice(&models) {
+                let clean = Rc::clone(&cleans[best]);
+                let Ok((model, found)) = structure.glance(&clean) else { continue };
                 let is_rival = zeros + poles == models[best].size();
                 let is_better = model.loss <= models[best].loss && models[best].is_worse_than(&model, RICHER);
                 if !is_better && !is_rival {
                     models.push(model);
+                    cleans.push(clean);
                     beaten = Some(zeros + poles);
                     continue;
                 }
@@ -104,7 +112,7 @@ impl ModelledDelay {
                         models.extend(pure::fit(self, beginning.first, &without_ripple, &model));
                     }
                     models.push(model);
-                    clean = Some(without_ripple);
+                    cleans.resize(models.len(), Rc::new(without_ripple));
                 }
                 Err(error) => failure = failure.or(Some(error)),
             }
@@ -121,14 +129,15 @@ impl ModelledDelay {
             }
         }
         let rivals = rivals(&models, best);
-        if let Some(clean) = &clean {
-            for index in rivals.iter().copied().chain([best]) {
-                let model = &mut models[index];
-                let structure = Structure { options: self, beginning, zeros: model.zeros, poles: model.poles };
-                // A gain under a held input has an interval of its own kind.
-                if !model.channels.is_empty() {
-                    *model = structure.profiled(clean, model)?;
-                }
+        for index in rivals.iter().copied().chain([best]) {
+            let model = &mut models[index];
+            let structure = Structure { options: self, beginning, zeros: model.zeros, poles: model.poles };
+            // A gain under a held input has an interval of its own kind, and a model with other faults than those of its search is
+            // not claimed, whatever its interval.
+            let is_profiled = !model.channels.is_empty() && model.faults.iter().all(DelayFault::is_of_search);
+            // One that cannot be estimated again keeps the interval of its covariance.
+            if is_profiled && let Ok(renewed) = structure.profiled(&cleans[index], model) {
+                *model = renewed;
             }
         }
         let simpler = (0..best).filter(|simpler| models[*simpler].is_simpler_than(&models[best]));

@@ -50,7 +50,7 @@ pub struct ModelledDelay {
     pub longest: usize,
     /// Standard uncertainty of the instants of inputs against outputs, in samples: it is in every error below.
     pub dating: f64,
-    /// Confidence of the intervals.
+    /// Confidence of the intervals, above zero.
     pub level: f64,
 }
 
@@ -102,7 +102,7 @@ pub struct DelayModel {
 pub enum DelayFault {
     /// A richer model is better.
     Outdone,
-    /// The search did not converge.
+    /// The search did not converge, or a profile shows smaller errors elsewhere, where no estimate was possible.
     NotConverged,
     /// The longest dead time is the best, or cannot be distinguished from it: the true one may be longer than what was searched.
     AtLongest {
@@ -146,4 +146,11 @@ pub enum DelayFault {
     },
     /// Too few data to test the errors.
     Untested,
+}
+
+impl DelayFault {
+    /// Whether it is of where the search ended: another search may end elsewhere.
+    pub(super) fn is_of_search(&self) -> bool {
+        matches!(self, DelayFault::NotConverged | DelayFault::AtLongest { .. } | DelayFault::TooEarly { .. })
+    }
 }

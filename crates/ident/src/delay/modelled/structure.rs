@@ -73,7 +73,7 @@ impl Structure<'_> {
 
     /// Where the rows begin that models of these data rest on.
     pub(super) fn beginning(options: &ModelledDelay, data: &Dataset) -> Result<Beginning, IdentError> {
-        let unknown = Beginning { first: options.longest + LEAD, is_held: false };
+        let unknown = Beginning { first: options.longest + LEAD, is_held: false, is_refuted: false };
         let (zeros, poles) = FIRST;
         Structure { options, beginning: unknown, zeros, poles }.with_ripple(data, 0).beginning(data)
     }
@@ -84,10 +84,7 @@ impl Structure<'_> {
         let own = TransferFunctionModel::new(model.channels.clone(), inputs, Mat::identity(1, 1))?;
         let found = plain.profile_one(clean, (0, self.beginning), &own)?;
         let mut renewed = self.described(clean, &found, model.ripple_hz.clone());
-        let is_of_search = |fault: &DelayFault| {
-            matches!(fault, DelayFault::NotConverged | DelayFault::AtLongest { .. } | DelayFault::TooEarly { .. })
-        };
-        renewed.faults.extend(model.faults.iter().filter(|fault| !is_of_search(fault)));
+        renewed.faults.extend(model.faults.iter().filter(|fault| !fault.is_of_search()));
         // Ripple has values of its own.
         renewed.free = model.free;
         Ok(renewed)
@@ -128,7 +125,7 @@ impl Structure<'_> {
         let loss = (minimum.cost / samples.max(1) as f64).max(ROUNDING * variance);
         let (first, width) = (found.model.offsets(), self.zeros + 1 + self.poles);
         let mut faults = Vec::new();
-        if !minimum.termination.converged() {
+        if !minimum.termination.converged() || !found.is_least {
             faults.push(DelayFault::NotConverged);
         }
         let mut model = DelayModel {
@@ -148,20 +145,18 @@ impl Structure<'_> {
             inflation: self.inflation(found, inputs),
         };
         let reach = student_t_quantile(0.5 + 0.5 * self.options.level, found.degrees_of_freedom);
-        // Profiles are taken at one level, and stretched to others.
-        let stretch = reach / quantile(found);
         for (input, at) in first.iter().take(inputs).map(|first| first + width).enumerate() {
             let samples_of = |seconds: f64| seconds / clean.sample_time_s();
             let samples = samples_of(minimum.parameters[at]) - LEAD as f64;
             let is_held = minimum.at_bound[at];
-            let by_covariance = samples_of(root(found.covariance[(at, at)])) * reach;
-            let (below, above) = match found.ends.iter().find(|ends| ends.parameter == at) {
-                Some(ends) => <[f64; 2]>::from(ends.about(found)).map(|end| stretch * samples_of(end)).into(),
-                None if is_held => (f64::INFINITY, f64::INFINITY),
-                None => (by_covariance, by_covariance),
+            // Profiles are taken at one level, and stretched to others.
+            let errors = match found.ends.iter().find(|ends| ends.parameter == at) {
+                Some(ends) => <[f64; 2]>::from(ends.about(found)).map(|end| samples_of(end) / quantile(found)),
+                None if is_held => [f64::INFINITY; 2],
+                None => [samples_of(root(found.covariance[(at, at)])); 2],
             };
-            let standard_error = self.options.dated(below.max(above) / reach);
-            let [below, above] = [below, above].map(|end| end.hypot(reach * self.options.dating));
+            let [below, above] = errors.map(|error| reach * self.options.dated(error));
+            let standard_error = self.options.dated(errors[0].max(errors[1]));
             let high = samples + above;
             if is_held && samples > 0.0 {
                 model.faults.push(DelayFault::AtLongest { input, tried: self.options.longest });
