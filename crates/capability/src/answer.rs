@@ -77,18 +77,15 @@ fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Resu
     };
     let meets_all =
         judged::own(&trace, inputs.own).iter().all(Judged::passes) && meets_sets(inputs, &validations(inputs, &trace)?);
-    Ok(meets_all
-        && (keeps_limits(inputs, &bounds_of(inputs, driven, bench, &trace)?)
-            || keeps_all_limits(inputs, driven, bench, &trace)?))
-}
-
-fn keeps_all_limits(
-    inputs: &CanInputs<'_>,
-    driven: &Driven<'_>,
-    bench: &Drawn,
-    trace: &Trace,
-) -> Result<bool, CapabilityError> {
-    match peaks_of(inputs, driven, bench, trace) {
+    if !meets_all {
+        return Ok(false);
+    }
+    // Bounds that keep the limits spare the simulation of the firings.
+    let enough = |firing: &Firing<'_>| match firing.bounds() {
+        bounds if keeps_limits(inputs, &bounds) => Ok(bounds),
+        _ => firing.peaks(),
+    };
+    match with_pulses(inputs, driven, bench, &trace, enough) {
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => Ok(false),
         other => Ok(keeps_limits(inputs, &other?)),
     }
@@ -194,7 +191,7 @@ fn outcome(
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
         other => other?,
     };
-    let peaks = match peaks_of(inputs, driven, bench, &trace) {
+    let peaks = match with_pulses(inputs, driven, bench, &trace, |firing| firing.peaks()) {
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
         other => other?,
     };
@@ -215,27 +212,7 @@ fn validations(inputs: &CanInputs<'_>, trace: &Trace) -> Result<Vec<Validation>,
     }
 }
 
-/// The largest values of a run.
-fn peaks_of(
-    inputs: &CanInputs<'_>,
-    driven: &Driven<'_>,
-    bench: &Drawn,
-    trace: &Trace,
-) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
-    with_pulses(inputs, driven, bench, trace, |firing| firing.peaks())
-}
-
-/// What none of them is above.
-fn bounds_of(
-    inputs: &CanInputs<'_>,
-    driven: &Driven<'_>,
-    bench: &Drawn,
-    trace: &Trace,
-) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
-    with_pulses(inputs, driven, bench, trace, |firing| Ok(firing.bounds()))
-}
-
-/// A plan's run has its pulses.
+/// The largest values of a run, those of a cycle from its firings; a plan's run has its pulses.
 fn with_pulses(
     inputs: &CanInputs<'_>,
     driven: &Driven<'_>,

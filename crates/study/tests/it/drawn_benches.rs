@@ -8,11 +8,12 @@ use rig::BenchFile;
 use rig::Severity;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
-use rig::results::{DelayPlace, Estimate, Outcome, Parameter, Quantity};
+use rig::results::{DelayPlace, Outcome, Quantity};
 use signal::excitation::Random;
 use study::Study;
 use virtual_bench::simulate;
 
+use crate::recorded_bench::{found, kinds_of_alarms};
 use crate::study::{source, studied};
 use bench_testkit::benches::{bench_file, in_parallel};
 use bench_testkit::recordings::BENCH_A;
@@ -148,20 +149,6 @@ const JUDGED: [Quantity; 11] = [
     Quantity::TorqueControlBandwidth,
 ];
 
-/// The estimates of a study in which the quantities are looked up.
-fn estimates(study: &Study) -> Vec<&Estimate> {
-    let shaft = study.shaft.estimated().map(|part| &part.estimate);
-    let controller = study.speed_controller.estimated().map(|part| &part.estimate);
-    let feed_forward = study.feed_forward.estimated().map(|part| &part.estimate);
-    let torque_control = study.torque_control.estimated().map(|part| &part.delay_and_lag);
-    [shaft, controller, feed_forward, torque_control].into_iter().flatten().collect()
-}
-
-fn found(study: &Study, quantity: Quantity) -> Option<&Parameter> {
-    // The total delay of torque control and that of the controller are quantities of their own.
-    estimates(study).into_iter().find_map(|estimate| estimate.parameter(quantity))
-}
-
 /// One quantity over all benches.
 #[derive(Default)]
 struct Tally {
@@ -217,17 +204,12 @@ impl Tally {
 fn alarms(rows: &[(Drawn, Study)]) -> BTreeMap<String, usize> {
     let mut alarms: BTreeMap<String, usize> = BTreeMap::new();
     for (bench, (_, study)) in rows.iter().enumerate() {
-        let raised: Vec<_> = study.diagnostics.iter().filter(|found| found.severity != Severity::Note).collect();
-        raised.iter().for_each(|found| println!("bench {bench}: {:?}", found.finding));
+        let raised = study.diagnostics.iter().filter(|found| found.severity != Severity::Note);
+        raised.for_each(|found| println!("bench {bench}: {:?}", found.finding));
         if let Outcome::NotEstimated { needs } = &study.torque_control {
             println!("bench {bench}: no torque control: {needs:?}");
         }
-        let kind = |found: &rig::Diagnostic| {
-            let words = format!("{:?}", found.finding);
-            words.split([' ', '{', '(']).next().unwrap_or_default().to_owned()
-        };
-        let kinds: std::collections::BTreeSet<String> = raised.into_iter().map(kind).collect();
-        kinds.into_iter().for_each(|kind| *alarms.entry(kind).or_default() += 1);
+        kinds_of_alarms(&study.diagnostics).into_iter().for_each(|kind| *alarms.entry(kind).or_default() += 1);
     }
     alarms
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use recording::Recording;
-use rig::BenchFile;
 use rig::results::{Estimate, Parameter, Quantity};
+use rig::{BenchFile, Diagnostic, Severity};
 use study::Study;
 use units::RPM_RAD_S;
 
@@ -65,4 +65,14 @@ pub(crate) fn found(study: &Study, quantity: Quantity) -> Option<&Parameter> {
         study.torque_control.estimated().map(|part| &part.delay_and_lag),
     ];
     estimates.into_iter().flatten().find_map(|estimate| estimate.parameter(quantity))
+}
+
+/// Kinds of the warnings and errors, each once.
+pub(crate) fn kinds_of_alarms(found: &[Diagnostic]) -> Vec<String> {
+    let raised = found.iter().filter(|one| one.severity != Severity::Note);
+    let kind = |one: &Diagnostic| format!("{:?}", one.finding).split([' ', '{', '(']).next().unwrap_or("").to_owned();
+    let mut kinds: Vec<String> = raised.map(kind).collect();
+    kinds.sort();
+    kinds.dedup();
+    kinds
 }

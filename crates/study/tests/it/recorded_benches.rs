@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use part_torque::torque_control;
 use recording::Recording;
+use rig::Severity;
 use rig::results::Quantity;
-use rig::{Diagnostic, Severity};
 use study::{Source, Study, experiment_of};
 
-use crate::recorded_bench::{RecordedBench, found};
+use crate::recorded_bench::{RecordedBench, found, kinds_of_alarms};
 use crate::study::{source, studied};
 use bench_testkit::benches::in_parallel;
 
@@ -44,16 +44,6 @@ fn study_of(bench: &RecordedBench) -> Study {
     studied(&bench.file, sources)
 }
 
-/// Kinds of the warnings and errors.
-fn alarms(found: &[Diagnostic]) -> Vec<String> {
-    let raised = found.iter().filter(|one| one.severity != Severity::Note);
-    let kind = |one: &Diagnostic| format!("{:?}", one.finding).split([' ', '{', '(']).next().unwrap_or("").to_owned();
-    let mut kinds: Vec<String> = raised.map(kind).collect();
-    kinds.sort();
-    kinds.dedup();
-    kinds
-}
-
 #[test]
 #[ignore = "slow: studies of sixteen benches"]
 fn stat_intervals_hold_the_truth_of_recorded_benches_without_an_alarm() {
@@ -64,7 +54,7 @@ fn stat_intervals_hold_the_truth_of_recorded_benches_without_an_alarm() {
         for one in study.diagnostics.iter().filter(|one| one.severity != Severity::Note) {
             println!("{}: {one:?}", bench.name);
         }
-        alarms(&study.diagnostics).into_iter().for_each(|kind| *raised.entry(kind).or_default() += 1);
+        kinds_of_alarms(&study.diagnostics).into_iter().for_each(|kind| *raised.entry(kind).or_default() += 1);
     }
     let mut short = Vec::new();
     for quantity in JUDGED {
@@ -123,7 +113,7 @@ fn stat_benches_of_another_structure_are_not_called_damaged() {
             println!("{}: {one:?}", bench.name);
         }
         let untrue: Vec<String> =
-            alarms(&study.diagnostics).into_iter().filter(|kind| OF_DAMAGE.contains(&kind.as_str())).collect();
+            kinds_of_alarms(&study.diagnostics).into_iter().filter(|kind| OF_DAMAGE.contains(&kind.as_str())).collect();
         assert!(untrue.is_empty(), "{}: {untrue:?}", bench.name);
     }
 }
@@ -173,7 +163,7 @@ fn early_alarms(bench: &RecordedBench, damage: &Damage) -> Vec<String> {
         }
         raised
     };
-    alarms(&bench.recordings.iter().flat_map(of).collect::<Vec<_>>())
+    kinds_of_alarms(&bench.recordings.iter().flat_map(of).collect::<Vec<_>>())
 }
 
 /// How often errors in the scale of a torque and in a clock are named, and how often where there are none.
