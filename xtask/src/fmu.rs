@@ -109,7 +109,7 @@ fn stored(of: &Runtime, name: &str) -> PathBuf {
 }
 
 fn runtime() -> PathBuf {
-    folder::root().join("crates/export/runtime")
+    folder::root().join("crates/bench/export/runtime")
 }
 
 /// Python with the compiler, installed once.

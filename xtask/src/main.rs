@@ -25,7 +25,7 @@ const USAGE: &str = "usage: cargo xtask <task>
   deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
-  fmu      build the runtime of the FMUs for every platform into crates/export/runtime/binaries
+  fmu      build the runtime of the FMUs for every platform into crates/bench/export/runtime/binaries
   layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
            --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
   wording  count the worst patterns of wording against the ceilings in xtask/wording.json

@@ -17,7 +17,12 @@ use self::cycles::{Arrows, Cycle, Kind};
 /// Checks the dependencies of all crates, and the modules in each of them.
 pub(crate) fn check() -> Result<(), String> {
     let metadata = metadata()?;
-    let mut faults = rooms::faults(&metadata)?;
+    let root = crate::folder::root();
+    let architecture =
+        std::fs::read_to_string(root.join("ARCHITECTURE.md")).map_err(|error| format!("ARCHITECTURE.md: {error}"))?;
+    let house = rooms::House::read(&architecture)?;
+    let mut faults = house.faults(&metadata)?;
+    faults.extend(house.floors_without_a_sign(&root));
     for room in Room::all(&metadata)? {
         faults.extend(room.cycles.iter().map(|cycle| format!("`{}`: {cycle}", room.name)));
     }

@@ -1,111 +1,8 @@
-//! The rule of rooms: which of our crates each crate may use, read from `cargo metadata`.
+//! The rule of rooms: which of our crates each crate may use. The tables of ARCHITECTURE.md say it; `cargo metadata` has the crates.
+
+use std::path::Path;
 
 use serde_json::Value;
-
-/// Crate, and the crates of ours it may use. The table of ARCHITECTURE.md.
-const MAY_USE: &[(&str, &[&str])] = &[
-    ("numerics", &[]),
-    ("signal", &["numerics"]),
-    ("lti", &["numerics", "signal"]),
-    ("ident", &["numerics", "signal", "lti"]),
-    ("mdf", &[]),
-    ("recording", &["mdf"]),
-    ("units", &["recording"]),
-    ("cycle", &["units"]),
-    ("dataset", &["recording", "signal", "ident", "units"]),
-    ("rig", &["recording", "numerics", "signal", "ident", "units"]),
-    ("bench-model", &["rig", "numerics", "signal", "lti", "ident", "units"]),
-    ("export", &["bench-model", "rig", "numerics", "signal", "lti", "ident", "units"]),
-    ("virtual-bench", &["rig", "bench-model", "recording", "numerics", "signal", "lti", "units"]),
-    ("part-controller", &["rig", "numerics", "signal", "ident", "units"]),
-    ("part-torque", &["rig", "bench-model", "part-controller", "numerics", "signal", "lti", "ident", "units"]),
-    ("part-shaft", &["rig", "part-controller", "part-torque", "numerics", "signal", "lti", "ident", "units"]),
-    ("part-engine", &["rig", "part-controller", "part-torque", "part-shaft", "numerics", "signal", "ident"]),
-    ("part-friction", &["rig", "part-torque", "numerics", "signal", "lti", "ident", "units"]),
-    ("part-lines", &["rig", "bench-model", "numerics", "signal", "ident"]),
-    ("capability", &["cycle", "design", "rig", "bench-model", "numerics", "signal", "units"]),
-    ("design", &["rig", "bench-model", "numerics", "signal", "units"]),
-    ("study", STUDY),
-    ("effects", &["study", "virtual-bench", "part-lines", "rig", "recording", "signal", "ident", "units"]),
-    ("page", &[]),
-    ("toolbox-report", &["signal", "lti", "ident", "dataset", "page"]),
-    ("report", REPORT),
-    ("dynoid", DYNOID),
-    ("testdata", &[]),
-    ("bench-testkit", &["numerics", "rig", "bench-model", "virtual-bench", "recording", "signal", "testdata"]),
-    ("foreign-bench", &["recording"]),
-    ("testkit", &["numerics", "signal", "lti", "ident"]),
-    ("xtask", &[]),
-];
-
-/// What the study may use: it sees the whole chain.
-const STUDY: &[&str] = &[
-    "recording",
-    "numerics",
-    "signal",
-    "units",
-    "rig",
-    "bench-model",
-    "virtual-bench",
-    "part-controller",
-    "part-torque",
-    "part-shaft",
-    "part-engine",
-    "part-friction",
-    "part-lines",
-    "design",
-];
-
-/// What reports may use: what they show.
-const REPORT: &[&str] = &[
-    "recording",
-    "dataset",
-    "units",
-    "rig",
-    "bench-model",
-    "virtual-bench",
-    "part-controller",
-    "part-torque",
-    "part-shaft",
-    "part-engine",
-    "part-friction",
-    "part-lines",
-    "design",
-    "cycle",
-    "capability",
-    "study",
-    "effects",
-    "page",
-];
-
-/// The program may use all.
-const DYNOID: &[&str] = &[
-    "numerics",
-    "signal",
-    "lti",
-    "ident",
-    "recording",
-    "dataset",
-    "units",
-    "rig",
-    "bench-model",
-    "virtual-bench",
-    "part-controller",
-    "part-torque",
-    "part-shaft",
-    "part-engine",
-    "part-friction",
-    "part-lines",
-    "design",
-    "cycle",
-    "capability",
-    "study",
-    "effects",
-    "page",
-    "toolbox-report",
-    "report",
-    "export",
-];
 
 /// Crates that write files, print, or serve, and who alone may use them.
 const RESERVED: &[(&str, &[&str])] = &[
@@ -118,36 +15,147 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("resvg", &["page"]),
 ];
 
-/// What breaks either table. Dependencies of tests are free.
-pub(super) fn faults(metadata: &Value) -> Result<Vec<String>, String> {
-    let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
-    let mut faults = Vec::new();
-    for package in packages {
-        let name = room(package["name"].as_str().unwrap_or_default());
-        let Some((_, allowed)) = MAY_USE.iter().find(|(room, _)| *room == name) else {
-            faults.push(format!("crate `{name}` has no row in the table of rooms"));
-            continue;
+/// Crates outside the house, which no room may use.
+const OUTSIDE: &[&str] = &["xtask"];
+
+/// Longest README of a floor, in lines.
+const FLOOR_README_LINES: usize = 20;
+
+/// The house as the tables describe it, floor by floor from the lowest.
+pub(super) struct House {
+    floors: Vec<Floor>,
+}
+
+struct Floor {
+    name: String,
+    rooms: Vec<Room>,
+}
+
+struct Room {
+    name: String,
+    may_use: MayUse,
+}
+
+enum MayUse {
+    All,
+    These(Vec<String>),
+}
+
+impl House {
+    /// Reads the section "Rooms": a heading `### floor: …` for each floor, and below it a table whose first column has the rooms and
+    /// whose third column has what they may use.
+    pub(super) fn read(architecture: &str) -> Result<Self, String> {
+        let rooms = architecture.split("\n## ").find(|section| section.starts_with("Rooms\n"));
+        let mut floors = Vec::new();
+        for section in rooms.ok_or("ARCHITECTURE.md has no section Rooms")?.split("\n### ").skip(1) {
+            let (name, rows) = section.split_once(':').ok_or("ARCHITECTURE.md: a floor's heading has no colon")?;
+            let rows = rows.lines().filter(|line| line.starts_with("| ")).skip(2);
+            floors.push(Floor { name: name.to_owned(), rooms: rows.map(Room::read).collect::<Result<_, _>>()? });
+        }
+        Ok(Self { floors })
+    }
+
+    fn room(&self, name: &str) -> Option<(usize, &Room)> {
+        let floors = self.floors.iter().enumerate();
+        floors.flat_map(|(floor, f)| f.rooms.iter().map(move |room| (floor, room))).find(|(_, room)| room.name == name)
+    }
+
+    /// What of the packages breaks a table.
+    pub(super) fn faults(&self, metadata: &Value) -> Result<Vec<String>, String> {
+        let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
+        let mut faults: Vec<String> = packages.iter().flat_map(|package| self.faults_of(package)).collect();
+        let present: Vec<&str> = packages.iter().map(name_of).collect();
+        for room in self.floors.iter().flat_map(|floor| &floor.rooms).filter(|r| !present.contains(&r.name.as_str())) {
+            faults.push(format!("ARCHITECTURE.md has a room `{}`, which no crate has", room.name));
+        }
+        Ok(faults)
+    }
+
+    fn faults_of(&self, package: &Value) -> Vec<String> {
+        let name = name_of(package);
+        if OUTSIDE.contains(&name) {
+            return Vec::new();
+        }
+        let Some((floor, room)) = self.room(name) else {
+            return vec![format!("crate `{name}` has no row in the tables of ARCHITECTURE.md")];
         };
+        let mut faults = Vec::new();
+        let folder = format!("crates/{}/{name}", self.floors[floor].name);
+        let manifest = Path::new(package["manifest_path"].as_str().unwrap_or_default());
+        if !manifest.parent().is_some_and(|parent| parent.ends_with(&folder)) {
+            faults.push(format!("`{name}` belongs into the folder {folder}"));
+        }
         for used in dependencies(package) {
-            let ours = MAY_USE.iter().any(|(room, _)| *room == used);
-            if ours && !allowed.contains(&used) {
-                faults.push(format!("`{name}` may not use `{used}`"));
+            match self.room(used) {
+                Some((above, _)) if above > floor => faults.push(format!("`{name}` uses `{used}` of a higher floor")),
+                Some(_) if !room.may_use.contains(used) => faults.push(format!("`{name}` may not use `{used}`")),
+                _ => {}
             }
             if RESERVED.iter().any(|(library, owners)| *library == used && !owners.contains(&name)) {
                 faults.push(format!("`{name}` may not use the library `{used}`"));
             }
         }
+        faults
     }
-    Ok(faults)
+
+    /// Floors without a README, or with one that nobody reads to its end.
+    pub(super) fn floors_without_a_sign(&self, root: &Path) -> Vec<String> {
+        let sign = |floor: &Floor| {
+            let file = format!("crates/{}/README.md", floor.name);
+            match std::fs::read_to_string(root.join(&file)) {
+                Ok(text) if text.lines().count() > FLOOR_README_LINES => {
+                    Some(format!("{file} has more than {FLOOR_README_LINES} lines"))
+                }
+                Ok(_) => None,
+                Err(error) => Some(format!("{file}: {error}")),
+            }
+        };
+        self.floors.iter().filter_map(sign).collect()
+    }
 }
 
+impl Room {
+    /// A row: name, what it is, what it may use, what it may not know.
+    fn read(row: &str) -> Result<Self, String> {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [name, _, may_use, _] = cells[..] else {
+            return Err(format!("ARCHITECTURE.md: four cells are needed in the row `{row}`"));
+        };
+        let may_use = match may_use {
+            "all" => MayUse::All,
+            "–" => MayUse::These(Vec::new()),
+            // A remark in parentheses says what for.
+            some => MayUse::These(some.split(',').map(|used| without_remark(used).to_owned()).collect()),
+        };
+        Ok(Self { name: name.to_owned(), may_use })
+    }
+}
+
+impl MayUse {
+    fn contains(&self, name: &str) -> bool {
+        match self {
+            Self::All => true,
+            Self::These(names) => names.iter().any(|one| one == name),
+        }
+    }
+}
+
+fn without_remark(cell: &str) -> &str {
+    cell.split('(').next().unwrap_or_default().trim()
+}
+
+/// Dependencies of the product; those of tests are free.
 fn dependencies(package: &Value) -> Vec<&str> {
     let all = package["dependencies"].as_array().map(Vec::as_slice).unwrap_or_default();
     let is_dev = |d: &Value| d["kind"].as_str() == Some("dev");
-    all.iter().filter(|d| !is_dev(d)).filter_map(|d| d["name"].as_str().map(room)).collect()
+    all.iter().filter(|d| !is_dev(d)).filter_map(|d| d["name"].as_str().map(room_of)).collect()
+}
+
+fn name_of(package: &Value) -> &str {
+    room_of(package["name"].as_str().unwrap_or_default())
 }
 
 /// The room of a package: published ones carry the project's name before their own.
-fn room(package: &str) -> &str {
+fn room_of(package: &str) -> &str {
     package.strip_prefix("dynoid-").unwrap_or(package)
 }

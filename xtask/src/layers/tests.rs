@@ -1,7 +1,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::cycles::{self, Arrows, Kind};
+use super::rooms::House;
 use super::source::Tree;
 
 /// A crate written to the build's folder, from files' names and contents.
@@ -114,4 +117,54 @@ fn exact_a_variable_is_no_use_of_a_function_of_that_name() {
         ],
     );
     assert!(found.is_empty(), "{}", found[0].1);
+}
+
+const TABLES: &str = "# Architecture
+
+## Rooms
+
+### low: the lowest
+
+| room | what it is | may use (ours) | may not know |
+| --- | --- | --- | --- |
+| a | first | – | all |
+| b | second | a (its names) | – |
+
+### high: the highest
+
+| room | what it is | may use (ours) | may not know |
+| --- | --- | --- | --- |
+| c | third | all | – |
+
+## What follows
+";
+
+/// Faults of crates, each with its folder and what it uses.
+fn faults(crates: &[(&str, &str, &[&str])]) -> Vec<String> {
+    let package = |(name, folder, uses): &(&str, &str, &[&str])| {
+        let dependencies: Vec<_> = uses.iter().map(|used| json!({"name": used, "kind": null})).collect();
+        json!({"name": name, "manifest_path": format!("/x/{folder}/Cargo.toml"), "dependencies": dependencies})
+    };
+    let packages: Vec<_> = crates.iter().map(package).collect();
+    House::read(TABLES).unwrap().faults(&json!({ "packages": packages })).unwrap()
+}
+
+#[test]
+fn exact_the_tables_say_who_may_use_whom() {
+    let right = [
+        ("dynoid-a", "crates/low/a", &[][..]),
+        ("b", "crates/low/b", &["a", "serde"]),
+        ("c", "crates/high/c", &["a", "b"]),
+    ];
+    assert_eq!(faults(&right), Vec::<String>::new());
+    let wrong = [("a", "crates/low/a", &["c", "b"][..]), ("b", "crates/high/b", &["clap"]), ("d", "crates/low/d", &[])];
+    let expected = [
+        "`a` uses `c` of a higher floor",
+        "`a` may not use `b`",
+        "`b` belongs into the folder crates/low/b",
+        "`b` may not use the library `clap`",
+        "crate `d` has no row in the tables of ARCHITECTURE.md",
+        "ARCHITECTURE.md has a room `c`, which no crate has",
+    ];
+    assert_eq!(faults(&wrong), expected);
 }

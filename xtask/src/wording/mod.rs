@@ -157,7 +157,7 @@ mod tests {
     fn exact_rust_strings_and_docs_are_read_and_comments_are_not() {
         let source =
             "//! It tells the delay.\n// told\nfn f() {\n    // untold\n    g(\"cannot be \\\n     told\");\n}\n";
-        let found = in_markdown("crates/lti/src/a.rs", source);
+        let found = in_markdown("crates/toolbox/lti/src/a.rs", source);
         let lines: Vec<usize> = found.iter().map(|finding| finding.line).collect();
         assert_eq!(lines, [1, 5]);
         assert_eq!(found[0].room(), "lti");
@@ -173,6 +173,6 @@ mod tests {
                 .is_empty()
         );
         let options = "  --quick  so few samples\n".repeat(8);
-        assert!(in_markdown("crates/lti/src/a.rs", &format!("const HELP: &str = {options:?};\n")).is_empty());
+        assert!(in_markdown("crates/toolbox/lti/src/a.rs", &format!("const HELP: &str = {options:?};\n")).is_empty());
     }
 }

@@ -29,11 +29,12 @@ pub(super) struct Finding {
 impl Finding {
     /// The crate or folder that the ceiling belongs to.
     pub(super) fn room(&self) -> &str {
-        let mut parts = self.path.split('/');
-        match (parts.next(), parts.next()) {
-            (Some("crates"), Some(room)) => room,
-            (Some(folder), Some(_)) => folder,
-            _ => "documents",
+        let parts: Vec<&str> = self.path.split('/').collect();
+        match parts[..] {
+            ["crates", _, room, _, ..] => room,
+            ["crates", ..] | [_] => "documents",
+            [folder, ..] => folder,
+            [] => "documents",
         }
     }
 }
