@@ -11,7 +11,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("tempfile", &["dynoid"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),
-    ("rayon", &["mdf", "numerics"]),
+    ("rayon", &["mdf", "numerics", "work"]),
     ("resvg", &["page"]),
 ];
 
