@@ -1,6 +1,7 @@
 //! Any bytes may be opened, listed and read as an MDF file: `cargo +nightly fuzz run mdf`.
 #![no_main]
 
+use work::Context;
 use libfuzzer_sys::fuzz_target;
 use mdf::{Address, Mdf};
 
@@ -17,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
             continue;
         }
         for channel in 0..info.channels.len().min(64) {
-            let values = file.read(&[Address { group, channel }], &|_, _| {});
+            let values = file.read(&[Address { group, channel }], &Context::new());
             if let (Ok(values), Some(found)) = (values, info.found) {
                 assert_eq!(values[0].len() as u64, found);
             }

@@ -8,6 +8,7 @@ use numerics::parallel;
 use rig::ControlMode;
 use rig::experiment::{Demands, ExperimentPlan};
 use rig::random::Source;
+use work::Context;
 
 use crate::added::Added;
 use crate::cycle_run::CycleGrid;
@@ -24,12 +25,12 @@ use crate::pulses::Pulses;
 use crate::trace::Trace;
 use crate::verdict::{Verdict, band_places, verdict};
 
-/// Answers. `progress` hears from any thread how many runs of how many are done.
+/// Answers. The runs of the benches are a step of the work.
 ///
 /// # Errors
 /// The nominal bench cannot be simulated, no samples, an uncertainty without possible benches, a requirement that cannot be
 /// applied.
-pub fn can(inputs: &CanInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Verdict, CapabilityError> {
+pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, CapabilityError> {
     if inputs.samples == 0 {
         return Err(CapabilityError::NoSamples);
     }
@@ -40,8 +41,9 @@ pub fn can(inputs: &CanInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Resu
     judged::check_own(&trace, inputs.own)?;
     let of_nominal = outcome(inputs, &driven, &nominal, Ok(trace.clone()))?;
     let run = |bench: &Drawn| outcome(inputs, &driven, bench, driven.trace(inputs, bench));
-    let outcomes: Vec<Outcome> =
-        parallel::map_with_progress(&benches, run, progress).into_iter().collect::<Result<_, _>>()?;
+    let outcomes: Vec<Outcome> = parallel::map_as_step((context, "running the test on benches"), &benches, run)
+        .into_iter()
+        .collect::<Result<_, _>>()?;
     Ok(verdict(inputs, (&benches, &outcomes), &of_nominal, trace))
 }
 

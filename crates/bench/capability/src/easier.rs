@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use design::safety::Proportion;
 use numerics::parallel;
 use serde::Serialize;
+use work::Context;
 
 use crate::answer::{Trial, nominal_keeps};
 use crate::change::{Change, Kind, kinds};
@@ -33,14 +34,14 @@ pub struct Easier {
     pub kept: Proportion,
 }
 
-/// The least change of each kind with which the answer is yes; a kind that never gives one is left out. `progress` hears from any
-/// thread how many kinds of how many were tried.
+/// The least change of each kind with which the answer is yes; a kind that never gives one is left out. Each kind is a
+/// part of a step of the work.
 ///
 /// # Errors
 /// As [`crate::can`].
-pub fn easier(inputs: &CanInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Vec<Easier>, CapabilityError> {
+pub fn easier(inputs: &CanInputs<'_>, context: &Context) -> Result<Vec<Easier>, CapabilityError> {
     let least = |kind: &Kind| Search::of(inputs, kind).least();
-    let found = parallel::map_with_progress(&kinds(inputs), least, progress);
+    let found = parallel::map_as_step((context, "looking for what would make it possible"), &kinds(inputs), least);
     Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 

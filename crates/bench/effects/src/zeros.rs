@@ -95,9 +95,9 @@ fn studied(bench: &BenchFile, recordings: [(&str, Recording); 2], seed: u64) -> 
         sha256: String::new(),
         recording: Ok(recording),
     };
-    let recordings = Prepared::of(bench, recordings.into_iter().map(source).collect(), &mut |_| {});
+    let recordings = Prepared::of(bench, recordings.into_iter().map(source).collect(), &work::Context::new());
     let campaign = Campaign { bench, bench_file: ("", ""), recordings, seed: Some(seed) };
-    let study = run(campaign, &mut |_| {})?;
+    let study = run(campaign, &work::Context::new())?;
     study.shaft.estimated().and_then(|shaft| zero(&shaft.estimate)).ok_or(EffectsError::NoShaft)
 }
 

@@ -17,6 +17,7 @@ use rig::prepare::believable;
 use rig::results::{Outcome, Reason, write_found};
 use rig::{Experiment, ExperimentLabel};
 use serde::Serialize;
+use work::Context;
 
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
 pub use self::pulses::engine_pulses;
@@ -48,12 +49,12 @@ pub struct EngineRecording {
     pub cycles: Outcome<Cycles>,
 }
 
-/// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
+/// Rebuilds the engine's torque of every recording with a shaft. Each is a part of a step of the work.
 ///
 /// Shaft and J_e are those of the recordings that are chosen for them, J_e otherwise the bench file's. Recordings whose T_d,calc
 /// has the wrong sign are not used.
 #[must_use]
-pub fn engine_torque(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
+pub fn engine_torque(parts: &Parts<'_>, context: &Context) -> EngineTorque {
     let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let unbelievable = || all.iter().map(|experiment| believable(experiment)).collect::<Result<Vec<()>, _>>().err();
     let masses = TwoMasses::of(parts).map_err(|needs| unbelievable().map_or(needs, |error| vec![error.into()]));
@@ -67,8 +68,9 @@ pub fn engine_torque(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> EngineT
         controller: parts.controllers.best(),
         torque_control: parts.torque_controls.best(),
     };
+    let step = context.step("rebuilding the engine torque", all.len() as u64);
     let look = |experiment: &&Experiment| {
-        step(&experiment.file);
+        let _part = step.step(format!("rebuilding the engine torque of {}", experiment.file), 0);
         of_recording(experiment, &masses, &known)
     };
     let recordings = parallel::map(&all, look);

@@ -12,8 +12,8 @@ use part_torque::torque_signals::{TorqueSignals, torque_signals};
 use rig::estimation::EstimateError;
 use rig::experiment::Sought;
 use rig::{BenchFile, Experiment};
+use work::Context;
 
-use super::Progress;
 use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
@@ -23,6 +23,8 @@ use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
 const ORDERS: OrdersTried = OrdersTried { highest: 2, longest_delay: 2 };
 /// Draws of each noise in the study of a known PI: enough to separate a coverage of 95 % from one of 80 %.
 const DRAWS: usize = 50;
+/// Steps of all analyses.
+const COUNT: u64 = 9;
 
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,38 +56,37 @@ pub struct Analyses {
 }
 
 impl Analyses {
-    /// How many of them `progress` hears of.
-    pub const COUNT: usize = 8;
-
     /// The highest order and the longest delay of torque controls that were tried.
     pub const ORDERS_TRIED: OrdersTried = ORDERS;
 }
 
 /// Makes all analyses that the recordings allow.
-pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, progress: &mut dyn FnMut(Progress)) -> Analyses {
+pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &Context) -> Analyses {
     let (all, bench) = (&parts.experiments, parts.bench);
     let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
-    let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
-    analysing("lines");
-    let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, bench)));
-    analysing("torque signals");
-    let torque_signals = torque_signals((controllers, torque_controls), bench, &|_| ());
-    analysing("speed control");
-    let speed_control = speed_control(controllers, &|_| ());
+    let step = context.step("analysing", COUNT);
+    let lines = {
+        let step = step.step("finding lines", experiments.len() as u64);
+        let found = parallel::map(experiments, |experiment| {
+            let _part = step.step(format!("finding lines in {}", experiment.file), 0);
+            find_lines(experiment, bench)
+        });
+        on_one_mains(found)
+    };
+    let torque_signals = torque_signals((controllers, torque_controls), bench, &step);
+    let speed_control = speed_control(controllers, &step);
     let pi_study = held_speed(parts).map(|experiment| {
         let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };
-        noise_test(experiment, &options, &|_, _| ())
+        noise_test(experiment, &options, &step)
     });
-    analysing("torque control");
-    let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &mut |_, _| ());
-    analysing("friction");
-    let friction = friction_of(all, bench);
-    analysing("shaft");
-    let shaft = shaft_analysis(parts, &|_| ());
-    analysing("engine torque");
-    let engine_torque = engine_torque(parts, &|_| ());
-    analysing("next experiment");
-    let next = next::beside(parts, NextOptions::default(), &|_, _| ());
+    let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &step);
+    let friction = {
+        let _part = step.step("estimating the friction", 0);
+        friction_of(all, bench)
+    };
+    let shaft = shaft_analysis(parts, &step);
+    let engine_torque = engine_torque(parts, &step);
+    let next = next::beside(parts, NextOptions::default(), &step);
     Analyses {
         courses: courses(all),
         step: step_response(all),

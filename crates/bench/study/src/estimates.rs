@@ -20,7 +20,6 @@ use rig::results::{
 };
 use rig::{Experiment, Finding, Role, Severity};
 
-use crate::Progress;
 use crate::findings::Findings;
 use crate::fits::Fits;
 use crate::folded_pulses::Folded;
@@ -66,13 +65,11 @@ pub(super) struct Estimates {
 
 /// Estimates every part the recordings allow, checks one recording by another, and replays the model.
 pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
-    for part in [Part::SpeedController, Part::FeedForward, Part::TorqueControl, Part::Shaft] {
-        (findings.progress)(Progress::Estimating { part });
-    }
-    let mut fits = Fits::of(parts);
+    let mut fits = Fits::of(parts, findings.context);
     for choice in &fits.choices {
         findings.note_use(choice);
     }
+    let comparing = findings.context.step("comparing the recordings", 0);
     doubt_controllers(findings, parts, &fits);
     let pulses = firing::doubt(findings);
     ripple_clock::doubt(findings, &pulses);
@@ -83,6 +80,7 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         pulse_path::doubt(findings, &parts.experiments, shaft, answer);
         cross_check(findings, parts, (shaft, chosen.experiment));
     }
+    drop(comparing);
     struck::strike(&mut fits, &mut timing, findings);
     let Whole { model, analysis } = match struck::errors_of(Part::Whole, findings) {
         because if because.is_empty() => fits.pieces().map_or_else(Whole::missing, |p| whole::assemble(findings, &p)),
@@ -185,7 +183,7 @@ fn doubt_exchange(findings: &mut Findings<'_>, parts: &Parts<'_>) {
 }
 
 fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<Reason>> {
-    (findings.progress)(Progress::Estimating { part: Part::Timing });
+    let _step = findings.context.step("estimating: timing of the signals", 0);
     let inertia = findings.bench.dynamometer_inertia_kg_m2;
     let torque_control = parts.torque_controls.best();
     let found =

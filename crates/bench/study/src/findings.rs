@@ -3,15 +3,15 @@
 use rig::experiment::{Choice, Sought, Test};
 use rig::results::{Part, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Role, Severity};
-
-use crate::Progress;
+use work::Context;
 
 /// The data of a study and the doubts about it, as they grow.
 pub(super) struct Findings<'a> {
     pub(super) bench: &'a BenchFile,
     pub(super) experiments: &'a [Experiment],
     pub(super) diagnostics: Vec<Diagnostic>,
-    pub(super) progress: &'a mut dyn FnMut(Progress),
+    /// The step of estimating.
+    pub(super) context: &'a Context,
     /// File and what it was used for.
     uses: Vec<(String, Part)>,
 }
@@ -21,10 +21,10 @@ impl<'a> Findings<'a> {
         bench: &'a BenchFile,
         experiments: &'a [Experiment],
         diagnostics: Vec<Diagnostic>,
-        progress: &'a mut dyn FnMut(Progress),
+        context: &'a Context,
     ) -> Self {
         let diagnostics = diagnostics.into_iter().map(raised).collect();
-        Findings { bench, experiments, diagnostics, progress, uses: Vec::new() }
+        Findings { bench, experiments, diagnostics, context, uses: Vec::new() }
     }
 
     /// What a file was used for.

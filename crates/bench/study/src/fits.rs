@@ -7,6 +7,7 @@ use part_torque::torque_control::TorqueControlFit;
 use rig::experiment::Choice;
 use rig::facts::BenchVariant;
 use rig::results::{FeedForward, Parameter, Quantity, Reason, Shaft};
+use work::Context;
 
 use crate::whole::Pieces;
 
@@ -24,12 +25,18 @@ pub(super) struct Fits<'p> {
 }
 
 impl<'p> Fits<'p> {
-    pub(super) fn of(parts: &'p Parts<'_>) -> Self {
+    /// Estimates them, each as a part of a step of the work.
+    pub(super) fn of(parts: &'p Parts<'_>, context: &Context) -> Self {
+        let step = context.step("estimating", 4);
+        let part = |what: &str| step.step(format!("estimating: {what}"), 0);
         let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
-        let (controller, torque_control) = join(|| controllers.chosen(), || torque_controls.chosen());
+        let (controller, torque_control) = join(
+            || (part("speed control"), controllers.chosen()).1,
+            || (part("torque control"), torque_controls.chosen()).1,
+        );
         let (feed_forward, (shaft, inertias)) = join(
-            || controllers.chosen_feed_forward(),
-            || join(|| parts.chosen_shaft(), || parts.chosen_inertias().ok()),
+            || (part("feed-forward"), controllers.chosen_feed_forward()).1,
+            || (part("shaft"), join(|| parts.chosen_shaft(), || parts.chosen_inertias().ok())).1,
         );
         let choices = [
             controller.ok().map(|chosen| &chosen.choice),

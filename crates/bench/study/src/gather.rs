@@ -3,8 +3,9 @@
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare};
+use work::Context;
 
-use crate::{Progress, RecordingSummary};
+use crate::RecordingSummary;
 
 /// No recording is older: the first version of MDF is of this year.
 const FIRST_DAY: &str = "1991-01-01";
@@ -33,19 +34,18 @@ pub struct Prepared {
 
 impl Prepared {
     /// Of these sources.
-    pub fn of(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) -> Self {
+    pub fn of(bench: &BenchFile, sources: Vec<Source>, context: &Context) -> Self {
         let mut prepared = Prepared::default();
-        prepared.add(bench, sources, progress);
+        prepared.add(bench, sources, context);
         prepared
     }
 
     /// Prepares what can be used of further sources, and notes of the others why not. Of a source only the signals of the bench stay
     /// in memory.
-    pub fn add(&mut self, bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) {
+    pub fn add(&mut self, bench: &BenchFile, sources: Vec<Source>, context: &Context) {
         let mut fresh = Vec::new();
         let first = self.recordings.len();
         for source in &sources {
-            progress(Progress::Preparing { file: source.file.clone() });
             fresh.push((source, first_of_its_kind(source, &self.recordings)));
             self.recordings.push(RecordingSummary {
                 file: source.file.clone(),
@@ -58,7 +58,10 @@ impl Prepared {
                 used_for: Vec::new(),
             });
         }
-        let prepared = map(&fresh, |(source, is_fresh)| is_fresh.clone().and_then(|()| experiment_of(bench, source)));
+        let prepared = map(&fresh, |(source, is_fresh)| {
+            let _step = context.step(format!("checking {}", source.file), 0);
+            is_fresh.clone().and_then(|()| experiment_of(bench, source))
+        });
         for (summary, outcome) in self.recordings.iter_mut().skip(first).zip(prepared) {
             match outcome {
                 Ok((experiment, diagnostics)) => {

@@ -12,7 +12,6 @@ mod folded_pulses;
 mod gather;
 mod next;
 pub mod noise_test;
-mod progress;
 mod pulse_path;
 mod recorded;
 mod replayed;
@@ -32,7 +31,6 @@ pub use comparison::{
 };
 pub use gather::{Prepared, Source, StudyError, experiment_of};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
-pub use progress::Progress;
 pub use recorded::{RecordedCourse, StepResponse};
 pub use replayed::{REPLAYED_S, ReplayModel, replayed_stretch};
 pub use result::*;

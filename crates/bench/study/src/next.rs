@@ -18,7 +18,8 @@ use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Test, UPDATE_S};
 use rig::results::{Estimate, Notation, Parameter, Quantity};
 use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use units::RPM_RAD_S;
-use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_with_progress};
+use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_hidden};
+use work::Context;
 
 use crate::fits::Fits;
 use crate::gather::{Prepared, experiment_of};
@@ -199,7 +200,7 @@ pub fn next_experiments(
     bench: &BenchFile,
     recordings: Prepared,
     options: NextOptions,
-    tried: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<NextExperiments, NextError> {
     let experiments = match recordings.usable(bench) {
         Ok(prepared) => prepared.experiments,
@@ -207,20 +208,16 @@ pub fn next_experiments(
         Err(error) => return Err(error.into()),
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    beside(&Parts::of(&all, bench), options, tried)
+    beside(&Parts::of(&all, bench), options, context)
 }
 
 /// The same, beside recordings that were prepared.
-pub(super) fn beside(
-    parts: &Parts<'_>,
-    options: NextOptions,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<NextExperiments, NextError> {
+pub(super) fn beside(parts: &Parts<'_>, options: NextOptions, context: &Context) -> Result<NextExperiments, NextError> {
     if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
         return Err(NextError::TooShort { duration_s: options.duration_s });
     }
     let bench = parts.bench;
-    let known = Known::of(parts);
+    let known = Known::of(parts, context);
     let assembled = known.model.as_ref();
     let mut stated = StatedBench::of(bench, assembled.map(|assembled| &assembled.model))?
         .with_pulses(assembled.and_then(|assembled| assembled.engine_pulses.as_ref()));
@@ -249,7 +246,7 @@ pub(super) fn beside(
             candidate.is_worth_while().then(|| safety(bench, &stated, known.model.as_ref(), plan, options.seed));
         Ok(Candidate { safety: safety.flatten(), ..candidate })
     };
-    let candidates = parallel::map_with_progress(&plans, tried, progress);
+    let candidates = parallel::map_as_step((context, "trying experiments on a bench like this one"), &plans, tried);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
     candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
@@ -263,8 +260,8 @@ struct Known {
 }
 
 impl Known {
-    fn of(parts: &Parts<'_>) -> Self {
-        let fits = Fits::of(parts);
+    fn of(parts: &Parts<'_>, context: &Context) -> Self {
+        let fits = Fits::of(parts, context);
         let model = fits.pieces().and_then(|pieces| model_of(&parts.bench.facts(), &pieces));
         let of_model = model.iter().flat_map(|assembled| results_of(&assembled.model, &assembled.uncertainty));
         let numbers = of_model.chain(of_parts(&fits)).filter(|p| p.standard_error > 0.0).collect();
@@ -344,16 +341,15 @@ fn try_out(
     plan: &ExperimentPlan,
     seed: u64,
 ) -> Result<(Vec<Parameter>, f64), VirtualBenchError> {
-    let VirtualRun { mut recording, hidden } =
-        simulate_with_progress(&stated.parameters, plan, seed, Numerics::default(), &mut |_, _| {})?;
+    let VirtualRun { mut recording, hidden } = simulate_hidden(&stated.parameters, plan, seed, Numerics::default())?;
     rename(&mut recording, &parts.bench.channels);
     // No file of the recordings is called so.
     let file = format!("{0}_next/{0}.mf4", plan.label);
     let source = Source { file, sha256: String::new(), recording: Ok(recording) };
     let peak_nm = hidden.shaft_torque_nm.iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
     let then = match experiment_of(parts.bench, &source) {
-        Ok((experiment, _)) => Known::of(&parts.with(&experiment)),
-        Err(_) => Known::of(parts),
+        Ok((experiment, _)) => Known::of(&parts.with(&experiment), &Context::new()),
+        Err(_) => Known::of(parts, &Context::new()),
     };
     Ok((then.numbers, peak_nm))
 }
@@ -387,7 +383,7 @@ fn safety(
         samples: CHECKED,
         seed,
     };
-    check(&inputs, &|_, _| ()).ok().map(|checked| checked.safety)
+    check(&inputs, &Context::new()).ok().map(|checked| checked.safety)
 }
 
 /// What becomes of a number.

@@ -26,6 +26,7 @@ use signal::Signal;
 use signal::spline::UniformSpline;
 use units::RPM_RAD_S;
 use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
+use work::Context;
 
 /// Order of the noise's Butterworth filters (that of a band-pass is twice this).
 const NOISE_ORDER: usize = 4;
@@ -229,20 +230,22 @@ pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
     Ok(Experiment { file: format!("{} of a virtual bench", plan.label), label: plan.label, signals })
 }
 
-/// Runs the study on the speeds of a recording; `progress` hears from any thread how many draws of how many are done.
+/// Runs the study on the speeds of a recording; Its draws are a step of the work.
 ///
 /// # Errors
 /// A missing signal, noise whose band does not fit the sample rate, or an estimate that fails without noise.
 pub fn noise_test(
     experiment: &Experiment,
     options: &NoiseTestOptions,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<NoiseTest, EstimateError> {
     let known = Known::new(experiment, options)?;
     let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
         .collect();
-    let outcomes = parallel::map_with_progress(&plan, |(noise, draw)| known.draw(*noise, *draw), progress);
+    let outcomes = parallel::map_as_step((context, "estimating draw after draw"), &plan, |(noise, draw)| {
+        known.draw(*noise, *draw)
+    });
     let case = |(noise, estimator): (Noise, Estimator)| {
         let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
         let all: Vec<_> = of_noise

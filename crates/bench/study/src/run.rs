@@ -4,13 +4,16 @@ use bench_model::model::AssembledModel;
 use part_engine::engine_pulses;
 use part_shaft::Parts;
 use rig::{BenchFile, Experiment};
+use work::Context;
 
 use super::gather::StudyError;
-use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
 use crate::gather::Prepared;
 use crate::{Provenance, Study, estimates, struck, validity};
+
+/// Steps of a study: the parts, comparing, the timing, the whole model, the replays, the pulses of the engine.
+const STEPS: u64 = 6;
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -31,37 +34,37 @@ pub struct Campaign<'a> {
 ///
 /// # Errors
 /// No channels, no recording, or none that can be used.
-pub fn run(mut campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
+pub fn run(mut campaign: Campaign<'_>, context: &Context) -> Result<Study, StudyError> {
     campaign.recordings = campaign.recordings.usable(campaign.bench)?;
     let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
-    Ok(studied(&campaign, &Parts::of(&all, campaign.bench), progress))
+    Ok(studied(&campaign, &Parts::of(&all, campaign.bench), context))
 }
 
 /// The same study, and beside it all analyses that the recordings allow.
 ///
 /// # Errors
 /// Those of [`run`]: what an analysis lacks is part of the result.
-pub fn run_full(
-    mut campaign: Campaign<'_>,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<(Study, Analyses), StudyError> {
+pub fn run_full(mut campaign: Campaign<'_>, context: &Context) -> Result<(Study, Analyses), StudyError> {
     campaign.recordings = campaign.recordings.usable(campaign.bench)?;
     let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
     let parts = Parts::of(&all, campaign.bench);
-    let study = studied(&campaign, &parts, progress);
-    Ok((study, analyses(&campaign.recordings.experiments, &parts, progress)))
+    let study = studied(&campaign, &parts, context);
+    Ok((study, analyses(&campaign.recordings.experiments, &parts, context)))
 }
 
 /// The study of these experiments.
-fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(Progress)) -> Study {
+fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Study {
     let prepared = &campaign.recordings;
     let mut recordings = prepared.recordings.clone();
-    let mut findings = Findings::new(campaign.bench, &prepared.experiments, prepared.diagnostics.clone(), progress);
+    let step = context.step("studying", STEPS);
+    let mut findings = Findings::new(campaign.bench, &prepared.experiments, prepared.diagnostics.clone(), &step);
     let estimates = estimates::all(&mut findings, parts);
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
+    let pulses_step = step.step("estimating: pulses of the engine", 0);
     let pulses = estimates.model.is_some().then(|| engine_pulses(parts, &|one| struck::is_sound(&findings, one)).ok());
+    drop(pulses_step);
     let validity = validity::of(&prepared.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));

@@ -14,7 +14,6 @@ use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Part, Quantity, Reason, Shaft};
 use rig::{ControlMode, Experiment, Finding, Severity};
 
-use crate::Progress;
 use crate::assemble::{StudyParts, assemble as assemble_model};
 use crate::findings::Findings;
 use crate::replayed::{ReplayModel, replayed_stretch};
@@ -82,7 +81,7 @@ pub(super) fn model_of(facts: &BenchFacts, pieces: &Pieces<'_>) -> Option<Assemb
 
 /// The model that the parts make up, analysed.
 pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
-    (findings.progress)(Progress::Estimating { part: Part::Whole });
+    let _step = findings.context.step("estimating: whole model", 0);
     let facts = findings.bench.facts();
     let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
     let AssembledModel { model, uncertainty, .. } = &assembled;
@@ -118,16 +117,18 @@ pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &
     let recorded_torque = pieces.recorded_torque();
     let replays_on = ReplayModel { model, skews: pieces.skews(), recorded_torque: recorded_torque.as_ref() };
     let mut done = Vec::new();
-    for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
-        for experiment in replayed(findings, mode, tests) {
-            (findings.progress)(Progress::Replaying { file: experiment.file.clone() });
-            let is_seen = findings.is_seen(&experiment.file);
-            match replays_on.replay(experiment, replayed_stretch(experiment), is_seen) {
-                Ok(replay) => done.push(replay),
-                Err(error) => {
-                    let finding = Finding::NotReplayed { reason: error.into() };
-                    findings.doubt(&experiment.file, Severity::Note, finding);
-                }
+    let modes = [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])];
+    let chosen: Vec<&Experiment> =
+        modes.into_iter().flat_map(|(mode, tests)| replayed(findings, mode, tests)).collect();
+    let step = findings.context.step("replaying", chosen.len() as u64);
+    for experiment in chosen {
+        let _part = step.step(format!("replaying {}", experiment.file), 0);
+        let is_seen = findings.is_seen(&experiment.file);
+        match replays_on.replay(experiment, replayed_stretch(experiment), is_seen) {
+            Ok(replay) => done.push(replay),
+            Err(error) => {
+                let finding = Finding::NotReplayed { reason: error.into() };
+                findings.doubt(&experiment.file, Severity::Note, finding);
             }
         }
     }

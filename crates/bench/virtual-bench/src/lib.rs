@@ -45,6 +45,7 @@ mod write;
 use recording::Recording;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
+use work::Context;
 
 pub use error::VirtualBenchError;
 pub use hidden::HiddenTruth;
@@ -105,24 +106,24 @@ pub fn simulate_hidden(
     seed: u64,
     numerics: Numerics,
 ) -> Result<VirtualRun, VirtualBenchError> {
-    simulate_with_progress(parameters, plan, seed, numerics, &mut |_, _| {})
+    simulate_as_step(&Context::new(), parameters, plan, seed, numerics)
 }
 
-/// As [`simulate_hidden`]; reports now and then how many updates of how many are done.
+/// As [`simulate_hidden`], as a step of the work.
 ///
 /// # Errors
 ///
 /// As [`simulate_hidden`].
-pub fn simulate_with_progress(
+pub fn simulate_as_step(
+    context: &Context,
     parameters: &BenchParameters,
     plan: &ExperimentPlan,
     seed: u64,
     numerics: Numerics,
-    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<VirtualRun, VirtualBenchError> {
     parameters.check()?;
     plan.check()?;
     numerics.check(parameters.drive.machine.is_some())?;
-    let (recording, hidden) = run::run(parameters, plan, seed, &numerics, progress)?;
+    let (recording, hidden) = run::run(parameters, plan, seed, &numerics, context)?;
     Ok(VirtualRun { recording, hidden })
 }

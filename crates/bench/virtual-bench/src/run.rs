@@ -7,6 +7,7 @@ use rig::ControlMode;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
 use rig::random::Source;
+use work::Context;
 
 use super::control::{ShaftTorqueController, SpeedController};
 use super::drive::{Drive, Knowledge, TimedDemand};
@@ -27,15 +28,16 @@ pub(super) fn run(
     plan: &ExperimentPlan,
     seed: u64,
     numerics: &Numerics,
-    progress: &mut dyn FnMut(u64, u64),
+    context: &Context,
 ) -> Result<(Recording, HiddenTruth), VirtualBenchError> {
     let updates = plan.updates();
     let settling = (plan.settling_s / UPDATE_S).round() as usize;
     let demands = Demands::of(plan, seed, parameters.controller.demand_hold_s);
     let mut bench = Bench::new(parameters, plan, seed, numerics, &demands, settling)?;
+    let step = context.step(format!("simulating {}", plan.label), (settling + updates) as u64);
     for update in 0..settling + updates {
         if update.is_multiple_of(PROGRESS_EVERY) {
-            progress(update as u64, (settling + updates) as u64);
+            step.reach(update as u64, (settling + updates) as u64);
         }
         bench.update(&demands, update.checked_sub(settling));
         bench.advance(numerics, update >= settling);

@@ -13,6 +13,7 @@ use recording::{
 use rig::BenchFile;
 use sha2::{Digest, Sha256};
 use study::Source;
+use work::Context;
 
 use crate::error::CliError;
 use crate::mark::Mark;
@@ -82,19 +83,23 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
 /// Reads the channels of a bench from a recording. If decoding fails, the source holds the reason.
 ///
 /// The whole file is in memory only if its format requires it.
-pub(crate) fn read_source(file: &InputFile, bench: &BenchFile) -> Result<Source, CliError> {
+pub(crate) fn read_source(file: &InputFile, bench: &BenchFile, context: &Context) -> Result<Source, CliError> {
     let names = Selection::names(bench.channels.values().map(|mapping| mapping.name.as_str()));
-    let recording = match decode(file, &names)? {
+    let recording = match decode(file, &names, context)? {
         // For names like the one that is missing, and for what else is missing.
-        Err(RecordingError::NoSuchChannel { .. }) => decode(file, &Selection::All)?,
+        Err(RecordingError::NoSuchChannel { .. }) => decode(file, &Selection::All, context)?,
         read => read,
     };
     Ok(Source { file: file.name.clone(), sha256: sha256(file)?, recording })
 }
 
 /// Decodes channels of a recording.
-pub(crate) fn decode(file: &InputFile, channels: &Selection) -> Result<Result<Recording, RecordingError>, CliError> {
-    Ok(decode_from(&file.name, opened(file)?, channels, None, &|_, _| {}))
+pub(crate) fn decode(
+    file: &InputFile,
+    channels: &Selection,
+    context: &Context,
+) -> Result<Result<Recording, RecordingError>, CliError> {
+    Ok(decode_from(&file.name, opened(file)?, channels, None, context))
 }
 
 /// The channels of these names or patterns; all channels without any.
@@ -123,11 +128,11 @@ pub(crate) fn read_recording(
     file: &InputFile,
     selection: &Selection,
     row_time_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Read, CliError> {
     refuse_model(file)?;
     let content = opened(file)?;
-    let strictly = decode_from(&file.name, content.clone(), selection, None, progress);
+    let strictly = decode_from(&file.name, content.clone(), selection, None, context);
     let is_usable = match &strictly {
         Ok(recording) => !recording.channels.is_empty(),
         Err(RecordingError::NoSuchChannel { .. }) => true,
@@ -135,7 +140,7 @@ pub(crate) fn read_recording(
     };
     let is_untimed = row_time_s.is_some() && !is_usable;
     let recording =
-        if is_untimed { decode_from(&file.name, content, selection, row_time_s, progress) } else { strictly };
+        if is_untimed { decode_from(&file.name, content, selection, row_time_s, context) } else { strictly };
     let untimed = |error: &RecordingError| row_time_s.is_none() && lacks_time(error);
     let recording = recording.map_err(|source| CliError::Recording { untimed: untimed(&source), source })?;
     Ok(Read { recording, is_untimed })

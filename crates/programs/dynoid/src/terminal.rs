@@ -1,12 +1,13 @@
 //! All that is printed: results on standard output, warnings, errors and progress on standard error.
 
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
-use std::sync::{Once, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use page::{Page, Screen, Tone, safe};
 use serde::Serialize;
+use work::{Context, Progress, State, Tree};
 
 use crate::cli::{ColorWhen, Global};
 use crate::error::CliError;
@@ -22,12 +23,16 @@ const MOST_LINES: usize = 40;
 const TICK: Duration = Duration::from_millis(100);
 /// What takes less than this needs no display.
 const SHORT: Duration = Duration::from_secs(1);
+/// Parts of a display that is full.
+const PARTS: u64 = 1000;
 
 /// Where a command prints. Texts may come from anywhere: escape codes in them are taken out.
 pub(crate) struct Terminal {
     out: BufWriter<Stdout>,
     /// Why standard output takes no more. Of a reader that has gone away nothing is said.
     failure: Option<io::Error>,
+    /// The context of all long work, whose progress is shown on standard error where that is a terminal.
+    work: Context,
     quiet: bool,
     /// Whether results are shown to the last line.
     all: bool,
@@ -47,12 +52,15 @@ impl Terminal {
         };
         let columns = columns();
         let width = columns.map_or(USUAL_WIDTH, |columns| columns.clamp(NARROWEST, WIDEST));
+        let colour_err = colour(io::stderr().is_terminal());
+        let shows_progress = !global.quiet && io::stderr().is_terminal();
         Terminal {
             out: BufWriter::new(io::stdout()),
             failure: None,
+            work: if shows_progress { shown(colour_err) } else { Context::new() },
             quiet: global.quiet,
             colour_out: colour(io::stdout().is_terminal()),
-            colour_err: colour(io::stderr().is_terminal()),
+            colour_err,
             all: global.all || !io::stdout().is_terminal(),
             width,
             width_err: columns.map(|_| width),
@@ -122,35 +130,9 @@ impl Terminal {
         self.complain("error:", Tone::Bad, text);
     }
 
-    /// A display of progress over a number of steps, on standard error; nothing where that is no terminal.
-    pub(crate) fn progress(&self, steps: u64) -> Progress {
-        if self.quiet || !io::stderr().is_terminal() {
-            return Progress { bar: None, before_last: OnceLock::new() };
-        }
-        let bar = self.bar(steps);
-        bar.enable_steady_tick(TICK);
-        Progress { bar: Some(bar), before_last: OnceLock::new() }
-    }
-
-    fn bar(&self, steps: u64) -> ProgressBar {
-        let bar = ProgressBar::new(steps);
-        let colour = if self.colour_err { ".cyan" } else { "" };
-        let times = "{elapsed} gone, {eta} to go";
-        let template = format!("{{spinner{colour}}} [{{bar:18{colour}}}] {times}  {{wide_msg}}");
-        if let Ok(style) = ProgressStyle::with_template(&template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar
-    }
-
-    /// A display of the progress of something that may take long, on standard error; nothing where that is no terminal.
-    pub(crate) fn long(&self, what: &str) -> Long {
-        let bar = (!self.quiet && io::stderr().is_terminal()).then(|| self.bar(0));
-        if let Some(bar) = &bar {
-            bar.set_draw_target(ProgressDrawTarget::hidden());
-            bar.set_message(safe(what));
-        }
-        Long { bar, since: Instant::now(), shown: Once::new() }
+    /// The context of long work: its progress is shown.
+    pub(crate) fn work(&self) -> &Context {
+        &self.work
     }
 
     /// Writes out what is left, and says whether all could be written.
@@ -206,78 +188,79 @@ fn colour_is_welcome() -> bool {
     is_unset_or_empty(std::env::var_os("NO_COLOR")) && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// A display of progress, gone when dropped.
-pub(crate) struct Progress {
-    bar: Option<ProgressBar>,
-    /// Steps before its last part, where that counts by itself.
-    before_last: OnceLock<u64>,
+/// A display that is whole even if a thread failed.
+fn locked(bar: &Mutex<Bar>) -> MutexGuard<'_, Bar> {
+    bar.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Progress {
-    /// Says what is being done.
-    pub(crate) fn say(&self, what: &str) {
-        if let Some(bar) = &self.bar {
-            bar.set_message(safe(what));
+/// A context whose progress is shown on standard error.
+fn shown(in_colour: bool) -> Context {
+    let bar = Arc::new(Mutex::new(Bar::new(in_colour)));
+    let shown = Arc::downgrade(&bar);
+    std::thread::spawn(move || {
+        while let Some(bar) = shown.upgrade() {
+            locked(&bar).tick();
+            drop(bar);
+            std::thread::sleep(TICK);
         }
-    }
-
-    /// There are more steps than was known at first.
-    pub(crate) fn more(&self, steps: u64) {
-        if let Some(bar) = &self.bar {
-            bar.inc_length(steps);
-        }
-    }
-
-    /// Of the last part, `done` of `all` is done. Any thread may call it.
-    pub(crate) fn of_last(&self, done: u64, all: u64) {
-        if let Some(bar) = &self.bar {
-            let before = *self.before_last.get_or_init(|| bar.position());
-            bar.set_length(before + all);
-            bar.set_position(before + done);
-        }
-    }
-
-    /// One step is done.
-    pub(crate) fn step(&self) {
-        if let Some(bar) = &self.bar {
-            bar.inc(1);
-        }
-    }
+    });
+    Context::new().with_listener(move |heard| locked(&bar).hear(heard))
 }
 
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-/// A display of progress that appears where something takes more than a second, gone when dropped.
-pub(crate) struct Long {
-    bar: Option<ProgressBar>,
+/// A display of progress that appears where something takes more than a second, and is gone when that ends.
+struct Bar {
+    bar: ProgressBar,
     since: Instant,
-    shown: Once,
+    is_shown: bool,
+    tree: Tree,
 }
 
-impl Long {
-    /// `done` of `all` is done. Any thread may call it.
-    pub(crate) fn at(&self, done: u64, all: u64) {
-        let Some(bar) = self.bar.as_ref().filter(|_| self.since.elapsed() > SHORT) else { return };
-        bar.set_length(all);
-        bar.set_position(done);
-        self.shown.call_once(|| {
-            bar.set_draw_target(ProgressDrawTarget::stderr());
-            bar.enable_steady_tick(TICK);
-        });
+impl Bar {
+    fn new(in_colour: bool) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::hidden());
+        let colour = if in_colour { ".cyan" } else { "" };
+        let times = "{elapsed} gone, {eta} to go";
+        let template = format!("{{spinner{colour}}} [{{bar:18{colour}}}] {times}  {{wide_msg}}");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Bar { bar, since: Instant::now(), is_shown: false, tree: Tree::default() }
+    }
+
+    fn hear(&mut self, heard: &Progress) {
+        let is_outermost = heard.parent.is_none();
+        if is_outermost && heard.state == State::Begun && !self.is_shown {
+            self.since = Instant::now();
+            self.bar.reset();
+        }
+        self.tree.hear(heard);
+        if self.tree.current().is_none() && self.is_shown {
+            self.hide();
+        }
+    }
+
+    /// Shows where the work stands, if it is long.
+    fn tick(&mut self) {
+        let Some(current) = self.tree.current().filter(|_| self.since.elapsed() > SHORT) else { return };
+        if !self.is_shown {
+            self.is_shown = true;
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_message(safe(current));
+        self.bar.set_position((self.tree.fraction() * PARTS as f64) as u64);
+        self.bar.tick();
+    }
+
+    fn hide(&mut self) {
+        self.bar.finish_and_clear();
+        self.bar.set_draw_target(ProgressDrawTarget::hidden());
+        self.is_shown = false;
     }
 }
 
-impl Drop for Long {
+impl Drop for Bar {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+        self.hide();
     }
 }
 

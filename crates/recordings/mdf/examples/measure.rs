@@ -8,6 +8,7 @@ use std::fs::File;
 use std::time::Instant;
 
 use mdf::{Address, Kind, Mdf, Values};
+use work::Context;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -16,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = Mdf::open(File::open(path)?)?;
     let opened = start.elapsed().as_secs_f64();
     let chosen = chosen(&file, what);
-    let values = file.read(&chosen, &|_, _| {})?;
+    let values = file.read(&chosen, &Context::new())?;
     let samples: usize = values.iter().map(Values::len).sum();
     let (wall, (processor, peak)) = (start.elapsed().as_secs_f64(), usage());
     let channels: usize = file.groups().iter().map(|g| g.channels.len()).sum();

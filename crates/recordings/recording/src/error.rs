@@ -1,7 +1,5 @@
 //! Why a file cannot be read or written.
 
-use std::panic;
-
 use thiserror::Error;
 
 use crate::SkipReason;
@@ -321,7 +319,7 @@ fn the_closest(similar: &[String]) -> String {
 
 /// Runs a decoder of another library. Where it panics, the file is to blame: the panic ends here, as an error.
 pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, RecordingError>) -> Result<T, RecordingError> {
-    panic::catch_unwind(panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
+    work::guarded(decode).unwrap_or_else(|| {
         let detail = "its content contradicts itself".into();
         Err(RecordingError::Damaged { file: file.into(), offset: None, detail })
     })

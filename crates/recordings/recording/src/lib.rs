@@ -76,6 +76,7 @@ mod required;
 mod source;
 
 use std::sync::Arc;
+use work::Context;
 
 pub use ::mdf::{Attachment, Event, Quantity, Source};
 #[cfg(feature = "parquet")]
@@ -114,7 +115,7 @@ pub use model::{
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
-    decode_from(name, Arc::new(bytes.to_vec()), selection, None, &|_, _| {})
+    decode_from(name, Arc::new(bytes.to_vec()), selection, None, &Context::new())
 }
 
 fn with_duplicates(mut recording: Recording) -> Recording {
@@ -142,7 +143,7 @@ fn with_duplicates(mut recording: Recording) -> Recording {
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<Recording, RecordingError> {
-    decode_from(name, Arc::new(bytes.to_vec()), &Selection::All, Some(row_distance_s), &|_, _| {})
+    decode_from(name, Arc::new(bytes.to_vec()), &Selection::All, Some(row_distance_s), &Context::new())
 }
 
 /// Lists the channels of a measurement file without their samples.
@@ -174,7 +175,7 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
 /// their other columns (7.3), for arrays whose rows are the channels as much again, and for compressed Arrow a column of a
 /// batch.
 ///
-/// `progress` gets what is done and how much there is in all, from any thread.
+/// `context` is the step of reading.
 ///
 /// # Errors
 ///
@@ -184,17 +185,17 @@ pub fn decode_from(
     source: Arc<dyn Source>,
     selection: &Selection,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
     if let Some(given) = row_distance_s.filter(|given| !(given.is_finite() && *given > 0.0)) {
         return Err(RecordingError::RowDistance { given: given.to_string() });
     }
     let recording = match Kind::detect(name, &*source)? {
         // Its clocks count from the start, in seconds.
-        Kind::Mdf => return mdf::decode(name, &*source, selection, row_distance_s, progress).map(with_duplicates),
-        Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, progress),
-        Kind::Mat => mat::decode(name, &source, selection, row_distance_s, progress),
-        Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, progress),
+        Kind::Mdf => return mdf::decode(name, &*source, selection, row_distance_s, context).map(with_duplicates),
+        Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, context),
+        Kind::Mat => mat::decode(name, &source, selection, row_distance_s, context),
+        Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, context),
     };
     recording.map(epoch::counted_from_first).map(with_duplicates)
 }

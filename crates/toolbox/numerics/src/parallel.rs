@@ -1,14 +1,10 @@
 //! Work on all processors, with results that do not depend on how many there are.
 
-use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use rayon::prelude::*;
+use std::ops::Range;
+use work::Context;
 
-pub use rayon::{current_num_threads, join};
-
-/// Hears from any thread how many of how many tasks are done.
-pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
+pub use rayon::current_num_threads;
 
 /// The results of all tasks, in their order. Each thread takes the next task that nobody has taken.
 ///
@@ -18,21 +14,31 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
 /// assert_eq!(squares, [1, 4, 9]);
 /// ```
 pub fn map<T: Sync, R: Send>(tasks: &[T], run: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    tasks.par_iter().with_max_len(1).map(&run).collect()
+    let run = |task| {
+        work::checkpoint();
+        run(task)
+    };
+    tasks.par_iter().with_max_len(1).map(run).collect()
 }
 
-/// The results of all tasks, in their order, with a report after each.
-pub fn map_with_progress<T: Sync, R: Send>(
+/// The results of all tasks, in their order. They are a step of the work, such as `simulating`, of which each task is a part.
+pub fn map_as_step<T: Sync, R: Send>(
+    (context, what): (&Context, &str),
     tasks: &[T],
     run: impl Fn(&T) -> R + Sync,
-    progress: Progress<'_>,
 ) -> Vec<R> {
-    let done = AtomicU64::new(0);
+    let step = context.step(what, tasks.len() as u64);
     map(tasks, |task| {
         let result = run(task);
-        progress(done.fetch_add(1, Ordering::Relaxed) + 1, tasks.len() as u64);
+        step.advance(1);
         result
     })
+}
+
+/// Runs both, in parallel where a thread is free.
+pub fn join<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+    work::checkpoint();
+    rayon::join(one, other)
 }
 
 /// Reduces `0..length` in chunks: `part` on each chunk in parallel, then `merge` in the order of the chunks; none of an
@@ -52,13 +58,4 @@ pub fn reduce<A: Send>(
     let chunk = chunk.max(1);
     let starts: Vec<usize> = (0..length).step_by(chunk).collect();
     map(&starts, |start| part(*start..length.min(start + chunk))).into_iter().reduce(merge)
-}
-
-/// Runs some work, with all parallel work in it, on this many threads of its own; on those of the caller if the system
-/// has no threads to give.
-pub fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    match rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build() {
-        Ok(pool) => pool.install(work),
-        Err(_) => work(),
-    }
 }

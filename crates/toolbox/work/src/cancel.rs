@@ -77,6 +77,15 @@ pub(crate) fn caught<R>(cancel: &Cancel, work: impl FnOnce() -> R) -> Result<R, 
     })
 }
 
+/// Runs some work of a library that may panic, and gives its panic as `None`; a cancellation goes on to the context.
+pub fn guarded<R>(work: impl FnOnce() -> R) -> Option<R> {
+    match panic::catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => Some(done),
+        Err(cause) if cause.is::<Cancelled>() => panic::resume_unwind(cause),
+        Err(_) => None,
+    }
+}
+
 /// Ends the work of this thread if its context was cancelled. It costs a few nanoseconds: call it in every loop that may take longer
 /// than some milliseconds. Outside of a context it does nothing.
 pub fn checkpoint() {

@@ -17,7 +17,8 @@ type Listener = Arc<dyn Fn(&Progress) + Send + Sync>;
 pub struct Context {
     cancel: Cancel,
     listener: Option<Listener>,
-    threads: usize,
+    /// All processors, unless it says otherwise.
+    threads: Option<usize>,
     steps: Arc<AtomicU64>,
     step: Option<Arc<Step>>,
 }
@@ -26,8 +27,7 @@ impl Context {
     /// A context that nobody listens to, which may use all processors.
     #[must_use]
     pub fn new() -> Self {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        Context { cancel: Cancel::default(), listener: None, threads, steps: Arc::default(), step: None }
+        Context { cancel: Cancel::default(), listener: None, threads: None, steps: Arc::default(), step: None }
     }
 
     /// The same with a listener, which hears of each step. Any thread may call it.
@@ -39,7 +39,7 @@ impl Context {
     /// The same with so many threads, at least one.
     #[must_use]
     pub fn with_threads(self, threads: usize) -> Self {
-        Context { threads: threads.max(1), ..self }
+        Context { threads: Some(threads.max(1)), ..self }
     }
 
     /// The same with a wish of the caller's.
@@ -57,7 +57,7 @@ impl Context {
     /// Threads that the work may use.
     #[must_use]
     pub fn threads(&self) -> usize {
-        self.threads
+        self.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
     }
 
     /// Runs some work on the threads of this context. All parallel work in it uses them alone.
@@ -77,7 +77,7 @@ impl Context {
         let enter = move |_| {
             cancel.enter();
         };
-        ThreadPoolBuilder::new().num_threads(self.threads).start_handler(enter).build().ok()
+        ThreadPoolBuilder::new().num_threads(self.threads()).start_handler(enter).build().ok()
     }
 
     /// Begins a part of the work, with so many parts of its own; 0 where these are not counted. It ends when it is dropped, and counts
@@ -89,7 +89,7 @@ impl Context {
             number: self.steps.fetch_add(1, Ordering::Relaxed) + 1,
             what: what.into(),
             done: AtomicU64::new(0),
-            total: parts,
+            total: AtomicU64::new(parts),
             parent: self.step.clone(),
             listener: self.listener.clone(),
         };
@@ -101,7 +101,19 @@ impl Context {
     pub fn advance(&self, parts: u64) {
         cancel::checkpoint();
         if let Some(step) = &self.step {
-            step.advance(parts);
+            step.done.fetch_add(parts, Ordering::Relaxed);
+            step.say(State::Advanced);
+        }
+    }
+
+    /// Of this step, `done` parts of `total` are done, where their number shows only on the way, as the bytes of a file that is opened.
+    /// Ends the work if it was cancelled.
+    pub fn reach(&self, done: u64, total: u64) {
+        cancel::checkpoint();
+        if let Some(step) = &self.step {
+            step.done.store(done, Ordering::Relaxed);
+            step.total.store(total, Ordering::Relaxed);
+            step.say(State::Advanced);
         }
     }
 }
@@ -124,17 +136,12 @@ struct Step {
     number: u64,
     what: String,
     done: AtomicU64,
-    total: u64,
+    total: AtomicU64,
     parent: Option<Arc<Step>>,
     listener: Option<Listener>,
 }
 
 impl Step {
-    fn advance(&self, parts: u64) {
-        self.done.fetch_add(parts, Ordering::Relaxed);
-        self.say(State::Advanced);
-    }
-
     fn say(&self, state: State) {
         let Some(listener) = &self.listener else { return };
         listener(&Progress {
@@ -142,7 +149,7 @@ impl Step {
             parent: self.parent.as_ref().map(|parent| parent.number),
             what: self.what.clone(),
             done: self.done.load(Ordering::Relaxed),
-            total: self.total,
+            total: self.total.load(Ordering::Relaxed),
             state,
         });
     }

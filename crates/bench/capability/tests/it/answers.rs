@@ -8,6 +8,7 @@ use design::safety::{BenchSpread, FrictionSpread, Prior, Quantity, SafetyInputs,
 use rig::bench_file::{DriveHeat, Limits};
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use work::Context;
 
 use crate::support::{SAMPLES, bench, map};
 
@@ -18,17 +19,14 @@ fn shape(name: &str, given: &[(&str, &str)]) -> (ExperimentPlan, Demands) {
     (plan, demands)
 }
 
-fn silent() -> &'static (dyn Fn(u64, u64) + Sync) {
-    &|_, _| {}
-}
-
 #[test]
 fn exact_a_cycle_within_the_limits_gets_a_yes_with_its_statistics() {
     let (bench, map) = (bench(), map());
     let reference = builtin("whtc").unwrap().reference(&map).unwrap();
     let sets = [requirement("whtc").unwrap()];
     let demand = Demand::Cycle(CycleDemand { reference: &reference, map: Some(&map) });
-    let verdict = can(&capability::CanInputs { sets: &sets, samples: 10, ..bench.inputs(demand) }, silent()).unwrap();
+    let verdict =
+        can(&capability::CanInputs { sets: &sets, samples: 10, ..bench.inputs(demand) }, &Context::new()).unwrap();
     assert_eq!((verdict.answer, verdict.kept.count, verdict.kept.of), (Answer::Yes, 10, 10), "{:?}", verdict.limits);
     assert_eq!(verdict.sets[0].statistics.len(), 13);
     assert!(verdict.sets[0].nominal.as_ref().unwrap().passes);
@@ -49,7 +47,7 @@ fn exact_a_limit_below_what_a_cycle_needs_gives_a_no_with_its_moment() {
     bench.model.torque_limit_nm = Some(120.0);
     let reference = builtin("whtc").unwrap().reference(&map).unwrap();
     let demand = Demand::Cycle(CycleDemand { reference: &reference, map: Some(&map) });
-    let verdict = can(&capability::CanInputs { samples: 10, ..bench.inputs(demand) }, silent()).unwrap();
+    let verdict = can(&capability::CanInputs { samples: 10, ..bench.inputs(demand) }, &Context::new()).unwrap();
     assert_eq!((verdict.answer, verdict.kept.count), (Answer::No, 0));
     let torque = verdict.limits.iter().find(|one| one.of == LimitOf::TorqueDemand).unwrap();
     assert_eq!(torque.reached.unwrap().count, 10);
@@ -61,16 +59,15 @@ fn exact_equal_seeds_give_equal_answers_on_any_number_of_threads() {
     let bench = bench();
     let (plan, demands) = shape("tip-in", &[]);
     let inputs = bench.inputs(Demand::Plan(&plan, &demands));
-    let one = numerics_free(1, || can(&inputs, silent()).unwrap());
-    let two = numerics_free(2, || can(&inputs, silent()).unwrap());
+    let on_threads = |threads: usize| {
+        let context = Context::new().with_threads(threads);
+        context.run(|| can(&inputs, &context).unwrap()).unwrap()
+    };
+    let one = on_threads(1);
+    let two = on_threads(2);
     assert_eq!(one, two);
-    let other = can(&capability::CanInputs { seed: 2, ..inputs }, silent()).unwrap();
+    let other = can(&capability::CanInputs { seed: 2, ..inputs }, &Context::new()).unwrap();
     assert_ne!(one.limits, other.limits);
-}
-
-/// Work in threads of its own.
-fn numerics_free<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    numerics::parallel::with_threads(threads, work)
 }
 
 #[test]
@@ -79,9 +76,9 @@ fn exact_without_limits_and_requirements_nothing_is_judged() {
     bench.limits = Limits::default();
     let (plan, demands) = shape("tip-in", &[]);
     let inputs = bench.inputs(Demand::Plan(&plan, &demands));
-    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::NotJudged);
+    assert_eq!(can(&inputs, &Context::new()).unwrap().answer, Answer::NotJudged);
     let own: [Own; 1] = ["speed within 1000 rpm for 95 %".parse().unwrap()];
-    assert_eq!(can(&capability::CanInputs { own: &own, ..inputs }, silent()).unwrap().answer, Answer::Yes);
+    assert_eq!(can(&capability::CanInputs { own: &own, ..inputs }, &Context::new()).unwrap().answer, Answer::Yes);
 }
 
 #[test]
@@ -90,7 +87,7 @@ fn exact_a_shape_is_judged_by_requirements_of_ones_own() {
     let (plan, demands) = shape("speed-step", &[("height", "20")]);
     let own: [Own; 2] = ["speed rise below 2 s".parse().unwrap(), "speed within 0.001 rpm for 99 %".parse().unwrap()];
     let demand = Demand::Plan(&plan, &demands);
-    let verdict = can(&capability::CanInputs { own: &own, ..bench.inputs(demand) }, silent()).unwrap();
+    let verdict = can(&capability::CanInputs { own: &own, ..bench.inputs(demand) }, &Context::new()).unwrap();
     assert_eq!((verdict.own[0].kept.count, verdict.own[1].kept.count), (SAMPLES, 0));
     assert_eq!((verdict.answer, verdict.kept.count), (Answer::No, 0));
 }
@@ -102,8 +99,8 @@ fn exact_a_slower_or_smaller_test_is_found_where_one_is_possible() {
     bench.limits = Limits { speed_gradient_rad_s2: Some(2000.0 * units::RPM_RAD_S), ..Limits::default() };
     let (plan, demands) = shape("gear-shift", &[("to", "1500"), ("torque", "0")]);
     let inputs = bench.inputs(Demand::Plan(&plan, &demands));
-    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
-    let found = easier(&inputs, silent()).unwrap();
+    assert_eq!(can(&inputs, &Context::new()).unwrap().answer, Answer::No);
+    let found = easier(&inputs, &Context::new()).unwrap();
     let factor = |kind: fn(Change) -> Option<f64>| found.iter().find_map(|one| kind(one.change)).unwrap();
     let slower = factor(|change| if let Change::Slower { factor } = change { Some(factor) } else { None });
     let smaller = factor(|change| if let Change::Smaller { factor } = change { Some(factor) } else { None });
@@ -114,7 +111,7 @@ fn exact_a_slower_or_smaller_test_is_found_where_one_is_possible() {
     // A low-pass of first order makes a ramp of 0.3 s flatter; no gain and no shaft does.
     let corner = factor(|change| if let Change::Filter { corner_hz } = change { Some(corner_hz) } else { None });
     assert!(corner > 0.1 && corner < 2.0, "{corner}");
-    assert_eq!(found, numerics_free(1, || easier(&inputs, silent()).unwrap()));
+    assert_eq!(found, Context::new().with_threads(1).run(|| easier(&inputs, &Context::new()).unwrap()).unwrap());
     assert!(!found.iter().any(|one| matches!(one.change, Change::Stiffness { .. })), "{found:?}");
 }
 
@@ -124,12 +121,12 @@ fn exact_a_change_of_the_bench_or_of_its_controller_is_found_where_one_helps() {
     // The engine's pulses meet the resonance: another stiffness moves it away, a slower test does not.
     bench.limits = Limits { shaft_torque_nm: Some(1.0), ..Limits::default() };
     let (plan, demands) = shape("tip-in", &[("to", "110"), ("speed", "560"), ("ramp", "1")]);
-    let shaft = can(&bench.inputs(Demand::Plan(&plan, &demands)), silent()).unwrap();
+    let shaft = can(&bench.inputs(Demand::Plan(&plan, &demands)), &Context::new()).unwrap();
     let peak = shaft.limits.iter().find(|one| one.of == LimitOf::ShaftTorque).unwrap().values.quantile(0.5);
     bench.limits = Limits { shaft_torque_nm: Some(0.75 * peak), ..Limits::default() };
     let inputs = bench.inputs(Demand::Plan(&plan, &demands));
-    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
-    let found = easier(&inputs, silent()).unwrap();
+    assert_eq!(can(&inputs, &Context::new()).unwrap().answer, Answer::No);
+    let found = easier(&inputs, &Context::new()).unwrap();
     let softer = found.iter().any(|one| matches!(one.change, Change::Stiffness { factor } if factor < 1.0));
     let slower = found.iter().any(|one| matches!(one.change, Change::Slower { .. }));
     assert!(softer && !slower, "{peak} {:?}", found.iter().map(|one| one.change).collect::<Vec<_>>());
@@ -141,13 +138,13 @@ fn exact_a_change_of_the_bench_or_of_its_controller_is_found_where_one_helps() {
     let demand = Demand::Plan(&plan, &demands);
     let within = |error: f64| [Own::Within { signal: cycle::Signal::Speed, error, share: 0.95 }];
     let far = within(1.0);
-    let error = can(&capability::CanInputs { own: &far, ..bench.inputs(demand) }, silent()).unwrap().own[0]
+    let error = can(&capability::CanInputs { own: &far, ..bench.inputs(demand) }, &Context::new()).unwrap().own[0]
         .values
         .as_slice()[0];
     let own = within(0.6 * error);
     let inputs = capability::CanInputs { own: &own, ..bench.inputs(demand) };
-    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
-    let found = easier(&inputs, silent()).unwrap();
+    assert_eq!(can(&inputs, &Context::new()).unwrap().answer, Answer::No);
+    let found = easier(&inputs, &Context::new()).unwrap();
     let fed = found.iter().find_map(|one| match one.change {
         Change::FeedForward { acceleration_nm_s2_per_rad } => Some(acceleration_nm_s2_per_rad),
         _ => None,
@@ -164,8 +161,9 @@ fn exact_a_filter_is_judged_by_the_demand_before_it() {
     let own: [Own; 1] = ["speed rise below 0.5 s".parse().unwrap()];
     let (plan, demands) = shape("speed-step", &[("height", "20")]);
     let inputs = capability::CanInputs { own: &own, ..bench.inputs(Demand::Plan(&plan, &demands)) };
-    let rise =
-        |filter_hz| can(&capability::CanInputs { filter_hz, ..inputs }, silent()).unwrap().own[0].values.as_slice()[0];
+    let rise = |filter_hz| {
+        can(&capability::CanInputs { filter_hz, ..inputs }, &Context::new()).unwrap().own[0].values.as_slice()[0]
+    };
     // The rise of a first order is 0.35 of the inverse of its corner; that of the loop shortens it with its overshoot.
     let (free, filtered) = (rise(None), rise(Some(0.5)));
     assert!(free < 0.2 && (0.5..0.8).contains(&filtered), "{free} {filtered}");
@@ -177,7 +175,10 @@ fn exact_a_doubt_names_the_number_that_decides() {
     let (plan, demands) = shape("tip-in", &[("to", "160")]);
     let of = |limit_nm: f64| {
         let limits = Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() };
-        can(&capability::CanInputs { limits, samples: 200, ..bench.inputs(Demand::Plan(&plan, &demands)) }, silent())
+        can(
+            &capability::CanInputs { limits, samples: 200, ..bench.inputs(Demand::Plan(&plan, &demands)) },
+            &Context::new(),
+        )
     };
     let free = of(1000.0).unwrap();
     assert!(free.doubts.is_empty());
@@ -196,7 +197,7 @@ fn exact_every_shape_makes_a_plan_that_can_be_predicted() {
     for shape in &shapes::ALL {
         let (plan, demands) = self::shape(shape.name, &[]);
         let verdict =
-            can(&capability::CanInputs { samples: 2, ..bench.inputs(Demand::Plan(&plan, &demands)) }, silent());
+            can(&capability::CanInputs { samples: 2, ..bench.inputs(Demand::Plan(&plan, &demands)) }, &Context::new());
         let verdict = verdict.unwrap_or_else(|error| panic!("{}: {error}", shape.name));
         assert_eq!(verdict.unstable.count, 0, "{}", shape.name);
         assert_eq!(verdict.bands.time_s.len(), 400.min(verdict.nominal.speed_rad_s.len()), "{}", shape.name);
@@ -210,7 +211,7 @@ fn exact_a_sine_at_the_resonance_counts() {
     let plan = ExperimentPlan::sine_t_tn(2500.0, 40.0);
     let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
     let inputs = bench.inputs(Demand::Plan(&plan, &demands));
-    let verdict = can(&inputs, silent()).unwrap();
+    let verdict = can(&inputs, &Context::new()).unwrap();
     let stays = &verdict.limits.iter().find(|one| one.of == LimitOf::TimeAtResonance).unwrap().values;
     let prediction = PredictionInputs {
         plan: &plan,
@@ -230,7 +231,7 @@ fn exact_a_sine_at_the_resonance_counts() {
         samples: inputs.samples,
         seed: inputs.seed,
     };
-    let checked = check(&of_check, silent()).unwrap();
+    let checked = check(&of_check, &Context::new()).unwrap();
     let of_check = checked.checked.iter().find(|one| one.of == Quantity::TimeAtResonance).unwrap();
     assert_eq!(stays.as_slice(), of_check.values);
     assert!(stays.as_slice()[0] >= 2.0, "{stays:?}");
@@ -246,7 +247,7 @@ fn exact_the_drive_heats_by_the_square_of_its_torque() {
     let (plan, demands) = shape("tip-in", &[("to", "150"), ("ramp", "0"), ("start", "2"), ("duration", "12")]);
     let heat = |bench: &crate::support::Bench| {
         let verdict =
-            can(&capability::CanInputs { samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) }, silent());
+            can(&capability::CanInputs { samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) }, &Context::new());
         let verdict = verdict.unwrap();
         verdict.limits.into_iter().find(|one| one.of == LimitOf::DriveHeat)
     };
@@ -274,7 +275,7 @@ fn exact_a_phase_is_that_of_the_linear_model() {
         samples: 2,
         ..bench.inputs(Demand::Plan(&plan, &demands))
     };
-    let verdict = can(&inputs, silent()).unwrap();
+    let verdict = can(&inputs, &Context::new()).unwrap();
     // The demand is held for 10 ms, in which it is late by the steps of the automation system alone.
     let lag = -bench.model.torque_control.unwrap().response(std::f64::consts::TAU * 8.0).arg();
     let found = verdict.own[0].values.quantile(0.5);
@@ -284,7 +285,7 @@ fn exact_a_phase_is_that_of_the_linear_model() {
     // 10 Nm times J_e/(J_d + J_e) at the least, below the resonance of 18 Hz.
     assert!((3.0..10.0).contains(&shaft) && verdict.own[1].kept.count == 2, "{shaft}");
     let none: Vec<Own> = vec!["speed phase at 8 Hz below 90 deg".parse().unwrap()];
-    let error = can(&capability::CanInputs { own: &none, ..inputs }, silent()).unwrap_err().to_string();
+    let error = can(&capability::CanInputs { own: &none, ..inputs }, &Context::new()).unwrap_err().to_string();
     assert!(error.contains("no part at 8 Hz"), "{error}");
 }
 
@@ -296,7 +297,7 @@ fn regress_beyond_the_range_of_the_model_there_is_no_plain_yes() {
     let of = |speed, torque| {
         let validity = Validity { dyno_speed_rad_s: speed, air_gap_torque_nm: torque, frequency_hz: None };
         let inputs = capability::CanInputs { validity, samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) };
-        can(&inputs, silent()).unwrap()
+        can(&inputs, &Context::new()).unwrap()
     };
     assert_eq!(of(None, None).answer, Answer::Yes);
     assert_eq!(of(rpm(1000.0, 2000.0), Some((0.0, 250.0))).answer, Answer::Yes);
@@ -313,7 +314,7 @@ fn regress_beyond_the_range_of_the_model_there_is_no_plain_yes() {
     let limits = Limits { shaft_torque_nm: Some(20.0), ..Limits::default() };
     let validity = Validity { air_gap_torque_nm: Some((6.0, 107.0)), ..Validity::default() };
     let inputs = capability::CanInputs { validity, limits, samples: 3, ..bench.inputs(Demand::Plan(&plan, &demands)) };
-    assert_eq!(can(&inputs, silent()).unwrap().answer, Answer::No);
+    assert_eq!(can(&inputs, &Context::new()).unwrap().answer, Answer::No);
 }
 
 #[test]
@@ -323,7 +324,7 @@ fn regress_what_the_engine_cannot_is_said_of_the_engine() {
         let speeds = vec![1500.0 * units::RPM_RAD_S, rpm * units::RPM_RAD_S, 1500.0 * units::RPM_RAD_S];
         let reference = Reference::of_itself(0.0, speeds, vec![50.0, torque, 50.0]);
         let demand = Demand::Cycle(CycleDemand { reference: &reference, map: Some(&map) });
-        can(&capability::CanInputs { samples: 2, ..bench.inputs(demand) }, silent()).unwrap()
+        can(&capability::CanInputs { samples: 2, ..bench.inputs(demand) }, &Context::new()).unwrap()
     };
     assert!(of(150.0, 2000.0).beyond.is_empty());
     let strong = of(300.0, 2000.0);
@@ -334,7 +335,7 @@ fn regress_what_the_engine_cannot_is_said_of_the_engine() {
     assert!(fast.answer != Answer::Yes && fast.beyond[0].is_of_engine());
     let reference = Reference::of_itself(0.0, vec![-100.0; 3], vec![50.0; 3]);
     let demand = Demand::Cycle(CycleDemand { reference: &reference, map: None });
-    assert!(can(&bench.inputs(demand), silent()).unwrap_err().to_string().contains("turns forwards"));
+    assert!(can(&bench.inputs(demand), &Context::new()).unwrap_err().to_string().contains("turns forwards"));
 }
 
 #[test]
@@ -350,7 +351,7 @@ fn regress_requirements_that_a_test_does_not_show_are_refused() {
         let (plan, demands) = shape(name, &[]);
         let own: [Own; 1] = [requirement.parse().unwrap()];
         let inputs = capability::CanInputs { own: &own, samples: 2, ..bench.inputs(Demand::Plan(&plan, &demands)) };
-        let error = can(&inputs, silent()).unwrap_err().to_string();
+        let error = can(&inputs, &Context::new()).unwrap_err().to_string();
         let signal = requirement.split(" below").next().unwrap();
         assert!(error.contains(signal) && error.contains("its demand"), "{name}: {error}");
     }
@@ -360,7 +361,7 @@ fn regress_requirements_that_a_test_does_not_show_are_refused() {
 fn runs(bench: &crate::support::Bench, demand: Demand<'_>) -> usize {
     let friction = FrictionSpread { coulomb_nm: (0.0, 2.0), viscous_nm_s_per_rad: (0.0, 0.03), ..FrictionSpread::NONE };
     let inputs = capability::CanInputs { samples: 2, friction, ..bench.inputs(demand) };
-    can(&inputs, silent()).unwrap().unstable.count
+    can(&inputs, &Context::new()).unwrap().unstable.count
 }
 
 /// Models that estimates give: ω_d* late or early in the error and in the feed-forward, with delays of parts of a sample.

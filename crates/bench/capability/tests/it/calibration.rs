@@ -94,9 +94,9 @@ fn identified(seed: u64) -> Known {
         recording: Ok(simulate(&truth, plan, seed).unwrap()),
     };
     let sources = plans.iter().zip(2 * seed + 1_000_000..).map(recorded).collect();
-    let recordings = Prepared::of(&file, sources, &mut |_| {});
+    let recordings = Prepared::of(&file, sources, &work::Context::new());
     let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) };
-    let AssembledModel { model, uncertainty, .. } = study::run(campaign, &mut |_| {}).unwrap().model.unwrap();
+    let AssembledModel { model, uncertainty, .. } = study::run(campaign, &work::Context::new()).unwrap().model.unwrap();
     Known { truth, model, uncertainty }
 }
 
@@ -134,7 +134,7 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
         samples: DRAWS,
         seed,
     };
-    let verdict = can(&inputs, &|_, _| {}).unwrap();
+    let verdict = can(&inputs, &work::Context::new()).unwrap();
     let shaft = verdict.limits.iter().find(|one| one.of == LimitOf::ShaftTorque).unwrap();
     // Of another engine run than any that was predicted.
     let peak = reached_nm(&known.truth, seed + 2_000_000, plan);

@@ -150,7 +150,7 @@ fn used_fired(bench: &Bench, of: SineOf, speed: f64, frequency_hz: f64, amplitud
     let demands = Demands::of(&plan, 1, 1e-3);
     let nominal = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
     let inputs = CanInputs { spread: nominal, samples: 1, ..bench.inputs(Demand::Plan(&plan, &demands)) };
-    let verdict = can(&inputs, &|_, _| ()).unwrap();
+    let verdict = can(&inputs, &work::Context::new()).unwrap();
     let use_of = |one: &capability::LimitVerdict| Some(one.values.quantile(0.5) / one.limit?);
     verdict.limits.iter().filter_map(use_of).fold(0.0, f64::max)
 }

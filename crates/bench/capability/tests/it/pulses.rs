@@ -27,7 +27,7 @@ const MOVED: [LimitOf; 7] = [
 fn peaks(bench: &Bench, demand: Demand<'_>) -> [f64; MOVED.len()] {
     let nominal = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
     let inputs = CanInputs { spread: BenchSpread::Prior(nominal), samples: 1, ..bench.inputs(demand) };
-    let verdict = can(&inputs, &|_, _| {}).unwrap();
+    let verdict = can(&inputs, &work::Context::new()).unwrap();
     MOVED.map(|of| verdict.limits.iter().find(|one| one.of == of).unwrap().values.quantile(0.5))
 }
 

@@ -93,7 +93,7 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         samples: DRAWS,
         seed,
     };
-    let verdict = capability::can(&inputs, &|_, _| {}).unwrap();
+    let verdict = capability::can(&inputs, &work::Context::new()).unwrap();
     let asked = &verdict.nominal;
     let of_itself = Reference::of_itself(0.0, asked.speed_demand_rad_s.clone(), asked.torque_demand_nm.clone());
     let reference = Reference { step_s: asked.step_s, ..of_itself };

@@ -20,6 +20,7 @@ use rig::engine_pulses::KnownPulses;
 use rig::experiment::Demands;
 use rig::random::Source;
 use serde::Serialize;
+use work::Context;
 
 pub use checked::Checked;
 pub use course::{AtResonance, largest_change};
@@ -103,11 +104,11 @@ pub enum SafetyError {
     NoSamples,
 }
 
-/// Checks an experiment. `progress` hears from any thread how many runs of how many are done.
+/// Checks an experiment. Its runs are steps of the work.
 ///
 /// # Errors
 /// The nominal bench cannot be predicted, no samples, an uncertainty without possible benches.
-pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<SafetyCheck, SafetyError> {
+pub fn check(inputs: &SafetyInputs<'_>, context: &Context) -> Result<SafetyCheck, SafetyError> {
     if inputs.samples == 0 {
         return Err(SafetyError::NoSamples);
     }
@@ -125,14 +126,14 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
             Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
-    let outcomes = outcomes(&inputs.prediction, &benches, progress)?;
+    let outcomes = outcomes(&inputs.prediction, &benches, context)?;
     let checked = checked(&inputs.prediction, &outcomes);
     let unstable = Proportion::new(outcomes.iter().filter(|outcome| outcome.is_unstable).count(), outcomes.len());
     let any = Proportion::new(
         outcomes.iter().filter(|outcome| is_beyond(&inputs.prediction, outcome)).count(),
         outcomes.len(),
     );
-    let sines = sines::propose(&inputs.prediction, &benches, &outcomes, progress)?;
+    let sines = sines::propose(&inputs.prediction, &benches, &outcomes, context)?;
     Ok(SafetyCheck {
         safety: checked::overall(&checked, any),
         unchecked: checked.iter().filter(|one| one.of.has_limit() && one.limit.is_none()).map(|one| one.of).collect(),

@@ -2,6 +2,7 @@
 
 use bench_model::prediction::{PredictionError, PredictionInputs, predict};
 use numerics::parallel;
+use work::Context;
 
 use super::allowed::allowed_nm;
 use super::quantity::{self, Quantity};
@@ -22,14 +23,14 @@ pub(super) struct Outcome {
 pub(super) fn outcomes(
     inputs: &PredictionInputs<'_>,
     benches: &[Drawn],
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| {
         let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
         let (model, engine, friction) = (&bench.model, &bench.engine, bench.friction);
         outcome(&PredictionInputs { model, engine, friction, firing_seed, ..*inputs })
     };
-    parallel::map_with_progress(benches, run, progress).into_iter().collect()
+    parallel::map_as_step((context, "running the experiment on benches"), benches, run).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -3,6 +3,7 @@
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use rig::experiment::{Demands, ExperimentPlan};
 use serde::Serialize;
+use work::Context;
 
 use super::ladder::Ladder;
 use super::quantity::reaches;
@@ -56,7 +57,7 @@ pub(super) fn propose(
     inputs: &PredictionInputs<'_>,
     benches: &[Drawn],
     outcomes: &[Outcome],
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Option<Proposal>, PredictionError> {
     let Some(ladder) = Ladder::of(inputs.plan) else { return Ok(None) };
     let is_bound = outcomes.iter().all(|outcome| outcome.allowed_nm.iter().all(|allowed| allowed.is_finite()));
@@ -81,7 +82,7 @@ pub(super) fn propose(
     }
     for _ in 0..ROUNDS {
         let Some(demands) = proposal.demands(inputs.plan, inputs.demands) else { break };
-        let lowered = run::outcomes(&PredictionInputs { demands: &demands, ..*inputs }, benches, progress)?;
+        let lowered = run::outcomes(&PredictionInputs { demands: &demands, ..*inputs }, benches, context)?;
         proposal.holds = are_kept(inputs, &lowered);
         if proposal.holds {
             break;

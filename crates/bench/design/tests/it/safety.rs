@@ -82,7 +82,7 @@ impl<'a> Case<'a> {
             samples: self.samples,
             seed: self.seed,
         };
-        check(&inputs, &|_, _| ())
+        check(&inputs, &work::Context::new())
     }
 }
 

@@ -82,7 +82,7 @@ fn of_prediction(plan: &ExperimentPlan) -> Vec<f64> {
         samples: PREDICTED,
         seed: SEED,
     };
-    let checked = check(&inputs, &|_, _| ()).unwrap();
+    let checked = check(&inputs, &work::Context::new()).unwrap();
     let shaft = checked.checked.iter().find(|checked| checked.of == Quantity::ShaftTorque).unwrap();
     REACHED.iter().map(|share| shaft.quantile(1.0 - share)).collect()
 }

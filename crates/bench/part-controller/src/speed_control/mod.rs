@@ -9,6 +9,7 @@ use rig::experiment::Sought;
 use rig::results::{Estimate, FeedForward, Outcome, Validation, write_found};
 use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
 use serde::Serialize;
+use work::Context;
 
 use crate::SpeedControllers;
 use crate::speed_controller::{
@@ -89,17 +90,18 @@ pub struct LimitRecording {
     pub found: Outcome<Limit>,
 }
 
-/// Looks at the speed controller in recordings in speed control; `step` hears of each before its turn comes.
+/// Looks at the speed controller in recordings in speed control. Each is a part of a step of the work.
 ///
 /// PI and delay come from recordings with constant N_d* (BS_T_NT); the controller of the longest of them serves the others:
 /// the feed-forward from those in which N_d* moves (Levels_N_NT, Ramp_N_NT), judged on the next of these, and the limit.
 #[must_use]
-pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + Sync)) -> SpeedControl {
+pub fn speed_control(controllers: &SpeedControllers<'_>, context: &Context) -> SpeedControl {
     let (experiments, torque_limit_nm) = (&controllers.experiments, controllers.torque_limit_nm);
     let held = in_order(Sought::SpeedController, experiments, |_| false);
     let moved = in_order(Sought::FeedForward, experiments, |e| e.label.excitation == Excitation::Speed);
+    let step = context.step("looking at the speed controller", (held.len() + moved.len()) as u64);
     let of_held = |experiment: &&Experiment| {
-        step(&experiment.file);
+        let _part = step.step(format!("looking at the speed controller in {}", experiment.file), 0);
         let found = controllers.fit(experiment).map(|fit| Box::new(controller(experiment, &fit, torque_limit_nm)));
         ControllerRecording { file: experiment.file.clone(), label: experiment.label.clone(), found: found.into() }
     };
@@ -108,7 +110,7 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + 
         return SpeedControl { controllers: found, feed_forward: Vec::new(), limits: Vec::new() };
     };
     let of_moved = |experiment: &&Experiment| {
-        step(&experiment.file);
+        let _part = step.step(format!("looking at the feed-forward in {}", experiment.file), 0);
         let found = controllers.feed_forward(experiment, best).map(|straight| {
             let terms = feed_forward_terms(experiment, (best, straight.lags), torque_limit_nm).into();
             Box::new(FeedForwardFound { straight: straight.as_ref().clone(), terms })

@@ -56,7 +56,8 @@ fn estimate_of(rounds: &[part_controller::speed_controller::Round], term: Term) 
 fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
     let bs =
         Hidden::default().rewrite(&recorded(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 20.0), 3));
-    let found = speed_control(&SpeedControllers::of(&[&bs], bench_file("", &[]).limits.torque_nm), &|_| ());
+    let found =
+        speed_control(&SpeedControllers::of(&[&bs], bench_file("", &[]).limits.torque_nm), &work::Context::new());
     let controller = found.controllers[0].found.estimated().unwrap();
     let discrete = &controller.discrete;
     let [b_0, b_1] = &discrete.coefficients.parameters[..] else { panic!("{discrete:?}") };
@@ -256,13 +257,13 @@ fn options(draws: usize) -> NoiseTestOptions {
 #[test]
 fn exact_the_study_returns_the_controller_without_noise() {
     let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
-    let found = noise_test(&speeds, &options(2), &|_, _| ()).unwrap();
+    let found = noise_test(&speeds, &options(2), &work::Context::new()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise == Noise::None) {
         for summary in &case.summaries {
             assert!((summary.mean / summary.truth - 1.0).abs() < 1e-6, "{:?} {summary:?}", case.estimator);
         }
     }
-    let again = noise_test(&speeds, &options(2), &|_, _| ()).unwrap();
+    let again = noise_test(&speeds, &options(2), &work::Context::new()).unwrap();
     assert_eq!(found, again);
 }
 
@@ -272,7 +273,7 @@ fn exact_the_study_returns_the_controller_without_noise() {
 fn stat_the_study_covers_the_truth_from_t_d_demand() {
     let draws = 40;
     let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
-    let found = noise_test(&speeds, &options(draws), &|_, _| ()).unwrap();
+    let found = noise_test(&speeds, &options(draws), &work::Context::new()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise != Noise::None) {
         for s in &case.summaries {
             println!(
@@ -308,7 +309,10 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
     if all.is_empty() {
         return;
     }
-    let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
+    let found = speed_control(
+        &SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm),
+        &work::Context::new(),
+    );
     assert_eq!(found.controllers.len(), 3);
     for one in &found.controllers {
         let controller = one.found.estimated().unwrap();
@@ -354,7 +358,10 @@ fn ref_bench_b_has_pi_delay_and_straight_feed_forward() {
     if all.is_empty() {
         return;
     }
-    let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
+    let found = speed_control(
+        &SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm),
+        &work::Context::new(),
+    );
     let controller = found.controllers[0].found.estimated().unwrap();
     assert_eq!(controller.structure.estimated().unwrap().found(), [], "{:#?}", controller.structure);
     let agree = found.feed_forward.iter().filter_map(|one| one.found.estimated()).map(|one| {

@@ -18,7 +18,7 @@ fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> (
 }
 
 fn of(experiment: &Experiment, bench: &BenchFile) -> EngineTorque {
-    engine_torque(&Parts::of(&[experiment], bench), &|_| ())
+    engine_torque(&Parts::of(&[experiment], bench), &work::Context::new())
 }
 
 fn centred(mut parameters: BenchParameters) -> BenchParameters {
@@ -210,7 +210,7 @@ fn stat_the_engine_inertia_is_estimated_where_it_can_be_and_else_the_bench_files
     assert_eq!(masses.inertia_from, InertiaSource::BenchFile);
     assert_eq!(masses.values[6], 0.35);
     let (noise, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1500.0, 30.0), 2);
-    let both = engine_torque(&Parts::of(&[&steps, &noise], &wrong), &|_| ());
+    let both = engine_torque(&Parts::of(&[&steps, &noise], &wrong), &work::Context::new());
     let masses = both.masses.estimated().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::Estimated(noise.file.clone()));
     assert!((masses.values[6] - 0.28).abs() < 0.01, "{masses:?}");
@@ -226,6 +226,6 @@ fn exact_what_cannot_be_estimated_is_said() {
         matches!(cycles.needs(), [Reason::FiringsTooFast { needed_hz, rate_hz, .. }] if needed_hz > rate_hz),
         "{cycles:?}"
     );
-    let none = engine_torque(&Parts::of(&[], &default_bench()), &|_| ());
+    let none = engine_torque(&Parts::of(&[], &default_bench()), &work::Context::new());
     assert!(matches!(none.masses.needs(), [Reason::Recording { .. }]) && none.recordings.is_empty());
 }

@@ -12,6 +12,7 @@ use rig::results::{Estimate, Outcome, Part, Quantity, Reason, Shaft};
 use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
+use work::Context;
 
 use crate::Parts;
 use crate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
@@ -40,19 +41,19 @@ pub struct ShaftAnalysis {
     pub together: Option<Together>,
 }
 
-/// Looks at the shaft in every recording that has one; `step` hears of each before its turn comes. Recordings are
-/// looked at on all processors.
+/// Looks at the shaft in every recording that has one, on all processors. Each is a part of a step of the work.
 ///
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
 /// recording that is chosen for it, gate and noise of the encoder those of the chosen speed controller, where there is one.
 #[must_use]
-pub fn shaft_analysis(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> ShaftAnalysis {
+pub fn shaft_analysis(parts: &Parts<'_>, context: &Context) -> ShaftAnalysis {
     // Chosen before the recordings are shared out.
     let _ = (parts.controllers.chosen(), parts.torque_controls.chosen());
     let with_shaft: Vec<&Experiment> =
         parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let step = context.step("looking at the shaft", with_shaft.len() as u64);
     let look = |experiment: &&Experiment| {
-        step(&experiment.file);
+        let _part = step.step(format!("looking at the shaft in {}", experiment.file), 0);
         of_recording(experiment, parts)
     };
     let recordings = parallel::map(&with_shaft, look);

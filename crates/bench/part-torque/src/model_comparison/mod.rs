@@ -22,6 +22,7 @@ use rig::experiment::Sought;
 use rig::results::{Parameter, Reason, ResidualTest, Stretch, Trace};
 use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
 use serde::Serialize;
+use work::Context;
 
 use crate::TorqueControls;
 use crate::torque_control::SecondOrderTest;
@@ -192,7 +193,7 @@ pub enum ModelComparisonError {
 /// Studies the torque control on one recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN,
 /// Step_T_TN) and one that the engine moved (BS_T_NT), the first of each that can be used; either may be missing.
 ///
-/// Needs T_d* and T_d,calc. `step` hears of what is being done, and how much of it (0…1).
+/// Needs T_d* and T_d,calc. Each recording is a part of a step of the work.
 ///
 /// # Errors
 /// No such recording, or none that can be used.
@@ -202,7 +203,7 @@ pub enum ModelComparisonError {
 pub fn compare_models(
     controls: &TorqueControls<'_>,
     orders: OrdersTried,
-    step: &mut dyn FnMut(&str, f64),
+    context: &Context,
 ) -> Result<ModelComparison, ModelComparisonError> {
     let limit = controls.torque_limit_nm;
     let (mut records, mut unusable, mut first) = (Vec::new(), Vec::new(), None);
@@ -228,11 +229,8 @@ pub fn compare_models(
             None => ModelComparisonError::NoRecording,
         });
     }
-    let parts = records.len() as f64;
-    let studied = |(n, record): (usize, &Record)| {
-        studied(record, orders, &mut |done| step(&record.file, (n as f64 + done) / parts))
-    };
-    let recordings: Vec<ComparedRecording> = records.iter().enumerate().map(studied).collect();
+    let step = context.step("trying orders", records.len() as u64);
+    let recordings: Vec<ComparedRecording> = records.iter().map(|record| studied(record, orders, &step)).collect();
     let (mut judgements, mut shown) = (Vec::new(), Vec::new());
     for record in &records {
         let responses = responses(record, &records, &recordings);
@@ -244,8 +242,8 @@ pub fn compare_models(
     Ok(ModelComparison { recordings, judgements, shown, visibility, unusable })
 }
 
-fn studied(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> ComparedRecording {
-    let scanned = scan::scan(record, orders, done);
+fn studied(record: &Record, orders: OrdersTried, context: &Context) -> ComparedRecording {
+    let scanned = scan::scan(record, orders, context);
     let result = &record.control.result;
     let bar = record.one_sample_late();
     let fit = |range: std::ops::Range<usize>| {

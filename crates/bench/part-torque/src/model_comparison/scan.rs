@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use numerics::parallel;
+use work::Context;
 
 use super::black_box::{Family, Scanned, Structure};
 use super::orders::{Input, OrdersTried};
@@ -17,17 +18,14 @@ const BATCH: usize = 16;
 /// So many output-error models of each input are searched for once more: of the best by fit and of the best by criterion.
 const BEST: usize = 2;
 
-/// Every structure that the data determine; `done` hears what part of the work is done (0…1).
-pub(super) fn scan(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> Vec<Scanned> {
+/// Every structure that the data determine; each is a part of a step of the work.
+pub(super) fn scan(record: &Record, orders: OrdersTried, context: &Context) -> Vec<Scanned> {
     let families = [Family::Arx, Family::OutputError];
     let pairs = families.into_iter().flat_map(|family| [Input::Demand, Input::Error].map(|input| (family, input)));
     let all: Vec<Structure> = pairs.flat_map(|pair| Structure::all(pair, orders)).collect();
     let mut scan = Scan { record, known: HashMap::new() };
-    let mut count = 0.0;
-    let mut advance = |structures: usize| {
-        count += structures as f64;
-        done(f64::min(count / all.len() as f64, 1.0));
-    };
+    let step = context.step(format!("trying orders on {}", record.file), all.len() as u64);
+    let mut advance = |structures: usize| step.advance(structures as u64);
     for stage in stages(&all).into_values() {
         scan.search(&stage, Scan::starts, &mut advance);
     }

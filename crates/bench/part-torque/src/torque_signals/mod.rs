@@ -13,6 +13,7 @@ use rig::prepare::believable;
 use rig::results::{Outcome, Parameter, Reason, SignalDelay, write_found, write_if_sought};
 use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use serde::Serialize;
+use work::Context;
 
 use crate::TorqueControls;
 use crate::timing::{self, ShaftFilter};
@@ -77,10 +78,11 @@ impl TorqueSignals {
 pub fn torque_signals(
     (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
     bench: &BenchFile,
-    step: &(dyn Fn(&str) + Sync),
+    context: &Context,
 ) -> TorqueSignals {
+    let step = context.step("looking at the torques", torque_controls.experiments.len() as u64);
     let look = |experiment: &&Experiment| {
-        step(&experiment.file);
+        let _part = step.step(format!("looking at the torques of {}", experiment.file), 0);
         of_recording(experiment, (controllers, torque_controls), bench)
     };
     // Chosen before the recordings are shared out.

@@ -20,7 +20,8 @@ use bench_testkit::torque_bench::{Noise, TRUTH, Truth, experiment, white_demand,
 const FEW: OrdersTried = OrdersTried { highest: 2, longest_delay: 1 };
 
 fn of(experiments: &[&Experiment], orders: OrdersTried) -> ModelComparison {
-    compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), orders, &mut |_, _| {}).unwrap()
+    compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), orders, &work::Context::new())
+        .unwrap()
 }
 
 fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Experiment {
@@ -248,7 +249,7 @@ fn exact_visibility_scales_with_demand_and_grows_with_the_rate() {
 #[test]
 fn regress_recordings_that_show_nothing_are_named() {
     let refused = |experiments: &[&Experiment]| {
-        compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), FEW, &mut |_, _| {})
+        compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), FEW, &work::Context::new())
     };
     assert!(matches!(refused(&[]), Err(ModelComparisonError::NoRecording)));
     let mut without = white_noise(TRUTH, 1);

@@ -29,7 +29,7 @@ fn of_all(experiments: &[&Experiment]) -> TorqueSignals {
     let bench = default_bench();
     let limit = bench.limits.torque_nm;
     let parts = (&SpeedControllers::of(experiments, limit), &TorqueControls::of(experiments, limit));
-    torque_signals(parts, &bench, &|_| ())
+    torque_signals(parts, &bench, &work::Context::new())
 }
 
 /// Root mean square error of smoother and filter, and how often the smoother's 95 % band holds the truth, without the ends.
@@ -368,6 +368,7 @@ fn regress_a_torque_of_the_wrong_sign_tells_no_delay_and_no_shaft_torque() {
     let delays = recording.delays.estimated().unwrap();
     assert!(delays.iter().all(|delay| delay.role != Role::AirGapTorque), "{delays:?}");
     assert!(signals.trust.is_none());
-    let engine = part_engine::engine_torque(&part_shaft::Parts::of(&[&experiment], &default_bench()), &|_| ());
+    let engine =
+        part_engine::engine_torque(&part_shaft::Parts::of(&[&experiment], &default_bench()), &work::Context::new());
     assert_eq!(engine.masses, Outcome::because(wrong));
 }

@@ -67,9 +67,10 @@ fn study_of(brought: &Brought) -> Option<Study> {
         sha256: format!("hash of {file}"),
         recording: Ok(recording.clone()),
     };
-    let recordings = Prepared::of(&brought.bench, brought.recordings.iter().map(source).collect(), &mut |_| {});
+    let recordings =
+        Prepared::of(&brought.bench, brought.recordings.iter().map(source).collect(), &::work::Context::new());
     let campaign = Campaign { bench: &brought.bench, bench_file: ("bench.toml", "as written"), recordings, seed: None };
-    run(campaign, &mut |_| {}).ok()
+    run(campaign, &::work::Context::new()).ok()
 }
 
 fn truth(quantity: Quantity) -> Option<f64> {

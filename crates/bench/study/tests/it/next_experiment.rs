@@ -16,7 +16,7 @@ const DURATION_S: f64 = 16.0;
 
 fn asked(bench: &BenchFile, sources: Vec<Source>) -> Result<NextExperiments, NextError> {
     let options = NextOptions { duration_s: DURATION_S, enough: 0.002, ..NextOptions::default() };
-    next_experiments(bench, Prepared::of(bench, sources, &mut |_| {}), options, &|_, _| {})
+    next_experiments(bench, Prepared::of(bench, sources, &work::Context::new()), options, &work::Context::new())
 }
 
 /// Recordings of a bench that no bench file tells all of: its clocks are apart and its speeds noisy.

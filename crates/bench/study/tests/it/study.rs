@@ -19,11 +19,11 @@ use bench_testkit::recordings::BENCH_A;
 const RUNS: u64 = 40;
 
 pub(crate) fn studied(bench: &BenchFile, sources: Vec<Source>) -> Study {
-    run(campaign(bench, sources), &mut |_| {}).unwrap()
+    run(campaign(bench, sources), &work::Context::new()).unwrap()
 }
 
 fn campaign(bench: &BenchFile, sources: Vec<Source>) -> Campaign<'_> {
-    let recordings = Prepared::of(bench, sources, &mut |_| {});
+    let recordings = Prepared::of(bench, sources, &work::Context::new());
     Campaign { bench, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) }
 }
 
@@ -345,12 +345,12 @@ fn exact_what_cannot_be_used_is_said_and_the_rest_is_studied() {
     assert_eq!(finding_of("tuesday.mf4"), Finding::NoLabel);
     assert_eq!(study.recordings.len(), 4);
     assert!(study.speed_controller.estimated().is_some());
-    let nothing = run(campaign(&default_bench(), vec![unreadable()]), &mut |_| {});
+    let nothing = run(campaign(&default_bench(), vec![unreadable()]), &work::Context::new());
     assert!(matches!(nothing, Err(StudyError::NothingUsable { count: 1, .. })));
-    let none = run(campaign(&default_bench(), Vec::new()), &mut |_| {});
+    let none = run(campaign(&default_bench(), Vec::new()), &work::Context::new());
     assert_eq!(none.err(), Some(StudyError::NoRecordings));
     let nameless = BenchFile { channels: BTreeMap::new(), ..default_bench() };
-    let none = run(campaign(&nameless, vec![unreadable()]), &mut |_| {});
+    let none = run(campaign(&nameless, vec![unreadable()]), &work::Context::new());
     assert_eq!(none.err(), Some(StudyError::NoChannels));
 }
 

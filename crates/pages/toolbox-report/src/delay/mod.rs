@@ -11,6 +11,7 @@ use ident::{Dataset, Experiment, IdentError};
 use page::decimal::significant;
 use page::{Align, Block, Page, Table, Tone};
 use serde_json::{Value, json};
+use work::Context;
 
 use crate::blocks::{finding, line};
 use level::DATED;
@@ -45,38 +46,29 @@ pub struct Delays {
 }
 
 impl Delays {
-    /// Delays of up to `longest` samples; `step` hears what is done next. Those of long data come from the part in which the
+    /// Delays of up to `longest` samples; Comparison and models are steps of the work. Those of long data come from the part in which the
     /// inputs vary most, unless it leaves one open or more data would sharpen it.
     ///
     /// # Errors
     /// Where the data are too short.
-    pub fn of(
-        data: Dataset,
-        known: &Known<'_>,
-        longest: usize,
-        step: impl Fn(&'static str),
-    ) -> Result<Self, IdentError> {
+    pub fn of(data: Dataset, known: &Known<'_>, longest: usize, context: &Context) -> Result<Self, IdentError> {
         let dating = dating(known.adjustments, data.sample_time_s());
         for samples in excerpt::PARTS {
             if let Some(part) = excerpt::liveliest(&data, samples)?
-                && let Ok(found) = Self::of_all(part, known, longest, &step)
+                && let Ok(found) = Self::of_all(part, known, longest, context)
                 && let Some(gain) = found.modelled.could_shrink_by(dating).filter(|gain| *gain < WORTHWHILE)
             {
                 return Ok(Delays { part_of: Some((data.samples(), gain)), ..found });
             }
         }
-        Self::of_all(data, known, longest, step)
+        Self::of_all(data, known, longest, context)
     }
 
-    fn of_all(
-        data: Dataset,
-        known: &Known<'_>,
-        longest: usize,
-        step: impl Fn(&'static str),
-    ) -> Result<Self, IdentError> {
-        step("comparing delays");
+    fn of_all(data: Dataset, known: &Known<'_>, longest: usize, context: &Context) -> Result<Self, IdentError> {
+        let comparing = context.step("comparing delays", 0);
         let others = Others::of(&data, known.spacing, longest)?;
-        step("fitting models with a delay");
+        drop(comparing);
+        let _step = context.step("fitting models with a delay", 0);
         let dating = dating(known.adjustments, data.sample_time_s());
         let options = ModelledDelay { longest, dating, level: LEVEL };
         let modelled = Modelled::of(&options, (&data, known.adjustments), &others, known.between_is_given);

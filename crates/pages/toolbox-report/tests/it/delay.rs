@@ -17,7 +17,7 @@ fn signals() -> (Vec<f64>, Vec<f64>) {
 
 fn found(u: &[f64], y: &[f64]) -> Value {
     let known = Known { adjustments: &[], spacing: Some(1), clock_is_given: false, between_is_given: true };
-    Delays::of(Dataset::siso(STEP_S, u, y).unwrap(), &known, 30, |_| {}).unwrap().json()
+    Delays::of(Dataset::siso(STEP_S, u, y).unwrap(), &known, 30, &work::Context::new()).unwrap().json()
 }
 
 fn is_of_a_part(found: &Value) -> bool {

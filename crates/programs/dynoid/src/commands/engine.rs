@@ -18,13 +18,8 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let progress = terminal.progress(experiments.len() as u64);
-    progress.say("estimating the shaft");
-    let found = engine_torque(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|file| {
-        progress.say(&format!("rebuilding the engine torque of {file}"));
-        progress.step();
-    });
-    drop(progress);
+    let all: Vec<_> = experiments.iter().collect();
+    let found = engine_torque(&Parts::of(&all, &bench), terminal.work());
     if let Some(out) = &arguments.out {
         write(&found, out, terminal)?;
     }

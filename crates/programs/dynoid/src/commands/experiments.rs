@@ -52,11 +52,11 @@ pub(super) fn each(
         false => input::named(&given.recordings)?,
     };
     check_plot(result)?;
-    let progress = terminal.progress(files.len() as u64);
+    let step = terminal.work().step(doing, files.len() as u64);
     let (mut refused, mut doubts) = (Vec::new(), Vec::new());
     for file in &files {
-        progress.say(&format!("{doing} {}", file.name));
-        match experiment_of(&bench, &input::read_source(file, &bench)?) {
+        let part = step.step(format!("{doing} {}", file.name), 0);
+        match experiment_of(&bench, &input::read_source(file, &bench, &part)?) {
             Ok((experiment, diagnostics)) => {
                 let worth_knowing = diagnostics.iter().filter(|d| d.severity >= Severity::Warning);
                 doubts.extend(worth_knowing.map(wording::remark));
@@ -68,9 +68,8 @@ pub(super) fn each(
                 refused.push(worst.map_or_else(nothing, wording::remark));
             }
         }
-        progress.step();
     }
-    drop(progress);
+    drop(step);
     refused.iter().chain(&doubts).for_each(|reason| terminal.warning(reason));
     Ok(refused)
 }

@@ -72,18 +72,17 @@ fn check_place(out: &Path, force: bool) -> Result<Option<Mark>, CliError> {
 
 /// Every recording that can be decoded; of the others a warning says why not.
 fn decode_all(files: &[InputFile], terminal: &mut Terminal) -> Result<Vec<(InputFile, Recording)>, CliError> {
-    let progress = terminal.progress(files.len() as u64);
+    let step = terminal.work().step("reading", files.len() as u64);
     let mut recordings = Vec::new();
     let mut faults = Vec::new();
     for file in files {
-        progress.say(&format!("reading {}", file.name));
-        match input::decode(file, &Selection::All)? {
+        let reading = step.step(format!("reading {}", file.name), 0);
+        match input::decode(file, &Selection::All, &reading)? {
             Ok(recording) => recordings.push((file.clone(), recording)),
             Err(error) => faults.push(error.to_string()),
         }
-        progress.step();
     }
-    drop(progress);
+    drop(step);
     for fault in faults {
         terminal.warning(&fault);
     }

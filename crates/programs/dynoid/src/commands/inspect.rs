@@ -52,9 +52,8 @@ fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> 
         let catalogue = input::catalogue(file)?;
         return Ok(Shown::Listing(Listing::of(&file.name, label(&file.name), &catalogue, &input::extras(file)?)));
     }
-    let progress = terminal.long(&format!("reading {}", file.name));
-    let at = |done: u64, all: u64| progress.at(done, all);
-    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &at);
+    let step = terminal.work().step(format!("reading {}", file.name), 0);
+    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &step);
     let Read { recording, .. } = read.map_err(|error| match error {
         // There is no option for it here.
         CliError::Recording { source, .. } => CliError::Recording { source, untimed: false },

@@ -12,12 +12,8 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let progress = terminal.progress(experiments.len() as u64);
-    let study = shaft_analysis(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|file| {
-        progress.say(&format!("looking at the shaft in {file}"));
-        progress.step();
-    });
-    drop(progress);
+    let all: Vec<_> = experiments.iter().collect();
+    let study = shaft_analysis(&Parts::of(&all, &bench), terminal.work());
     let page = || report::pages::shaft(&study);
     let json = || json!({"recordings": study.recordings, "together": study.together, "refused": refused});
     show(&arguments.result, page, json, terminal)?;

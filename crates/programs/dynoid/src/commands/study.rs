@@ -10,7 +10,8 @@ use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
 use rig::bench_file::ReportIdentity;
 use rig::{BenchFile, Severity};
-use study::{Analyses, Campaign, Prepared, Progress as StudyProgress, Study, StudyError};
+use study::{Analyses, Campaign, Prepared, Study, StudyError};
+use work::Context;
 
 use super::bench_model::{Kind, MODEL};
 use crate::cli::bench::{PaperSize, StudyArguments};
@@ -22,7 +23,7 @@ use crate::mark::Mark;
 use crate::output::{OutputFolder, check_replaceable};
 use crate::paths;
 use crate::summary::{self, Earlier, Written};
-use crate::terminal::{Progress, Terminal};
+use crate::terminal::Terminal;
 use crate::this_run;
 
 pub(crate) const REPORT: &str = "report.html";
@@ -40,9 +41,6 @@ pub(crate) const SERIES: &str = "study-series.parquet";
 pub(crate) const SERIES: &str = "study-series.mf4";
 /// The results of one study, of which none may be older than another. Full reports take minutes, and stay until the next one.
 const RESULTS: [&str; 6] = [DATA, REPORT, SERIES, MODEL, REPORT_PDF, SUMMARY_PDF];
-/// Parts that are estimated, and replays there usually are: steps of the progress display.
-const PARTS: u64 = 6;
-const REPLAYS: u64 = 4;
 
 /// How much a report holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,14 +104,14 @@ pub(crate) fn study(
     check_results(out, wanted)?;
     let earlier = earlier_model(&out.join(MODEL), terminal);
     let logo = logo(bench, &file)?;
-    let analyses = if wanted.extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
-    let progress = terminal.progress(PARTS + REPLAYS + analyses);
-    let recordings = read_recordings(bench, &file, &progress)?;
+    // Reading, studying, analysing, and writing.
+    let step = terminal.work().step("study", if wanted.extent == Extent::Full { 4 } else { 3 });
+    let recordings = read_recordings(bench, &file, &step)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed };
     let origin = origin(&text);
-    let (study, analyses) = studied(campaign, wanted.extent, &progress).map_err(|error| no_study(bench, error))?;
-    progress.say("writing the report");
+    let (study, analyses) = studied(campaign, wanted.extent, &step).map_err(|error| no_study(bench, error))?;
+    let writing = step.step("writing the report", 0);
     let pages = Pages::of((&study, &origin), analyses.as_ref(), logo.as_ref(), wanted);
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
@@ -131,7 +129,7 @@ pub(crate) fn study(
     let is_of_earlier = |name: &&str| path(name).is_none() && out.join(name).is_file();
     let of_earlier =
         [FULL_REPORT, FULL_REPORT_PDF].into_iter().filter(is_of_earlier).map(|name| out.join(name)).collect();
-    drop(progress);
+    drop((writing, step));
     if let Some((file, page)) = pages.on_paper(wanted) {
         super::result::warn_without_glyph(file, page, terminal)?;
     }
@@ -151,11 +149,11 @@ pub(crate) fn study(
 /// The bench model of the recordings that a bench file lists; nothing is written.
 pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
     let (file, text) = read_bench(bench)?;
-    let progress = terminal.progress(PARTS + REPLAYS);
-    let recordings = read_recordings(bench, &file, &progress)?;
+    let step = terminal.work().step("study", 2);
+    let recordings = read_recordings(bench, &file, &step)?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed: None };
-    let study = study::run(campaign, &mut |step| show(&progress, &step)).map_err(|error| no_study(bench, error))?;
+    let study = study::run(campaign, &step).map_err(|error| no_study(bench, error))?;
     document(&study, &text).ok_or_else(|| CliError::NoModelOfBench { path: bench.to_owned() })
 }
 
@@ -194,38 +192,31 @@ fn earlier_model(path: &Path, terminal: &mut Terminal) -> Option<BenchModelDocum
     read.ok()
 }
 
-/// The recordings that a bench file lists, read and prepared: two steps each. As many are decoded at a time as are prepared at once.
+/// The recordings that a bench file lists, read and prepared, which are a step of the work with two parts each. As many are decoded at a time as are prepared at once.
 pub(in crate::commands) fn read_recordings(
     bench: &Path,
     file: &BenchFile,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Prepared, CliError> {
     let files = input::listed(bench, &file.recordings.files)?;
-    progress.more(2 * files.len() as u64);
+    let step = context.step("reading", 2 * files.len() as u64);
     let mut prepared = Prepared::default();
     let read = |input: &input::InputFile| {
-        progress.say(&format!("reading {}", input.name));
-        let source = input::read_source(input, file);
-        progress.step();
-        source
+        let reading = step.step(format!("reading {}", input.name), 0);
+        input::read_source(input, file, &reading)
     };
     for some in files.chunks(current_num_threads()) {
         let sources = some.iter().map(read).collect::<Result<_, _>>()?;
-        prepared.add(file, sources, &mut |step| show(progress, &step));
+        prepared.add(file, sources, &step);
     }
     Ok(prepared)
 }
 
 /// The study, and all analyses where they are wanted.
-fn studied(
-    campaign: Campaign<'_>,
-    extent: Extent,
-    progress: &Progress,
-) -> Result<(Study, Option<Analyses>), StudyError> {
-    let mut step = |step| show(progress, &step);
+fn studied(campaign: Campaign<'_>, extent: Extent, context: &Context) -> Result<(Study, Option<Analyses>), StudyError> {
     match extent {
-        Extent::Model => Ok((study::run(campaign, &mut step)?, None)),
-        Extent::Full => study::run_full(campaign, &mut step).map(|(study, analyses)| (study, Some(analyses))),
+        Extent::Model => Ok((study::run(campaign, context)?, None)),
+        Extent::Full => study::run_full(campaign, context).map(|(study, analyses)| (study, Some(analyses))),
     }
 }
 
@@ -321,16 +312,6 @@ pub(crate) fn bench_text(bench: &Path) -> Result<String, CliError> {
         return Err(CliError::IsFolder { path: bench.to_owned(), remedy });
     }
     input::read_text(bench, "a bench file such as `dynoid init` writes")
-}
-
-fn show(progress: &Progress, step: &StudyProgress) {
-    match step {
-        StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
-        StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(*part))),
-        StudyProgress::Replaying { file } => progress.say(&format!("replaying {file}")),
-        StudyProgress::Analysing { what } => progress.say(&format!("analysing: {what}")),
-    }
-    progress.step();
 }
 
 pub(in crate::commands) fn no_study(bench: &Path, error: StudyError) -> CliError {

@@ -11,9 +11,6 @@ use crate::cli::torque_control::TorqueControlArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
-/// Steps of the progress.
-const STEPS: u64 = 100;
-
 pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
@@ -35,15 +32,7 @@ fn studied(
     orders: OrdersTried,
     terminal: &Terminal,
 ) -> Result<ModelComparison, CliError> {
-    let progress = terminal.progress(STEPS);
-    let mut done = 0;
-    let mut shown = |file: &str, share: f64| {
-        progress.say(&format!("trying orders on {file}"));
-        let now = (share * STEPS as f64) as u64;
-        (done..now.min(STEPS)).for_each(|_| progress.step());
-        done = done.max(now);
-    };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut shown)
+    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, terminal.work())
         .map_err(|source| CliError::TorqueControl { source })
 }

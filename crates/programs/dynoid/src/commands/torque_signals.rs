@@ -19,15 +19,10 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let progress = terminal.progress(experiments.len() as u64);
     let all: Vec<&Experiment> = experiments.iter().collect();
     let limit = bench.limits.torque_nm;
     let parts = (&SpeedControllers::of(&all, limit), &TorqueControls::of(&all, limit));
-    let signals = torque_signals(parts, &bench, &|file| {
-        progress.say(&format!("looking at the torques of {file}"));
-        progress.step();
-    });
-    drop(progress);
+    let signals = torque_signals(parts, &bench, terminal.work());
     if let Some(out) = &arguments.out {
         write(&signals, out, terminal)?;
     }

@@ -106,7 +106,7 @@ fn use_of(document: &BenchModelDocument) {
     let pulses = &document.engine_pulses.clone().map_or(KnownPulses::Stated, KnownPulses::Estimated);
     let inputs =
         SafetyInputs { prediction, spread, pulses, friction, slowest_engine_control: 1.0, samples: 3, seed: 1 };
-    let _ = check(&inputs, &|_, _| {});
+    let _ = check(&inputs, &work::Context::new());
 }
 
 /// Every number at these places takes these values; returns how many files were read.

@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 
+use work::Context;
+
 use crate::conversion::{Conversion, Yields};
 use crate::error::damaged;
 use crate::field::is_integer;
@@ -62,8 +64,8 @@ impl Wanted<'_> {
 impl<S: Source> Mdf<S> {
     /// Reads the samples of channels, conversion applied, one answer for each address.
     ///
-    /// Only the data of their groups are read, each stream once, whatever the order of addresses. `progress` gets the
-    /// bytes of samples done and in all, from any thread.
+    /// Only the data of their groups are read, each stream once, whatever the order of addresses. `context` is the
+    /// step of reading; its parts are bytes of samples.
     ///
     /// # Errors
     ///
@@ -74,11 +76,11 @@ impl<S: Source> Mdf<S> {
     /// ```no_run
     /// let file = mdf::Mdf::open(std::fs::File::open("run.mf4")?)?;
     /// let first = mdf::Address { group: 0, channel: 1 };
-    /// let samples = file.read(&[first], &|_, _| {})?;
+    /// let samples = file.read(&[first], &work::Context::new())?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn read(&self, addresses: &[Address], progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Vec<Values>, MdfError> {
-        self.read_as(addresses, false, progress)
+    pub fn read(&self, addresses: &[Address], context: &Context) -> Result<Vec<Values>, MdfError> {
+        self.read_as(addresses, false, context)
     }
 
     /// Reads as [`Mdf::read`] does, without applying conversions: the numbers and texts as they are stored.
@@ -86,20 +88,11 @@ impl<S: Source> Mdf<S> {
     /// # Errors
     ///
     /// As [`Mdf::read`].
-    pub fn read_raw(
-        &self,
-        addresses: &[Address],
-        progress: &(dyn Fn(u64, u64) + Sync),
-    ) -> Result<Vec<Values>, MdfError> {
-        self.read_as(addresses, true, progress)
+    pub fn read_raw(&self, addresses: &[Address], context: &Context) -> Result<Vec<Values>, MdfError> {
+        self.read_as(addresses, true, context)
     }
 
-    fn read_as(
-        &self,
-        addresses: &[Address],
-        raw: bool,
-        tell: &(dyn Fn(u64, u64) + Sync),
-    ) -> Result<Vec<Values>, MdfError> {
+    fn read_as(&self, addresses: &[Address], raw: bool, context: &Context) -> Result<Vec<Values>, MdfError> {
         // Data group, group, channels.
         let mut wanted: BTreeMap<usize, BTreeMap<usize, Vec<Wanted<'_>>>> = BTreeMap::new();
         for (answer, address) in addresses.iter().enumerate() {
@@ -112,7 +105,7 @@ impl<S: Source> Mdf<S> {
             groups.entry(address.group).or_default().push(Wanted { answer, channel, raw, rounds: Arc::default() });
         }
         let total = wanted.keys().map(|&data| self.parts.data[data].stream.length).sum();
-        let mut progress = Progress { tell, before: 0, total };
+        let mut progress = Progress { context, before: 0, total };
         let mut answers: Vec<Option<Values>> = vec![None; addresses.len()];
         for (data, groups) in wanted {
             for (answer, values) in self.read_data(data, &groups, &progress)? {
@@ -214,7 +207,7 @@ impl<S: Source> Mdf<S> {
         let data = info.records.data;
         let counts = self.parts.data[data].counts.get_or_init(|| {
             let mut members = self.members(data, None);
-            let progress = Progress { tell: &|_, _| {}, before: 0, total: 0 };
+            let progress = Progress { context: &Context::new(), before: 0, total: 0 };
             mixed::read(&self.source, &self.parts.data[data].stream, self.framing(data), &mut members, &progress)?;
             Ok(members.iter().map(|m| m.rows).collect())
         });

@@ -1,5 +1,7 @@
 //! The records of a group, and the report of how far they were read.
 
+use work::Context;
+
 use super::column::Block;
 use crate::MdfError;
 use crate::error::damaged;
@@ -8,14 +10,14 @@ use crate::stream::{Stream, View};
 
 /// Reports how far reading has come: bytes of samples done, and in all.
 pub(crate) struct Progress<'a> {
-    pub(crate) tell: &'a (dyn Fn(u64, u64) + Sync),
+    pub(crate) context: &'a Context,
     pub(crate) before: u64,
     pub(crate) total: u64,
 }
 
 impl Progress<'_> {
     pub(super) fn report(&self, done: u64) {
-        (self.tell)(self.before + done, self.total);
+        self.context.reach(self.before + done, self.total);
     }
 }
 

@@ -10,6 +10,7 @@ use std::process::Command;
 
 use mdf::{Address, Kind, Mdf, Values};
 use testdata::{python, shared};
+use work::Context;
 
 use crate::features::{LZ4, ZSTANDARD, mixed, one_packed};
 use crate::made::{Cn, cn, one_group};
@@ -163,7 +164,7 @@ fn differences(dump: &[u8], of_others: bool) -> Vec<String> {
         };
         if expected.kind == b'M' {
             if let Some(master) = group.master {
-                let values = file.read(&[master.address], &|_, _| {});
+                let values = file.read(&[master.address], &Context::new());
                 match values.map_err(|e| e.to_string()).and_then(|v| compare_values(&v[0], &expected)) {
                     Ok(()) => clocks += 1,
                     Err(e) => fail(format!("clock: {e}")),
@@ -189,7 +190,7 @@ fn differences(dump: &[u8], of_others: bool) -> Vec<String> {
             }
         } else {
             let known = DIFFERS.iter().any(|(f, c)| path.contains(f) && expected.name.starts_with(c));
-            let values = file.read(&[address], &|_, _| {}).map_err(|e| e.to_string());
+            let values = file.read(&[address], &Context::new()).map_err(|e| e.to_string());
             let values = values.map(|v| if known && v[0].len() == expected.count { vec![] } else { v });
             match values.and_then(|v| v.iter().try_for_each(|v| compare_values(v, &expected))) {
                 Ok(()) => samples += if known { 0 } else { expected.count },

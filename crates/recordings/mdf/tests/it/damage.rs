@@ -3,6 +3,7 @@
 use mdf::{Address, Mdf, MdfError};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use work::Context;
 
 use crate::features::{LZ4, ZSTANDARD, deflated, one_packed, stored};
 use crate::made::{Cg, Cn, Made, cn, one_group, time};
@@ -23,7 +24,7 @@ fn exercise(bytes: &[u8]) {
             if info.at_most.saturating_mul(16) > 1 << 22 {
                 continue;
             }
-            let values = file.read(&[Address { group, channel }], &|_, _| {});
+            let values = file.read(&[Address { group, channel }], &Context::new());
             assert!(values.is_err() || about.obstacle.is_none());
             if let (Ok(values), Some(found)) = (values, info.found) {
                 assert_eq!(values[0].len() as u64, found);
@@ -140,7 +141,7 @@ fn regress_announced_sizes_are_not_believed() {
     // The data hold less than they announce.
     let file = bomb(64_000, 64);
     let file = Mdf::open(&file[..]).unwrap();
-    let error = file.read(&[Address { group: 0, channel: 0 }], &|_, _| {}).unwrap_err();
+    let error = file.read(&[Address { group: 0, channel: 0 }], &Context::new()).unwrap_err();
     assert!(matches!(error, MdfError::Damaged { .. }), "{error}");
 }
 
@@ -155,5 +156,5 @@ fn regress_values_that_lie_upon_each_other_are_refused() {
     let first = made.data_group(group, data, 0);
     let bytes = made.finish(first);
     let file = Mdf::open(&bytes[..]).unwrap();
-    assert!(file.read(&[Address { group: 0, channel: 0 }], &|_, _| {}).is_err());
+    assert!(file.read(&[Address { group: 0, channel: 0 }], &Context::new()).is_err());
 }

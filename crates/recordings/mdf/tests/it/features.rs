@@ -1,6 +1,7 @@
 //! Features of the format, each in a file put together for it.
 
 use mdf::{Address, Finding, Kind, Master, Mdf, Quantity, Source, Values};
+use work::Context;
 
 use crate::made::{Cg, Cn, Made, cn, numbers, one_group, read, texts, time};
 
@@ -305,7 +306,7 @@ fn exact_sums_of_deflated_data_are_compared() {
     // Of transposed records the first channel alone comes before what is damaged.
     for (code, channel) in [(0, 1), (1, 1), (1, 0)] {
         let made = one_packed(code, &packed);
-        let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel }], &|_, _| {});
+        let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel }], &Context::new());
         assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
     }
 }
@@ -324,7 +325,7 @@ fn exact_sizes_of_deflated_data_are_compared() {
     for (size, says) in [(119, "120 bytes are announced, the packed data hold 119"), (121, "more than the 120 bytes")] {
         let made = one_packed(0, &deflated(&vec![7; size]));
         let file = Mdf::open(&made[..]).unwrap();
-        let error = file.read(&[Address { group: 0, channel: 1 }], &|_, _| {}).unwrap_err().to_string();
+        let error = file.read(&[Address { group: 0, channel: 1 }], &Context::new()).unwrap_err().to_string();
         assert!(error.contains(says), "{error}");
     }
 }
@@ -341,7 +342,7 @@ fn exact_sums_and_sizes_of_zstandard_are_compared() {
     let read = |packed: &[u8]| {
         let made = one_packed(2, packed);
         let file = Mdf::open(&made[..])?;
-        file.read(&[Address { group: 0, channel: 0 }, Address { group: 0, channel: 1 }], &|_, _| {})
+        file.read(&[Address { group: 0, channel: 0 }, Address { group: 0, channel: 1 }], &Context::new())
     };
     assert_eq!(read(&packed).unwrap(), read(ZSTANDARD).unwrap());
     let last = packed.len() - 1;
@@ -367,7 +368,7 @@ fn exact_blocks_of_every_compression() {
         for length in 0..bytes.len() - 8 {
             let cut = one_packed(code, &bytes[..length]);
             if let Ok(cut) = Mdf::open(&cut[..]) {
-                assert!(cut.read(&[Address { group: 0, channel: 1 }], &|_, _| {}).is_err(), "{code} {length}");
+                assert!(cut.read(&[Address { group: 0, channel: 1 }], &Context::new()).is_err(), "{code} {length}");
             }
         }
     }
@@ -390,7 +391,7 @@ fn exact_clock_of_another_group_from_a_file_on_disk() {
     let file = Mdf::open(std::fs::File::open(&path).unwrap()).unwrap();
     let master = Master { address: Address { group: 0, channel: 0 }, quantity: Quantity::Time };
     assert_eq!(file.groups()[1].master, Some(master));
-    let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &|_, _| {}).unwrap();
+    let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &Context::new()).unwrap();
     assert_eq!(read, [Values::Numbers(vec![1.0, -1.0, 3.0]), Values::Numbers(vec![0.5, 1.5, 2.5])]);
 }
 
@@ -445,7 +446,7 @@ fn exact_files_of_more_than_four_gigabytes() {
     let first = made.data_group_before(after, group, data, 0);
     let file = Mdf::open(Sparse { bytes: made.finish(first), at: at as u64, hole }).unwrap();
     let addresses = [(0, 0), (0, 1), (1, 0)].map(|(group, channel)| Address { group, channel });
-    let read = file.read(&addresses, &|_, _| {}).unwrap();
+    let read = file.read(&addresses, &Context::new()).unwrap();
     let zeros = vec![0.0; 4201];
     let ends = [[&[513.0], &zeros[..]].concat(), [&zeros[..], &[7.0]].concat(), vec![5.0; 40]];
     assert_eq!(read, ends.map(Values::Numbers));
@@ -460,6 +461,6 @@ fn exact_rounded_integers_are_told() {
     let file = Mdf::open(&made[..]).unwrap();
     let all = [0, 1, 2].map(|channel| Address { group: 0, channel });
     assert!(file.rounded().is_empty());
-    file.read(&all, &|_, _| {}).unwrap();
+    file.read(&all, &Context::new()).unwrap();
     assert_eq!(file.rounded(), [all[0]]);
 }

@@ -1,6 +1,7 @@
 //! Files of MDF 4 put together block by block.
 
 use mdf::{Address, Mdf, Values};
+use work::Context;
 
 /// A file under construction; the header comes last, since it refers to the data groups.
 pub(crate) struct Made {
@@ -140,7 +141,7 @@ pub(crate) fn one_group(channels: &[Cn], records: &[u8], data_bytes: u32, invali
 /// The samples of a channel.
 pub(crate) fn read(bytes: &[u8], group: usize, channel: usize) -> Values {
     let file = Mdf::open(bytes).unwrap();
-    file.read(&[Address { group, channel }], &|_, _| {}).unwrap().remove(0)
+    file.read(&[Address { group, channel }], &Context::new()).unwrap().remove(0)
 }
 
 pub(crate) fn numbers(bytes: &[u8], group: usize, channel: usize) -> Vec<f64> {

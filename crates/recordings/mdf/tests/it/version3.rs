@@ -1,6 +1,7 @@
 //! Features of MDF 3, in files put together for it.
 
 use mdf::{Address, Mdf, Values};
+use work::Context;
 
 /// A file under construction, in either byte order.
 struct Made3 {
@@ -85,7 +86,7 @@ impl Made3 {
 
 fn numbers(bytes: &[u8], group: usize, channel: usize) -> Vec<f64> {
     let file = Mdf::open(bytes).unwrap();
-    match file.read(&[Address { group, channel }], &|_, _| {}).unwrap().remove(0) {
+    match file.read(&[Address { group, channel }], &Context::new()).unwrap().remove(0) {
         Values::Numbers(numbers) => numbers,
         other => panic!("{other:?}"),
     }

@@ -127,7 +127,7 @@ impl Work<'_> {
             let read = |column: usize| -> Result<_, Flaw> { Ok(std::iter::once(array(column))) };
             table.append(rows.len(), read).map_err(|fault| fault.error(self.reader.file))?;
         }
-        (self.reader.progress)(place.end(), self.reader.size);
+        self.reader.context.reach(place.end(), self.reader.size);
         Ok(())
     }
 }

@@ -23,6 +23,7 @@ use ipc::Ipc;
 pub(crate) use kind::Kind;
 use reader::Reader;
 use row_groups::Parquet;
+use work::Context;
 pub use write::{encode_arrow, encode_parquet, write_arrow, write_parquet};
 
 /// Names of metadata: of a field and of the file, as they are written, and read if they are there.
@@ -43,10 +44,10 @@ pub(crate) fn decode(
     kind: Kind,
     selection: &Selection,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
     let size = source::size(name, &**source)?;
-    let reader = Reader { file: name, source, size, selection, row_distance_s, progress };
+    let reader = Reader { file: name, source, size, selection, row_distance_s, context };
     guarded(name, || match kind {
         Kind::Parquet => Parquet::open(&reader)?.read(),
         Kind::File | Kind::Stream => Ipc::open(&reader, kind == Kind::Stream)?.read(),
@@ -56,8 +57,8 @@ pub(crate) fn decode(
 /// Lists the channels: of the samples nothing is read but the first date, where it says when the recording started.
 pub(crate) fn catalogue(name: &str, source: &Shared, kind: Kind) -> Result<Catalogue, RecordingError> {
     let size = source::size(name, &**source)?;
-    let (selection, progress) = (&Selection::All, &|_, _| {});
-    let reader = Reader { file: name, source, size, selection, row_distance_s: None, progress };
+    let (selection, context) = (&Selection::All, &Context::new());
+    let reader = Reader { file: name, source, size, selection, row_distance_s: None, context };
     guarded(name, || match kind {
         Kind::Parquet => Parquet::open(&reader)?.list(),
         Kind::File | Kind::Stream => Ipc::open(&reader, kind == Kind::Stream)?.list(),

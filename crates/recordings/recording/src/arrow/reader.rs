@@ -1,6 +1,7 @@
 //! A file that is read, and what is wanted of it.
 
 use arrow_schema::Schema;
+use work::Context;
 
 use super::plan::Plan;
 use crate::source::Shared;
@@ -16,7 +17,7 @@ pub(super) struct Reader<'a> {
     pub(super) size: u64,
     pub(super) selection: &'a Selection,
     pub(super) row_distance_s: Option<f64>,
-    pub(super) progress: &'a (dyn Fn(u64, u64) + Sync),
+    pub(super) context: &'a Context,
 }
 
 impl Reader<'_> {

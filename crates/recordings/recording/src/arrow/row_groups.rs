@@ -51,7 +51,7 @@ impl<'r> Parquet<'r> {
             let arrays = columns.arrays(column)?;
             Ok(arrays.inspect(|array| {
                 done.set(done.get() + array.as_ref().map_or(0, |array| array.len() as u64));
-                (reader.progress)(done.get(), total);
+                reader.context.reach(done.get(), total);
             }))
         };
         let mut table = Table::new(self.plan, reader.row_distance_s, &expected);

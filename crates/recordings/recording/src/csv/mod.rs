@@ -20,6 +20,7 @@ use rows::{MAX_QUOTED, Rows};
 use table::Table;
 use text::Pieces;
 pub(crate) use text::is_text;
+use work::Context;
 pub use write::{encode_csv, encode_tsv, fits_text, write_csv, write_tsv};
 
 /// Bytes in which the heading is looked for.
@@ -33,11 +34,11 @@ pub(crate) fn decode(
     source: &dyn Source,
     selection: &Selection,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
     let opened = Opened::open(name, source, selection, row_distance_s, false)?;
     let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } = opened;
-    findings.extend(fill(&mut table, pieces, text, (place, delimiter), progress)?);
+    findings.extend(fill(&mut table, pieces, text, (place, delimiter), context)?);
     table.check()?;
     finished(table, delimiter, comment, findings, selection)
 }
@@ -133,11 +134,11 @@ fn fill(
     mut pieces: Pieces<'_>,
     mut text: String,
     (mut place, delimiter): ((usize, u64), u8),
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Option<Finding>, RecordingError> {
     loop {
         let (done, all) = pieces.progress();
-        progress(done, all);
+        context.reach(done, all);
         let is_last = pieces.is_done();
         // Whether a quote ends shows only in what follows.
         let limit = if is_last { text.len() } else { text.len().saturating_sub(2 * MAX_QUOTED) };

@@ -16,6 +16,7 @@ use crate::source::{self, Shared};
 use crate::{RecordingError, Selection, Source};
 use content::Content;
 use element::{Fault, MAX_EXPANSION, broken, uint4};
+use work::Context;
 
 /// Bytes before the first element.
 pub(super) const HEADER: usize = 128;
@@ -55,7 +56,7 @@ pub(super) fn variables(
     file: &str,
     source: &Shared,
     mut wanted: Wanted<'_>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Variables, RecordingError> {
     let header = source::bytes(file, &**source, 0, HEADER as u64)?;
     let big = is_big_endian(&header).unwrap_or(false);
@@ -71,7 +72,7 @@ pub(super) fn variables(
     for place in places.iter().filter(|place| hidden != Some(place.at)) {
         let variable = variable(place, source, big, &mut budget, &wanted);
         found.extend(variable.map_err(|detail| damaged(file, place.at, detail))?);
-        progress(place.at, size);
+        context.reach(place.at, size);
     }
     let place = places.into_iter().find(|place| hidden == Some(place.at));
     let start_time = objects::resolve(&mut found, &wanted, || {

@@ -22,6 +22,7 @@ pub(crate) use listed::{start_text, start_time};
 use scope::Plan;
 use variables::Variables;
 use wanted::Wanted;
+use work::Context;
 pub use write::{encode_mat5, write_mat5};
 
 /// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
@@ -49,14 +50,14 @@ pub(crate) fn decode(
     source: &Shared,
     selection: &Selection,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
-    read(name, source, Wanted::new(selection), row_distance_s, progress)
+    read(name, source, Wanted::new(selection), row_distance_s, context)
 }
 
 /// Lists a MAT-file: of arrays that are neither small nor clocks, the shape is read.
 pub(crate) fn catalogue(name: &str, source: &Shared) -> Result<Catalogue, RecordingError> {
-    read(name, source, Wanted::LIST, None, &|_, _| {}).map(|recording| recording.catalogue())
+    read(name, source, Wanted::LIST, None, &Context::new()).map(|recording| recording.catalogue())
 }
 
 fn read(
@@ -64,10 +65,10 @@ fn read(
     source: &Shared,
     wanted: Wanted<'_>,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
     let selection = wanted.selection;
-    let (format, Variables { mut list, start_time }) = variables(name, source, wanted, progress)?;
+    let (format, Variables { mut list, start_time }) = variables(name, source, wanted, context)?;
     let mut plan = Plan::new(row_distance_s);
     let listed = listed::take(name, &mut list, &mut plan, selection)?;
     plan.top(list);
@@ -80,7 +81,7 @@ fn variables(
     name: &str,
     source: &Shared,
     wanted: Wanted<'_>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<(Format, Variables), RecordingError> {
     let head = source::bytes(name, &**source, 0, HEAD)?;
     if head.starts_with(HDF5) {
@@ -101,7 +102,7 @@ fn variables(
         });
     };
     match (if big { head[124] } else { head[125] }, head[124].max(head[125])) {
-        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, source, wanted, progress)?)),
+        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, source, wanted, context)?)),
         (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, source, wanted)?)),
         (_, other) => Err(RecordingError::Damaged {
             file: name.into(),

@@ -5,6 +5,7 @@ mod plan;
 mod write;
 
 use ::mdf::{Attachment, Event, Mdf, Source};
+use work::Context;
 
 use crate::required::require_names;
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, StartTime};
@@ -32,13 +33,13 @@ pub(crate) fn decode<S: Source>(
     source: S,
     selection: &Selection,
     row_distance_s: Option<f64>,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    context: &Context,
 ) -> Result<Recording, RecordingError> {
     let file = Mdf::open(source).map_err(|e| failure(name, e))?;
     let groups = plan::groups(name, &file, row_distance_s)?;
     let names = groups.iter().flat_map(|g| &g.channels);
     require_names(name, selection, names.map(|c| c.name))?;
-    let built = Assembly::build(name, &file, selection, &groups, progress)?;
+    let built = Assembly::build(name, &file, selection, &groups, context)?;
     Ok(Recording {
         format: Format::Mdf { version: file.version() },
         comment: file.comment().map(str::to_owned),

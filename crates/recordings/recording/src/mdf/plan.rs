@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
+use work::Context;
 
 use super::failure::failure;
 use crate::heading::{seconds, unbracketed};
@@ -131,7 +132,7 @@ impl<'a> Assembly<'a> {
         file: &Mdf<S>,
         selection: &'a Selection,
         groups: &[Group<'_>],
-        progress: &(dyn Fn(u64, u64) + Sync),
+        context: &Context,
     ) -> Result<Self, RecordingError> {
         let mut assembly =
             Self { file: name, selection, rasters: vec![], channels: vec![], findings: vec![], rounded: vec![] };
@@ -151,7 +152,7 @@ impl<'a> Assembly<'a> {
             }
             chosen.push((group, items, skipped));
         }
-        let mut values = file.read(&addresses, progress).map_err(|e| failure(name, e))?.into_iter();
+        let mut values = file.read(&addresses, context).map_err(|e| failure(name, e))?.into_iter();
         assembly.rounded = file.rounded();
         for (group, items, skipped) in chosen {
             assembly.findings.extend(skipped);

@@ -7,6 +7,7 @@ use recording::{
     Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason, Source, catalogue,
     catalogue_from, decode, decode_from, decode_untimed, encode_csv, encode_mdf4,
 };
+use work::Context;
 
 fn small(name: &str) -> &'static [u8] {
     match name {
@@ -167,14 +168,18 @@ fn exact_of_a_source_only_what_is_asked_for_is_read() {
     let listed = source.read.swap(0, Ordering::Relaxed);
     // The structure is read in pages of 32 kB.
     assert!(listed < size / 8, "{listed} of {size} bytes were read to list the channels");
-    let some = decode_from("a.mf4", source.clone(), &Selection::names(["noise 1"]), None, &|_, _| {}).unwrap();
+    let some = decode_from("a.mf4", source.clone(), &Selection::names(["noise 1"]), None, &Context::new()).unwrap();
     let read = source.read.swap(0, Ordering::Relaxed);
     assert_eq!(some.channels[0].samples, recording.channels[1].samples);
     assert!(read < size / 8, "{read} of {size} bytes were read for the smaller raster");
-    let told = AtomicU64::new(0);
-    let progress = |done: u64, all: u64| assert!(told.fetch_max(done, Ordering::Relaxed) <= all && done <= all);
-    assert_eq!(decode_from("a.mf4", source, &Selection::All, None, &progress).unwrap(), recording);
-    assert_eq!(told.into_inner(), 401_000 * 16);
+    let told = Arc::new(AtomicU64::new(0));
+    let hears = Arc::clone(&told);
+    let context = Context::new().with_listener(move |one| {
+        assert!(hears.fetch_max(one.done, Ordering::Relaxed) <= one.total && one.done <= one.total);
+    });
+    let step = context.step("reading", 0);
+    assert_eq!(decode_from("a.mf4", source, &Selection::All, None, &step).unwrap(), recording);
+    assert_eq!(told.load(Ordering::Relaxed), 401_000 * 16);
 }
 
 #[test]
@@ -182,8 +187,8 @@ fn exact_other_formats_are_read_from_a_source_too() {
     let text = encode_csv(&read("small.mf4")).unwrap();
     let from_bytes = decode("a.csv", &text, &Selection::All).unwrap();
     let text = Arc::new(text);
-    assert_eq!(decode_from("a.csv", text.clone(), &Selection::All, None, &|_, _| {}).unwrap(), from_bytes);
+    assert_eq!(decode_from("a.csv", text.clone(), &Selection::All, None, &Context::new()).unwrap(), from_bytes);
     assert_eq!(catalogue_from("a.csv", text).unwrap(), from_bytes.catalogue());
-    let error = decode_from("a.mf4", Arc::new(Vec::new()), &Selection::All, None, &|_, _| {}).unwrap_err();
+    let error = decode_from("a.mf4", Arc::new(Vec::new()), &Selection::All, None, &Context::new()).unwrap_err();
     assert!(matches!(error, RecordingError::Empty { .. }), "{error}");
 }

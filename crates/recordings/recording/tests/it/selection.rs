@@ -6,6 +6,7 @@ use recording::{
     Channel, Format, Raster, Recording, RecordingError, Selection, Source, catalogue_from, decode, decode_from,
     encode_csv, encode_mat5, encode_mdf4,
 };
+use work::Context;
 
 const CHANNELS: usize = 40;
 const SAMPLES: usize = 20_000;
@@ -84,7 +85,7 @@ fn exact_selected_channels_are_read_without_the_others() {
         let size = bytes.len();
         let source = Arc::new(Counted { bytes, read: Default::default() });
         let selection = Selection::names(["torque_7", "Speed 8(°)"]);
-        let some = decode_from(name, source.clone(), &selection, None, &|_, _| {}).unwrap();
+        let some = decode_from(name, source.clone(), &selection, None, &Context::new()).unwrap();
         let (read, at_once) = *source.read.lock().unwrap();
         let expected: Vec<&Channel> = vec![&recording.channels[7], &recording.channels[8]];
         assert_eq!(some.channels.iter().collect::<Vec<_>>(), expected, "{name}");

@@ -39,9 +39,9 @@ impl Known {
             recording: Ok(recording),
         };
         let sources = campaign(&bench, speed_rad_s, RECORDED_S, seed).into_iter().map(source).collect();
-        let recordings = Prepared::of(&file, sources, &mut |_| {});
+        let recordings = Prepared::of(&file, sources, &work::Context::new());
         let campaign = Campaign { bench: &file, bench_file: ("bench.toml", "as written"), recordings, seed: Some(3) };
-        let study = run(campaign, &mut |_| {}).unwrap();
+        let study = run(campaign, &work::Context::new()).unwrap();
         Known { seed, bench, file, study, speed_rad_s }
     }
 

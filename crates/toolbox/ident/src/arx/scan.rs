@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use faer::Mat;
 use numerics::linalg;
+use work::Context;
 
 use super::{Arx, ArxOrders, index_of};
 use crate::equation::factor_of;
@@ -142,7 +143,7 @@ impl OrderScan {
     /// [`IdentError::Structure`] for an empty range or no parameter at all, [`IdentError::TooFewSamples`],
     /// [`IdentError::RankDeficient`] where the data determine no structure of the grid.
     pub fn run(&self, data: &Dataset) -> Result<OrderTable, IdentError> {
-        self.run_with_progress(data, None, |_, _| ())
+        self.run_as_step(&Context::new(), data, None)
     }
 
     /// Fits every structure to `data` and predicts `validation` with it.
@@ -150,7 +151,7 @@ impl OrderScan {
     /// # Errors
     /// Those of [`OrderScan::run`], for either data; [`IdentError::Length`] where their channels differ.
     pub fn run_validated(&self, data: &Dataset, validation: &Dataset) -> Result<OrderTable, IdentError> {
-        self.run_with_progress(data, Some(validation), |_, _| ())
+        self.run_as_step(&Context::new(), data, Some(validation))
     }
 
     /// Structures of the grid.
@@ -159,18 +160,18 @@ impl OrderScan {
         length(&self.na).saturating_mul(length(&self.nb)).saturating_mul(length(&self.nk))
     }
 
-    /// As [`OrderScan::run`], or [`OrderScan::run_validated`] where there are validation data. Reports how many structures
-    /// of how many are done.
+    /// As [`OrderScan::run`], or [`OrderScan::run_validated`] where there are validation data. The structures are
+    /// parts of a step of the work.
     ///
     /// # Errors
     /// Theirs.
-    pub fn run_with_progress(
+    pub fn run_as_step(
         &self,
+        context: &Context,
         data: &Dataset,
         validation: Option<&Dataset>,
-        progress: impl FnMut(usize, usize),
     ) -> Result<OrderTable, IdentError> {
-        let Some(validation) = validation else { return self.scan(data, None, progress) };
+        let Some(validation) = validation else { return self.scan(context, data, None) };
         for (what, expected, found) in [
             ("inputs of the validation data", data.inputs(), validation.inputs()),
             ("outputs of the validation data", data.outputs(), validation.outputs()),
@@ -179,24 +180,18 @@ impl OrderScan {
                 return Err(IdentError::Length { what, expected, found });
             }
         }
-        self.scan(data, Some(validation), progress)
+        self.scan(context, data, Some(validation))
     }
 
-    fn scan(
-        &self,
-        data: &Dataset,
-        validation: Option<&Dataset>,
-        mut progress: impl FnMut(usize, usize),
-    ) -> Result<OrderTable, IdentError> {
+    fn scan(&self, context: &Context, data: &Dataset, validation: Option<&Dataset>) -> Result<OrderTable, IdentError> {
         let widest = self.widest(data)?;
         let (outputs, inputs) = (data.outputs(), data.inputs());
         let (estimation, validation) =
             (Factored::new(data, &widest)?, validation.map(|v| Factored::new(v, &widest)).transpose()?);
-        let (mut structures, all, mut done) = (Vec::new(), self.structures(), 0);
+        let mut structures = Vec::new();
+        let step = context.step("comparing the structures", self.structures() as u64);
         for nk in self.nk.clone() {
             for nb in self.nb.clone() {
-                progress(done, all);
-                done += length(&self.na);
                 // Without coefficients of inputs their number and delay make no difference: the first stands for all.
                 let undriven = inputs == 0 || nb == 0;
                 let first = nk == *self.nk.start() && (inputs > 0 || nb == *self.nb.start());
@@ -204,6 +199,7 @@ impl OrderScan {
                     let nest = Nest::new(&estimation, validation.as_ref(), (nb, nk), *self.na.end());
                     structures.extend(self.na.clone().filter_map(|na| nest.structure(na)));
                 }
+                step.advance(length(&self.na) as u64);
             }
         }
         if structures.is_empty() {

@@ -1,10 +1,16 @@
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
-use numerics::parallel::{current_num_threads, join, map, map_with_progress, reduce, with_threads};
+use numerics::parallel::{current_num_threads, join, map, map_as_step, reduce};
 use numerics::random::Random;
 use numerics::vector::sum_of_squares;
+use work::{Context, State};
 
 const THREADS: [usize; 4] = [1, 2, 3, 8];
+
+/// The result of some work on so many threads.
+fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    Context::new().with_threads(threads).run(work).unwrap()
+}
 
 /// The result of some work on each number of threads, which has to be the same bit for bit.
 fn on_any_number_of_threads<R: Send + PartialEq + std::fmt::Debug>(work: impl Fn() -> R + Sync) -> R {
@@ -39,14 +45,13 @@ fn exact_both_sides_of_a_join_are_done() {
 
 #[test]
 fn exact_every_task_is_reported() {
-    let (calls, last) = (AtomicU64::new(0), AtomicU64::new(0));
-    let progress = |done: u64, all: u64| {
-        assert_eq!(all, 50);
-        calls.fetch_add(1, Ordering::Relaxed);
-        last.fetch_max(done, Ordering::Relaxed);
-    };
-    assert_eq!(map_with_progress(&[2_u8; 50], |task| task + 1, &progress), [3; 50]);
-    assert_eq!((calls.into_inner(), last.into_inner()), (50, 50));
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let into = Arc::clone(&heard);
+    let context = Context::new().with_listener(move |one| into.lock().unwrap().push((one.state, one.done, one.total)));
+    assert_eq!(map_as_step((&context, "adding"), &[2_u8; 50], |task| task + 1), [3; 50]);
+    let heard = heard.lock().unwrap();
+    let advanced = heard.iter().filter(|(state, _, total)| *state == State::Advanced && *total == 50).count();
+    assert_eq!((heard[0], advanced, heard[51]), ((State::Begun, 0, 50), 50, (State::Ended, 50, 50)));
 }
 
 #[test]

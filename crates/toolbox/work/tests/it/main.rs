@@ -93,3 +93,16 @@ fn exact_a_fault_of_the_work_is_no_cancellation() {
     let fault = caught.map(|_: Result<(), _>| ()).unwrap_err();
     assert_eq!(fault.downcast_ref::<&str>(), Some(&"a fault"));
 }
+
+#[test]
+fn exact_a_guard_lets_a_cancellation_pass_and_ends_a_panic() {
+    assert_eq!(work::guarded(|| 1), Some(1));
+    assert_eq!(work::guarded(|| -> u8 { std::panic::resume_unwind(Box::new("a fault")) }), None);
+    let context = Context::new();
+    let cancel = context.cancel();
+    let outcome = context.run(|| {
+        cancel.cancel();
+        work::guarded(checkpoint)
+    });
+    assert_eq!(outcome, Err(Cancelled));
+}

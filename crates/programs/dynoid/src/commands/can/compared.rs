@@ -120,10 +120,9 @@ fn run_channels(bench: &Path) -> Result<RunChannels, CliError> {
 
 /// The channels of the bench file, or all where one of them is not there.
 fn recording(file: &InputFile, run: &RunChannels, terminal: &mut Terminal) -> Result<recording::Recording, CliError> {
-    let progress = terminal.long(&format!("reading {}", file.name));
+    let step = terminal.work().step(format!("reading {}", file.name), 0);
     let names = run.channels.values().map(|channel| channel.name.clone()).collect::<Vec<_>>();
-    let read =
-        |which: recording::Selection| input::read_recording(file, &which, None, &|done, all| progress.at(done, all));
+    let read = |which: recording::Selection| input::read_recording(file, &which, None, &step);
     let found = match read(recording::Selection::Names(names)) {
         Err(CliError::Recording { source: recording::RecordingError::NoSuchChannel { .. }, .. }) => {
             read(recording::Selection::All)

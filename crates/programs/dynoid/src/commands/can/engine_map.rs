@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path, idle_rpm: Option<f64>) -> Result<EngineMap, CliE
 /// A table as channels; its rows need no time where one is given.
 pub(super) fn table(path: &Path, row_time_s: Option<f64>) -> Result<Recording, CliError> {
     let file = InputFile { path: PathBuf::from(path), name: paths::with_slashes(path) };
-    Ok(input::read_recording(&file, &Selection::All, row_time_s, &|_, _| {})?.recording)
+    Ok(input::read_recording(&file, &Selection::All, row_time_s, &work::Context::new())?.recording)
 }
 
 pub(super) fn column<'a>(recording: &'a Recording, names: &[&str]) -> Option<&'a Channel> {

@@ -46,15 +46,10 @@ pub(super) fn run(
         samples: arguments.samples as usize,
         seed: arguments.on.plan.seed(),
     };
-    let progress = terminal.long("running the test on benches");
     let failed = |error: capability::CapabilityError| not_checkable(error.to_string());
-    let verdict = can(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?;
+    let verdict = can(&inputs, terminal.work()).map_err(failed)?;
     let changes = match verdict.answer {
-        Answer::No => {
-            drop(progress);
-            let progress = terminal.long("looking for what would make it possible");
-            easier(&inputs, &|done, all| progress.at(done, all)).map_err(failed)?
-        }
+        Answer::No => easier(&inputs, terminal.work()).map_err(failed)?,
         Answer::Yes | Answer::Perhaps | Answer::NotShown | Answer::NotJudged => Vec::new(),
     };
     let asked = Asked {

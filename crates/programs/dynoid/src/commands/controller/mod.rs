@@ -28,13 +28,8 @@ pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> R
 
 fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((given, result), terminal)?;
-    let progress = terminal.progress(experiments.len() as u64);
     let all: Vec<&Experiment> = experiments.iter().collect();
-    let found = speed_control(&SpeedControllers::of(&all, bench.limits.torque_nm), &|file| {
-        progress.say(&format!("looking at the speed controller in {file}"));
-        progress.step();
-    });
-    drop(progress);
+    let found = speed_control(&SpeedControllers::of(&all, bench.limits.torque_nm), terminal.work());
     if found.controllers.is_empty() {
         return Err(CliError::NoHeldSpeed { path: given.bench.clone() });
     }

@@ -20,9 +20,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
             virtual_experiment(arguments.seed).map_err(CliError::internal)?
         }
     };
-    let progress = terminal.long("estimating draw after draw");
-    let found = noise_test(&experiment, &options, &|done, all| progress.at(done, all));
-    drop(progress);
+    let found = noise_test(&experiment, &options, terminal.work());
     let found = found.map_err(|source| CliError::NoiseTest { source })?;
     show(&arguments.result, || report::pages::controller_noise(&found), || &found, terminal)?;
     Ok(Outcome::Done)

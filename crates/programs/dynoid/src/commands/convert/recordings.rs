@@ -133,9 +133,9 @@ fn one(
     arguments: &ConvertArguments,
     terminal: &Terminal,
 ) -> Result<(Written, Vec<Figure>), CliError> {
-    let progress = terminal.long(&format!("converting {}", target.input.name));
+    let step = terminal.work().step(format!("converting {}", target.input.name), 0);
     let Read { mut recording, is_untimed } =
-        input::read_recording(&target.input, selection, arguments.sample_time, &|done, all| progress.at(done, all))?;
+        input::read_recording(&target.input, selection, arguments.sample_time, &step)?;
     let mut notes: Vec<String> = without.into_iter().collect();
     notes.extend(recording.findings.iter().map(ToString::to_string));
     notes.extend(not_carried_over(&input::extras(&target.input)?));

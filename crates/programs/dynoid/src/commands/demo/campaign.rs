@@ -7,10 +7,10 @@ use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
 use rig::{BenchFile, Role};
 use virtual_bench::{CHANNELS, simulate};
+use work::Context;
 
 use crate::error::CliError;
 use crate::formats::encode_mdf4;
-use crate::terminal::Progress;
 
 /// An experiment and the file its recording goes to.
 pub(super) struct Planned {
@@ -43,15 +43,11 @@ pub(super) fn simulate_all(
     parameters: &BenchParameters,
     plans: &[Planned],
     seed: u64,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Vec<Vec<u8>>, CliError> {
     let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
-    let record = |(planned, seed): &(&Planned, u64)| {
-        let recorded = record(parameters, &planned.plan, *seed);
-        progress.step();
-        recorded
-    };
-    parallel::map(&seeded, record).into_iter().collect()
+    let record = |(planned, seed): &(&Planned, u64)| record(parameters, &planned.plan, *seed);
+    parallel::map_as_step((context, "simulating the bench"), &seeded, record).into_iter().collect()
 }
 
 fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {

@@ -34,10 +34,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let plans = campaign::plans();
     let names: Vec<String> = plans.iter().map(|plan| plan.file_name.clone()).collect();
     check_folder(out, &names)?;
-    let progress = terminal.progress(plans.len() as u64);
-    progress.say("simulating the bench");
-    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, &progress)?;
-    drop(progress);
+    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, terminal.work())?;
     let folder = out.join(RECORDINGS);
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();

@@ -74,8 +74,7 @@ fn checked(
         if bench.stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 };
     let (friction, seed, pulses) = (bench.friction(), arguments.on.plan.seed(), &bench.stated.pulses);
     let inputs = SafetyInputs { prediction, spread, pulses, slowest_engine_control, friction, samples, seed };
-    let progress = terminal.long("running the experiment on benches");
-    check(&inputs, &|done, all| progress.at(done, all)).map_err(|error| not_checkable(error.to_string()))
+    check(&inputs, terminal.work()).map_err(|error| not_checkable(error.to_string()))
 }
 
 /// Where the engine's pulses are from.

@@ -159,10 +159,8 @@ fn predicted(
         friction: DynoFriction::default(),
         limits: bench.file.limits,
     };
-    let progress = terminal.progress(2);
-    progress.say("predicting");
+    let _step = terminal.work().step("predicting", 0);
     let prediction = predict(&inputs).map_err(|error| error.to_string())?;
-    progress.step();
     let errors = bench.assembled.as_ref().map(|assembled| peak_errors(&inputs, &assembled.uncertainty));
     let resonance_hz = plan.has_shaft.then(|| model.mechanics.resonance().frequency_hz);
     Ok(Predicted { prediction, errors: errors.unwrap_or_default(), resonance_hz })

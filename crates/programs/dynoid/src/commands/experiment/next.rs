@@ -13,13 +13,10 @@ use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
-/// Parts that are estimated: steps of the progress display.
-const PARTS: u64 = 5;
-
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let (file, _) = read_bench(&arguments.bench)?;
-    let progress = terminal.progress(PARTS);
-    let recordings = match read_recordings(&arguments.bench, &file, &progress) {
+    let step = terminal.work().step("looking for the next experiment", 3);
+    let recordings = match read_recordings(&arguments.bench, &file, &step) {
         Err(none @ (CliError::NothingMatches { .. } | CliError::NoRecordingsListed { .. })) => {
             terminal.note(&format!("{none}; what follows is for a bench without recordings"));
             Prepared::default()
@@ -32,14 +29,8 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
         enough: arguments.enough / 100.0,
         seed: arguments.seed,
     };
-    let found = {
-        let at = |done, all| {
-            progress.say("trying experiments on a bench like this one");
-            progress.of_last(done, all);
-        };
-        next_experiments(&file, recordings, options, &at)
-    };
-    drop(progress);
+    let found = next_experiments(&file, recordings, options, &step);
+    drop(step);
     let found = found.map_err(|error| refused(&arguments.bench, error))?;
     if arguments.json {
         terminal.json(&found)?;

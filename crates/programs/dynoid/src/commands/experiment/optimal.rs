@@ -46,9 +46,9 @@ pub(super) fn plan(
     let task = DesignTask::of_goals(&asked.optimal, model, excited, at, measured, limits, duration_s);
     let task = task.map_err(|error| refused(error.to_string()))?;
     let task = if bench.assembled.is_some() { task } else { task.with_uncertain_resonance(UNCERTAIN_RESONANCE) };
-    let progress = terminal.long("designing");
+    let step = terminal.work().step("designing", 0);
     let found: ExcitationDesign = design(&task).map_err(|error| refused(error.to_string()))?;
-    drop(progress);
+    drop(step);
     let (test, excitation, lines) = match asked.form {
         Form::Multisine => (Test::Multisine, found.multisine, found.spectrum),
         Form::Binary => (Test::Binary, found.binary, Vec::new()),

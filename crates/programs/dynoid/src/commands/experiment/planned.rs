@@ -53,9 +53,9 @@ fn from_file(path: &Path, arguments: &PlanArguments, terminal: &mut Terminal) ->
     let name = paths::with_slashes(path);
     let settings = settings(&name, free_form::PARAMETERS, arguments)?;
     let file = InputFile { path: path.to_owned(), name: name.clone() };
-    let progress = terminal.long(&format!("reading {name}"));
-    let read = input::read_recording(&file, &Selection::All, None, &|done, all| progress.at(done, all))?;
-    drop(progress);
+    let step = terminal.work().step(format!("reading {name}"), 0);
+    let read = input::read_recording(&file, &Selection::All, None, &step)?;
+    drop(step);
     let free = free_form::plan(&name, &read.recording, &settings)
         .map_err(|source| CliError::Demands { path: path.to_owned(), source })?;
     if !free.ignored.is_empty() {

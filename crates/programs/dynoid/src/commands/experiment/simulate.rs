@@ -6,7 +6,7 @@ use std::time::Instant;
 use recording::Recording;
 use rig::ExperimentLabel;
 use serde_json::json;
-use virtual_bench::{Numerics, VirtualRun, rename, simulate_with_progress};
+use virtual_bench::{Numerics, VirtualRun, rename, simulate_as_step};
 
 use super::planned::{self, Planned};
 use super::stated::Bench;
@@ -28,12 +28,9 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let since = Instant::now();
-    let progress = terminal.long(&format!("simulating {}", plan.label));
     let seed = settings.seed();
-    let at = &mut |done, all| progress.at(done, all);
     let numerics = if arguments.truth.is_some() { Numerics::default() } else { Numerics::WITHOUT_TRUTH };
-    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, numerics, at);
-    drop(progress);
+    let simulated = simulate_as_step(terminal.work(), &bench.stated.parameters, &plan, seed, numerics);
     let VirtualRun { mut recording, hidden } =
         simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;
     rename(&mut recording, &bench.file.channels);

@@ -123,7 +123,7 @@ fn replays(
     let mut all = Vec::new();
     for input in input::named(&meet.on)? {
         input::refuse_model(&input)?;
-        let source = input::read_source(&input, &file)?;
+        let source = input::read_source(&input, &file, &terminal.work().step(format!("reading {}", input.name), 0))?;
         let bench_file = with_mode(&file, &source.file, bench.mode);
         if bench_file.label_of(&source.file).is_none() {
             let what = format!(

@@ -80,7 +80,7 @@ impl<'a> Predictor<'a> {
             samples,
             seed,
         };
-        can(&inputs, &|_, _| {}).unwrap()
+        can(&inputs, &work::Context::new()).unwrap()
     }
 
     /// What `experiment check` says; none of a cycle.
@@ -103,6 +103,6 @@ impl<'a> Predictor<'a> {
             samples: SAMPLES,
             seed,
         };
-        Some(check(&inputs, &|_, _| {}).unwrap())
+        Some(check(&inputs, &work::Context::new()).unwrap())
     }
 }

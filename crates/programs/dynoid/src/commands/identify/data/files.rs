@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use ident::{Dataset, Experiment, Source};
 use recording::{Recording, RecordingError, Selection};
+use work::Context;
 
 use super::loaded::named;
 use crate::error::CliError;
@@ -37,15 +38,14 @@ impl Files {
         let files = input::named(paths)?;
         check_once(&files)?;
         let names = short_names(&files);
-        let progress = terminal.progress(files.len() as u64);
+        let step = terminal.work().step("reading", files.len() as u64);
         let (mut all, mut untimed) = (Vec::new(), false);
         for (file, name) in files.into_iter().zip(names) {
-            progress.say(&format!("reading {}", file.name));
-            let (recording, is_untimed) = decode(&file, channels, row_time_s)?;
+            let reading = step.step(format!("reading {}", file.name), 0);
+            let (recording, is_untimed) = decode(&file, channels, row_time_s, &reading)?;
             let sha256 = input::sha256(&file)?;
             untimed |= is_untimed;
             all.push(File { file, name, recording, sha256 });
-            progress.step();
         }
         Ok(Files { all, row_time_s: row_time_s.filter(|_| untimed) })
     }
@@ -127,9 +127,14 @@ fn short_names(files: &[InputFile]) -> Vec<String> {
 
 /// A recording, and whether it is text without a time column, which is read where the time from
 /// row to row is given. Where a channel that is named is not there, it holds all of them: what they are can be said then.
-fn decode(file: &InputFile, channels: &[&str], row_time_s: Option<f64>) -> Result<(Recording, bool), CliError> {
+fn decode(
+    file: &InputFile,
+    channels: &[&str],
+    row_time_s: Option<f64>,
+    context: &Context,
+) -> Result<(Recording, bool), CliError> {
     let wanted = if channels.is_empty() { Selection::All } else { Selection::names(channels.iter().copied()) };
-    let read = |wanted: &Selection| input::read_recording(file, wanted, row_time_s, &|_, _| {});
+    let read = |wanted: &Selection| input::read_recording(file, wanted, row_time_s, context);
     let read = match read(&wanted) {
         Err(CliError::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(&Selection::All)?,
         other => other?,

@@ -10,8 +10,6 @@ use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
-/// Steps of the display of progress: the comparison, and the models.
-const STEPS: u64 = 2;
 /// Delays that are tried by default, in samples.
 const LONGEST: usize = 30;
 
@@ -34,12 +32,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
         clock_is_given: arguments.data.sample_time_s.is_some(),
         between_is_given: arguments.data.between.is_some(),
     };
-    let progress = terminal.progress(STEPS);
-    let found = Delays::of(loaded.data, &known, longest, |what| {
-        progress.say(what);
-        progress.step();
-    });
-    drop(progress);
+    let found = Delays::of(loaded.data, &known, longest, terminal.work());
     let found = found.map_err(|source| CliError::identify("the delay", source))?;
     show(&arguments.result, || found.page(), || found.json(), terminal)?;
     Ok(Outcome::Done)

@@ -26,17 +26,14 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     check_movement(&loaded)?;
     let data = loaded.data;
     let failed = |source| CliError::identify("the order scan", source);
-    let progress = terminal.long("comparing the structures");
-    let at = |done: usize, all: usize| progress.at(done as u64, all as u64);
     let table = match arguments.split {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
-            scan.run_with_progress(&split.estimation, Some(&split.validation), at)
+            scan.run_as_step(terminal.work(), &split.estimation, Some(&split.validation))
         }
-        None => scan.run_with_progress(&data, None, at),
+        None => scan.run_as_step(terminal.work(), &data, None),
     };
     let table = table.map_err(failed)?;
-    drop(progress);
     let orders = Orders { table, ranges, is_validated: arguments.split.is_some() };
     show(&arguments.result, || orders.page(), || orders.json(), terminal)?;
     Ok(Outcome::Done)

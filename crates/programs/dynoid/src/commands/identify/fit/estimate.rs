@@ -5,6 +5,7 @@ use ident::{
     Polynomial, ProcessFit, StateSpacePem, Subspace, TransferFunctionMethod, Weighting,
 };
 use signal::Sos;
+use work::Context;
 
 use super::greybox;
 use super::orders::{Delay, Members, bounded, delays, held, polynomial_orders, states};
@@ -13,7 +14,6 @@ use crate::cli::identify::{
     TransferFunctionArguments, TransferFunctionBy,
 };
 use crate::error::CliError;
-use crate::terminal::Progress;
 use page::decimal::digits;
 
 /// Most states that `auto` may choose.
@@ -27,18 +27,7 @@ pub(super) fn estimate(
     command: &FitCommand,
     structure: Option<FormulaStructure>,
     data: &Dataset,
-    progress: &Progress,
-) -> Result<Fit<AnyModel>, CliError> {
-    let fit = found(command, structure, data, progress);
-    progress.step();
-    fit
-}
-
-fn found(
-    command: &FitCommand,
-    structure: Option<FormulaStructure>,
-    data: &Dataset,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Fit<AnyModel>, CliError> {
     match (command, structure) {
         (FitCommand::Greybox(arguments), Some(structure)) => greybox::fit(arguments, structure, data),
@@ -46,7 +35,7 @@ fn found(
         (FitCommand::Arx(arguments), _) => arx(arguments, data).map_err(failed),
         (FitCommand::Tf(arguments), _) => transfer_function(arguments, data),
         (FitCommand::Process(arguments), _) => process(arguments, data),
-        (FitCommand::Ss(arguments), _) => state_space(arguments, data, progress),
+        (FitCommand::Ss(arguments), _) => state_space(arguments, data, context),
         (FitCommand::Armax(a) | FitCommand::Oe(a) | FitCommand::Bj(a) | FitCommand::Poly(a), _) => {
             polynomial(a, Members::of(command), data)
         }
@@ -138,11 +127,7 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
 }
 
-fn state_space(
-    arguments: &StateSpaceArguments,
-    data: &Dataset,
-    progress: &Progress,
-) -> Result<Fit<AnyModel>, CliError> {
+fn state_space(arguments: &StateSpaceArguments, data: &Dataset, context: &Context) -> Result<Fit<AnyModel>, CliError> {
     let subspace = states(arguments)?.map_or(Subspace::auto(MOST_STATES), Subspace::new);
     let mut subspace = subspace.with_weighting(match arguments.weighting {
         SubspaceWeighting::Auto => Weighting::Automatic,
@@ -161,8 +146,7 @@ fn state_space(
         return subspace.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed);
     }
     let start = subspace.start(data).map_err(failed)?;
-    progress.step();
-    progress.say(&format!("searching from the subspace model of order {}", start.system().states()));
+    let _step = context.step(format!("searching from the subspace model of order {}", start.system().states()), 0);
     let mut search = StateSpacePem::from_model(start);
     if arguments.simulation {
         search = search.with_focus(Focus::Simulation);

@@ -22,9 +22,6 @@ use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
 
-/// Steps of the display of progress: the start of a search, the search, the judgement.
-const STEPS: u64 = 3;
-
 pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let common = command.common();
     check_fit(common)?;
@@ -35,15 +32,16 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     check_variation(&estimation)?;
     orders::check_delays(command, &estimation.data)?;
     let wanted = method::wanted(command);
-    let progress = terminal.progress(STEPS);
-    progress.say(&format!("estimating {wanted}"));
-    let fit = estimate::estimate(command, structure, &estimation.data, &progress);
+    let step = terminal.work().step("identifying", 2);
+    let estimating = step.step(format!("estimating {wanted}"), 0);
+    let fit = estimate::estimate(command, structure, &estimation.data, &estimating);
+    drop(estimating);
     let mut fit = fit.map_err(|error| refused(error, command, &estimation))?;
     let (estimation, unseen) = operating_point::with_levels(&fit, estimation, unseen)?;
-    progress.say("judging the model");
+    let judging = step.step("judging the model", 0);
     let others = unseen.as_ref().map(|u| (&u.data, which_data(&u.sources, &estimation.sources)));
     let verdict = Verdict::new(&fit, &estimation.data, others);
-    drop(progress);
+    drop((judging, step));
     if let FitCommand::Greybox(arguments) = command {
         greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
     }
