@@ -38,7 +38,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("xtask", &[]),
 ];
 
-/// What the study may use: it sees the whole chain.
+/// Crates that the study may use: it sees the whole chain.
 const STUDY: &[&str] = &[
     "recording",
     "numerics",
@@ -56,7 +56,7 @@ const STUDY: &[&str] = &[
     "design",
 ];
 
-/// What reports may use: what they show.
+/// Crates that reports may use: those whose results they show.
 const REPORT: &[&str] = &[
     "recording",
     "dataset",
@@ -118,7 +118,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("resvg", &["page"]),
 ];
 
-/// What breaks either table. Dependencies of tests are free.
+/// Breaches of either table. Dependencies of tests are free.
 pub(super) fn faults(metadata: &Value) -> Result<Vec<String>, String> {
     let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
     let mut faults = Vec::new();

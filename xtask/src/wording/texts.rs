@@ -1,4 +1,4 @@
-//! What people read: documents, string literals, doc comments, texts of pages.
+//! Texts that people read: documents, string literals, doc comments, texts of pages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(super) struct Text {
     /// Where it begins, from 1.
     pub(super) line: usize,
     pub(super) words: String,
-    /// Whether the length of its sentences counts: not in doc comments of code.
+    /// True where the length of its sentences counts: not in doc comments of code.
     pub(super) sentences: bool,
 }
 
