@@ -1,8 +1,8 @@
-//! What is being worked on, for a progress display.
+//! Work in progress, for a display.
 
 use rig::results::Part;
 
-/// What is being worked on, for a progress display.
+/// Work in progress, for a display.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Progress {
     /// A recording is understood and checked.
