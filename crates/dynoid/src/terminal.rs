@@ -20,7 +20,7 @@ const NARROWEST: usize = 40;
 const MOST_LINES: usize = 40;
 /// From frame to frame of a display of progress.
 const TICK: Duration = Duration::from_millis(100);
-/// What takes less than this needs no display.
+/// Duration below which work needs no display.
 const SHORT: Duration = Duration::from_secs(1);
 
 /// Where a command prints. Texts may come from anywhere: escape codes in them are taken out.
@@ -29,7 +29,7 @@ pub(crate) struct Terminal {
     /// Why standard output takes no more. Of a reader that has gone away nothing is said.
     failure: Option<io::Error>,
     quiet: bool,
-    /// Whether results are shown to the last line.
+    /// True where results are shown to the last line.
     all: bool,
     colour_out: bool,
     colour_err: bool,
@@ -59,7 +59,7 @@ impl Terminal {
         }
     }
 
-    /// Whether nothing but warnings and errors is to be shown.
+    /// Tells whether nothing but warnings and errors is to be shown.
     pub(crate) fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -105,7 +105,7 @@ impl Terminal {
         self.put(text.trim_end());
     }
 
-    /// What was done on the way, on standard error.
+    /// Prints a note on a step along the way, on standard error.
     pub(crate) fn note(&mut self, text: &str) {
         if !self.quiet {
             self.complain("note:", Tone::Faint, text);
