@@ -62,7 +62,7 @@ impl<'a, 'b> Trial<'a, 'b> {
         Ok(Trial { inputs, driven: Driven::of(inputs), benches: benches(inputs)? })
     }
 
-    /// Tells of each of some benches whether it keeps everything.
+    /// Returns for each of some benches whether it keeps everything.
     pub(crate) fn keep(&self, places: &[usize]) -> Result<Vec<bool>, CapabilityError> {
         let keeps = |place: &usize| keeps_all(self.inputs, &self.driven, &self.benches[*place]);
         parallel::map(places, keeps).into_iter().collect()

@@ -105,7 +105,7 @@ fn found(known: &Known, quantity: Quantity) -> Option<(f64, (f64, f64), f64)> {
     Some((parameter.value, parameter.interval, known.truth(quantity)))
 }
 
-/// Tells of each quantity whether its interval holds the truth; prints those that do not.
+/// Returns for each quantity whether its interval holds the truth; prints those that do not.
 fn held(seed: u64, known: &Known) -> Vec<Option<bool>> {
     let one = |quantity: &Quantity| {
         let (value, (low, high), truth) = found(known, *quantity)?;
