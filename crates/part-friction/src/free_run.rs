@@ -243,7 +243,7 @@ impl FreeRun {
     }
 
     /// Sum of the jumps of T_d, Nm, at the instants of N_d, and the time between two samples within which each happens,
-    /// s; none where T_d is known between its samples.
+    /// s. None where T_d is known between its samples.
     pub(super) fn jumps(&self, delay_s: f64) -> Option<(Vec<f64>, f64)> {
         let torque = self.torque.as_ref().filter(|_| self.source != Some(TorqueUsed::Modelled))?;
         let changes: Vec<f64> = torque.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -128,8 +128,8 @@ impl ModelComparison {
 }
 
 impl PartComparison {
-    /// Tells whether the part differs by more than chance explains, with allowance for the number of parts; or by
-    /// numbers that both models take as exact.
+    /// Tells whether the part differs by more than chance explains, with allowance for the number of parts. Numbers
+    /// that both models take as exact differ where their values do.
     #[must_use]
     pub fn has_changed(&self) -> bool {
         let is_stated_otherwise = |one: &ParameterComparison| one.standard_error == 0.0 && one.first != one.second;

@@ -41,7 +41,7 @@ const CYCLE_VARIATION: f64 = 0.03;
 
 impl EnginePulses {
     /// Prior of an engine with spark ignition. Its charge grows with the torque from the one on that friction and
-    /// pumping need, so that α is T_0 β, to within some Nm of T_0 for each cylinder.
+    /// pumping need. So α is T_0 β, to within some Nm of T_0 for each cylinder.
     #[must_use]
     pub fn prior_of_spark_ignition(engine: Engine, engine_inertia_kg_m2: f64) -> Self {
         let general = EnginePulses::prior(engine, engine_inertia_kg_m2);
