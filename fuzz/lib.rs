@@ -1,4 +1,4 @@
-//! What every fuzz target does.
+//! Checks that every fuzz target makes.
 
 use std::sync::Once;
 

@@ -74,7 +74,7 @@ struct Outcome {
     tests: usize,
     failed: usize,
     time_s: f64,
-    /// What its tests printed.
+    /// Output of its tests.
     figures: String,
 }
 
@@ -152,7 +152,7 @@ fn failures(printed: &str) -> usize {
     number.and_then(Result::ok).unwrap_or(0)
 }
 
-/// What the tests printed: the sections `---- name stdout ----`, with the name alone as their heading.
+/// Output of the tests: the sections `---- name stdout ----`, with the name alone as their heading.
 fn figures(printed: &str) -> String {
     let mut text = String::new();
     let mut inside = false;

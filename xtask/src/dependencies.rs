@@ -63,7 +63,8 @@ fn is_below(root: &str, package: &Value) -> bool {
     package["manifest_path"].as_str().is_some_and(|path| Path::new(path).starts_with(root))
 }
 
-/// Whether an expression such as `MIT OR Apache-2.0` can be met by allowed licences. `MIT/Apache-2.0` is an older form of it.
+/// Tells whether an expression such as `MIT OR Apache-2.0` can be met by allowed licences. `MIT/Apache-2.0` is an older
+/// form of it.
 fn is_allowed(licence: &str, allowed: &[&str]) -> bool {
     let expression = Expression::parse(&licence.replace('/', " OR "));
     expression.is_ok_and(|e| e.evaluate(|needed| allowed.contains(&needed.to_string().as_str())))

@@ -68,7 +68,8 @@ pub(crate) fn build() -> Result<(), String> {
     Ok(())
 }
 
-/// Whether the binaries in the repository are those of its sources. Without the compiler nothing is compared, and `false` says so.
+/// Tells whether the binaries in the repository are those of its sources. Without the compiler nothing is compared, and
+/// `false` says so.
 pub(crate) fn check() -> Result<bool, String> {
     compare(&TARGETS)
 }

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::folder;
 use crate::steps::{output, run, step};
 
-/// What is in an archive beside the program.
+/// Files in an archive beside the program.
 const FILES: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
 
 /// Makes an archive for this machine, or for each of `targets`, and a file of checksums.

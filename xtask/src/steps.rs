@@ -28,7 +28,7 @@ pub(crate) fn cargo_command(arguments: &[&str], python: Option<&Path>) -> Comman
     cargo
 }
 
-/// What tests find in their environment.
+/// Sets the environment of tests.
 pub(crate) fn surroundings(command: &mut Command, python: Option<&Path>) {
     command
         .envs(python.map(|path| (python::VARIABLE, path)))

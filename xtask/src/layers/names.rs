@@ -1,10 +1,10 @@
-//! What a path means: the module that defines it, found through imports and re-exports.
+//! Meaning of a path: the module that defines it, found through imports and re-exports.
 
 use std::collections::HashSet;
 
 use super::source::Tree;
 
-/// What a path leads to.
+/// Target of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Target {
     Module(usize),
@@ -16,7 +16,7 @@ pub(super) enum Target {
 type UnderWay = HashSet<(usize, String)>;
 
 impl Tree {
-    /// What `path`, written in module `from`, leads to; `None` for what is not of this crate.
+    /// Target of `path`, written in module `from`; `None` for what is not of this crate.
     pub(super) fn resolve(&self, from: usize, path: &[String]) -> Option<Target> {
         self.walk(from, path, &mut UnderWay::new())
     }

@@ -41,7 +41,7 @@ pub(super) struct Mention {
 }
 
 impl Module {
-    /// Whether a path may be a variable: one small letter's name, which is one somewhere in this module.
+    /// Tells whether a path may be a variable: one small letter's name, which is one somewhere in this module.
     pub(super) fn is_local(&self, path: &[String]) -> bool {
         matches!(path, [name] if self.locals.contains(name) && !name.starts_with(char::is_uppercase))
     }
@@ -122,7 +122,7 @@ fn text(value: &syn::Expr) -> Option<String> {
     }
 }
 
-/// Whether an item is compiled for tests alone: `#[test]`, or `#[cfg(test)]` in any of its forms.
+/// Tells whether an item is compiled for tests alone: `#[test]`, or `#[cfg(test)]` in any of its forms.
 fn only_in_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let syn::Meta::List(list) = &attribute.meta else { return attribute.path().is_ident("test") };

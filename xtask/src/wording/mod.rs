@@ -62,6 +62,9 @@ fn findings() -> Result<Vec<Finding>, String> {
         for text in texts::of_file(&name, &content)? {
             findings.extend(patterns::find(&name, &text));
         }
+        if name.ends_with(".rs") {
+            findings.extend(patterns::long_lines(&name, &content));
+        }
     }
     Ok(findings)
 }
@@ -161,6 +164,36 @@ mod tests {
         let lines: Vec<usize> = found.iter().map(|finding| finding.line).collect();
         assert_eq!(lines, [1, 5]);
         assert_eq!(found[0].room(), "lti");
+    }
+
+    #[test]
+    fn exact_a_doc_comment_begins_with_what_a_thing_is() {
+        let of = |path: &str, source: &str| -> Vec<(usize, &str)> {
+            in_markdown(path, source).iter().map(|finding| (finding.line, finding.pattern.name)).collect()
+        };
+        let source = "//! What a room holds.\n\n/// Whether it is\n/// open.\nconst A: bool = true;\n// What it is.\nconst B: &str = \"What?\";\n";
+        assert_eq!(of("crates/lti/src/a.rs", source), [(1, "what first"), (3, "what first")]);
+        let right = "//! Content of a room: what it holds.\n\n/// Tells whether it is open.\nfn is_open() {}\n";
+        assert!(of("crates/lti/src/a.rs", right).is_empty());
+        assert_eq!(of("crates/lti/src/a.rs", "/// Open: it tells whether.\nfn f() {}\n"), [(1, "told")]);
+        let help = "struct A {\n    /// What to export to\n    to: u8,\n}\n";
+        assert_eq!(of("crates/export/src/a.rs", help), [(2, "what first")]);
+        assert!(of("crates/dynoid/src/cli/export.rs", help).is_empty());
+        assert!(of("docs/a.md", "What a room holds.\n").is_empty());
+    }
+
+    #[test]
+    fn exact_lines_of_comments_have_at_most_120_columns() {
+        let comment = |columns: usize| format!("/// {}\n", "τ".repeat(columns - 4));
+        let source = format!(
+            "{}{}    // {}\nconst A: &str = \"{}\";\n",
+            comment(120),
+            comment(121),
+            "a".repeat(120),
+            "a".repeat(200)
+        );
+        let lines: Vec<usize> = patterns::long_lines("crates/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
+        assert_eq!(lines, [2, 3]);
     }
 
     #[test]

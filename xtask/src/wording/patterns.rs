@@ -10,6 +10,8 @@ use super::texts::Text;
 
 /// A sentence has at most so many words.
 const LONGEST_SENTENCE: usize = 25;
+/// A line of comments has at most so many columns, as lines of code have.
+const LONGEST_LINE: usize = 120;
 
 /// Something that should be reworded wherever it is found.
 pub(super) struct Pattern {
@@ -85,6 +87,22 @@ static LONG_SENTENCE: LazyLock<Pattern> = LazyLock::new(|| Pattern {
     suggestion: "two sentences, of at most 25 words each",
 });
 
+static WHAT_FIRST: LazyLock<Pattern> = LazyLock::new(|| Pattern {
+    name: "what first",
+    expression: compiled(r"^\s*(What|Whether)\b"),
+    suggestion: "what the thing is or does: a noun, \"Returns …\", \"Tells whether …\", \"True where …\"",
+});
+
+/// Its expression finds the lines of comments, short ones too.
+static LONG_LINE: LazyLock<Pattern> = LazyLock::new(|| Pattern {
+    name: "long line",
+    expression: compiled(r"(?m)^[ \t]*//.*$"),
+    suggestion: "lines of at most 120 columns",
+});
+
+/// Beginning of the doc comment of a predicate, in which the word is right.
+const PREDICATE: &str = "Tells whether";
+
 /// Where a pattern is right: the place, the pattern (all of them if empty), and why.
 const ALLOWED: &[(&str, &str, &str)] = &[
     ("CONTRIBUTING.md", "told", "the style sheet quotes what it forbids"),
@@ -92,6 +110,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[
     ("CONTRIBUTING.md", "stands", "the style sheet quotes what it forbids"),
     ("CONTRIBUTING.md", "inverted", "the style sheet quotes what it forbids"),
     ("CONTRIBUTING.md", "what, verb", "the style sheet quotes what it forbids"),
+    ("crates/dynoid/src/cli/", "what first", "doc comments of arguments are the texts of --help"),
     ("docs/src/glossary.md", "told", "a column has the words that are not used"),
     ("xtask/src/wording/", "", "the patterns themselves"),
 ];
@@ -106,8 +125,11 @@ pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
     };
     let mut findings = Vec::new();
     for pattern in PATTERNS.iter() {
-        let places = pattern.expression.find_iter(&text.words);
+        let places = pattern.expression.find_iter(&text.words).filter(|place| !is_predicate(text, place.start()));
         findings.extend(places.map(|place| finding(pattern, place.start(), around(&text.words, place.range()))));
+    }
+    if let Some(place) = WHAT_FIRST.expression.find(&text.words).filter(|_| text.is_doc) {
+        findings.push(finding(&WHAT_FIRST, place.end(), around(&text.words, place.range())));
     }
     if text.sentences {
         let mut start = 0;
@@ -123,6 +145,23 @@ pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
     }
     findings.retain(|finding| !allowed(path, finding.pattern.name));
     findings
+}
+
+/// The lines of comments in a source that are too long.
+pub(super) fn long_lines(path: &str, source: &str) -> Vec<Finding> {
+    let lines = LONG_LINE.expression.find_iter(source).filter(|line| line.as_str().chars().count() > LONGEST_LINE);
+    let finding = |line: regex_lite::Match<'_>| Finding {
+        path: path.to_owned(),
+        line: 1 + source[..line.start()].matches('\n').count(),
+        pattern: &LONG_LINE,
+        excerpt: line.as_str().trim_start().chars().take(70).collect(),
+    };
+    lines.map(finding).collect()
+}
+
+/// Tells whether the doc comment of a predicate begins here.
+fn is_predicate(text: &Text, at: usize) -> bool {
+    text.is_doc && text.words[..at].trim().is_empty() && text.words[at..].starts_with(PREDICATE)
 }
 
 fn allowed(path: &str, pattern: &str) -> bool {

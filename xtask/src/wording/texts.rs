@@ -1,4 +1,4 @@
-//! What people read: documents, string literals, doc comments, texts of pages.
+//! Texts that people read: documents, string literals, doc comments, texts of pages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,8 +24,10 @@ pub(super) struct Text {
     /// Where it begins, from 1.
     pub(super) line: usize,
     pub(super) words: String,
-    /// Whether the length of its sentences counts: not in doc comments of code.
+    /// True where the length of its sentences counts: not in doc comments of code.
     pub(super) sentences: bool,
+    /// True for doc comments of code.
+    pub(super) is_doc: bool,
 }
 
 /// Every file of the project that has words for people, sorted. Tests and their data are left out.
@@ -57,7 +59,7 @@ pub(super) fn of_file(name: &str, content: &str) -> Result<Vec<Text>, String> {
     match name.rsplit('.').next() {
         Some("rs") => of_rust(name, content),
         Some("md" | "txt") => Ok(vec![of_markdown(content)]),
-        Some("html") => Ok(vec![Text { line: 1, words: without(&TAG, content), sentences: true }]),
+        Some("html") => Ok(vec![Text { line: 1, words: without(&TAG, content), sentences: true, is_doc: false }]),
         _ => Ok(of_script(content)),
     }
 }
@@ -82,6 +84,7 @@ fn literals(tokens: TokenStream, docs_are_help: bool, texts: &mut Vec<Text>) {
                         line,
                         words: without(&TAG, &without(&PLACEHOLDER, &in_sentences(&words))),
                         sentences: true,
+                        is_doc: false,
                     });
                 }
             }
@@ -90,7 +93,7 @@ fn literals(tokens: TokenStream, docs_are_help: bool, texts: &mut Vec<Text>) {
                     let words = without(&CODE, &words);
                     match texts.last_mut().filter(|_| line == last_doc_line + 1) {
                         Some(comment) => comment.words.push_str(&format!("\n{words}")),
-                        None => texts.push(Text { line, words, sentences: docs_are_help }),
+                        None => texts.push(Text { line, words, sentences: docs_are_help, is_doc: true }),
                     }
                     last_doc_line = line;
                 }
@@ -143,13 +146,13 @@ fn of_markdown(content: &str) -> Text {
         words.push('\n');
     }
     let words = without(&CODE, &words);
-    Text { line: 1, words: LINK.replace_all(&words, "$1").into_owned(), sentences: true }
+    Text { line: 1, words: LINK.replace_all(&words, "$1").into_owned(), sentences: true, is_doc: false }
 }
 
 fn of_script(content: &str) -> Vec<Text> {
     let quoted = |(number, line): (usize, &str)| -> Vec<Text> {
         let strings = QUOTED.find_iter(line).map(|quoted| quoted.as_str().to_owned());
-        strings.map(|words| Text { line: number + 1, words, sentences: true }).collect()
+        strings.map(|words| Text { line: number + 1, words, sentences: true, is_doc: false }).collect()
     };
     content.lines().enumerate().flat_map(quoted).collect()
 }

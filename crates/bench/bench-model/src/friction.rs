@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// Speeds within which Coulomb friction changes its sign, rad/s: without this the bench would rattle about standstill.
 const STANDSTILL_RAD_S: f64 = 0.5;
 
-/// What brakes a dynamometer beside its air-gap torque, c_0 sgn ω_d + c_1 ω_d: bearings and windage, T_shaft = T_d + T_fric at a constant
-/// speed. None by default.
+/// Friction that brakes a dynamometer beside its air-gap torque, c_0 sgn ω_d + c_1 ω_d: bearings and windage, T_shaft =
+/// T_d + T_fric at a constant speed. None by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DynoFriction {
     /// c_0, Nm.

@@ -1,6 +1,6 @@
-//! What firing pulses add to what has limits.
+//! Additions of firing pulses to what has limits.
 
-/// What pulses add at the most; nothing by default.
+/// Largest additions of pulses; nothing by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Added {
     /// To T_shaft upwards, Nm.

@@ -47,7 +47,7 @@ pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, Capabil
     Ok(verdict(inputs, (&benches, &outcomes), &of_nominal, trace))
 }
 
-/// Whether the nominal bench keeps everything.
+/// Tells whether the nominal bench keeps everything.
 pub(crate) fn nominal_keeps(inputs: &CanInputs<'_>) -> Result<bool, CapabilityError> {
     keeps_all(inputs, &Driven::of(inputs), &nominal(inputs))
 }
@@ -64,14 +64,14 @@ impl<'a, 'b> Trial<'a, 'b> {
         Ok(Trial { inputs, driven: Driven::of(inputs), benches: benches(inputs)? })
     }
 
-    /// Whether each of some benches keeps everything.
+    /// Returns for each of some benches whether it keeps everything.
     pub(crate) fn keep(&self, places: &[usize]) -> Result<Vec<bool>, CapabilityError> {
         let keeps = |place: &usize| keeps_all(self.inputs, &self.driven, &self.benches[*place]);
         parallel::map(places, keeps).into_iter().collect()
     }
 }
 
-/// Whether a bench keeps every limit and meets every requirement; what costs most is looked at last.
+/// Tells whether a bench keeps every limit and meets every requirement; what costs most is looked at last.
 fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Result<bool, CapabilityError> {
     let trace = match driven.trace(inputs, bench) {
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(false),
@@ -127,7 +127,7 @@ fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
 }
 
 impl CanInputs<'_> {
-    /// Whether the test demands a torque of the engine.
+    /// Tells whether the test demands a torque of the engine.
     pub fn is_torque_demanded(&self) -> bool {
         largest_demanded_nm(self).is_some()
     }
@@ -145,7 +145,7 @@ fn largest_demanded_nm(inputs: &CanInputs<'_>) -> Option<f64> {
     }
 }
 
-/// What benches are driven by.
+/// Inputs that drive the benches.
 enum Driven<'a> {
     Cycle(CycleGrid),
     /// With the demands that the bench gets, if they are other ones.
@@ -233,7 +233,7 @@ fn with_pulses(
     }
 }
 
-/// What pulses add at the most to each value of a cycle's run.
+/// Largest additions of pulses to each value of a cycle's run.
 fn added(grid: &CycleGrid, bench: &Drawn, trace: &Trace) -> Vec<Added> {
     let engine_nm = grid.given_nm(bench);
     let most_nm = engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));

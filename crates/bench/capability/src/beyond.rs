@@ -1,4 +1,4 @@
-//! What a test asks for beyond what the model, or the engine's map, is known for.
+//! Points of a test beyond the range for which the model, or the engine's map, is known.
 
 use bench_model::document::{Range, Validity};
 use cycle::EngineMap;
@@ -27,7 +27,7 @@ pub enum Beyond {
     EngineTorque {
         /// The torque that is furthest beyond the map, Nm.
         asked_nm: f64,
-        /// What the map gives there, Nm.
+        /// Torque that the map gives there, Nm.
         given_nm: f64,
         /// The speed there, rad/s.
         speed_rad_s: f64,
@@ -51,7 +51,7 @@ pub enum Beyond {
 }
 
 impl Beyond {
-    /// Whether it is the engine that is asked for too much.
+    /// Tells whether it is the engine that is asked for too much.
     pub fn is_of_engine(&self) -> bool {
         matches!(self, Beyond::EngineSpeed { .. } | Beyond::EngineTorque { .. })
     }

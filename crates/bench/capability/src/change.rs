@@ -34,7 +34,7 @@ pub enum Change {
         /// Above 1.
         factor: f64,
     },
-    /// What is demanded changes by this part of what it did, about its first value.
+    /// The demand changes by this part of what it did, about its first value.
     Smaller {
         /// 0 … 1.
         factor: f64,
@@ -105,7 +105,7 @@ fn accelerated_kg_m2(inputs: &CanInputs<'_>, is_cycle: bool) -> f64 {
 }
 
 impl Change {
-    /// Whether the speed loop keeps its margins where the change touches it, or gets no worse ones.
+    /// Tells whether the speed loop keeps its margins where the change touches it, or gets no worse ones.
     pub(crate) fn keeps_margins(self, inputs: &CanInputs<'_>) -> bool {
         let changed = self.model(inputs.model);
         let is_touched = changed.speed_controller != inputs.model.speed_controller;

@@ -87,7 +87,7 @@ impl CycleGrid {
         given_nm.iter().zip(&self.command_rad_s).map(fire).collect()
     }
 
-    /// What a bench does, without the pulses of its engine.
+    /// Runs the test on a bench, without the pulses of its engine.
     ///
     /// # Errors
     /// A part that the model lacks, a speed that no engine has.
@@ -117,7 +117,7 @@ impl CycleGrid {
         })
     }
 
-    /// What a bench does from one point of the grid to another, with each firing of its engine.
+    /// Runs a bench from one point of the grid to another, with each firing of its engine.
     ///
     /// # Errors
     /// A part that the model lacks, a run that grows without bound.

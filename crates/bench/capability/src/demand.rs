@@ -1,4 +1,4 @@
-//! What a test demands.
+//! Demands of a test.
 
 use cycle::{EngineMap, Reference};
 use rig::experiment::{Demands, ExperimentPlan};
@@ -17,7 +17,7 @@ pub enum Demand<'a> {
 pub struct CycleDemand<'a> {
     /// Speeds and torques.
     pub reference: &'a Reference,
-    /// What the engine can give; without one, all that is demanded.
+    /// Map of what the engine can give; without one, it gives all that is demanded.
     pub map: Option<&'a EngineMap>,
 }
 
@@ -30,7 +30,7 @@ impl Demand<'_> {
         }
     }
 
-    /// Whether dynamometer and engine are connected.
+    /// Tells whether dynamometer and engine are connected.
     pub fn has_shaft(&self) -> bool {
         match self {
             Demand::Cycle(_) => true,

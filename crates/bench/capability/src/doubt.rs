@@ -1,4 +1,4 @@
-//! What of the model decides an answer that is no yes and no no.
+//! Parts of the model that decide an answer that is no yes and no no.
 
 use bench_model::model::ModelParameter;
 use rig::experiment::{ControlMode, Excitation, ExperimentLabel, Test};

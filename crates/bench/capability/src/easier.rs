@@ -1,4 +1,4 @@
-//! What would make a test possible: the least change of each kind.
+//! Changes that would make a test possible: the least one of each kind.
 
 use std::collections::BTreeMap;
 

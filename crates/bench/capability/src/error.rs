@@ -24,7 +24,7 @@ pub enum CapabilityError {
     /// A wish that is no sine and no gradient.
     #[error("`{text}` is no sine and no gradient; write it as `100 rpm at 2 Hz`, `20 Nm at 8 Hz` or `4000 rpm/s`")]
     Wanted {
-        /// What was written.
+        /// Text that was written.
         text: String,
     },
     /// No samples.

@@ -1,4 +1,4 @@
-//! What is compared with the limits of a bench.
+//! Quantities that are compared with the limits of a bench.
 
 use design::safety::{AtResonance, SPEED_CHANGE_S};
 use rig::bench_file::Limits;

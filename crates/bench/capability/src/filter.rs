@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rig::experiment::{DEMAND_HOLD_S, Demands, UPDATE_S};
 
-/// What a low-pass of first order makes of a series, from rest at its first value.
+/// Output of a low-pass of first order on a series, from rest at its first value.
 pub(crate) fn low_pass(values: &[f64], step_s: f64, corner_hz: f64) -> Vec<f64> {
     let stays = (-TAU * corner_hz * step_s).exp();
     let mut held = values.first().copied().unwrap_or(0.0);

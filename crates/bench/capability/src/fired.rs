@@ -1,7 +1,8 @@
 //! The largest values of a cycle with firing pulses.
 //!
-//! What pulses add at the most, as if every speed were held and every firing were a strong one, shows where the largest values can be. There
-//! the bench is simulated firing by firing, the most promising stretch first, until no other can have a larger value.
+//! Largest additions of pulses, as if every speed were held and every firing were a strong one, show where the largest
+//! values can be. There the bench is simulated firing by firing, the most promising stretch first, until no other can
+//! have a larger value.
 
 use design::safety::AtResonance;
 use rig::bench_file::Limits;
@@ -22,7 +23,7 @@ const MOST: usize = 12;
 struct Stretch {
     from: usize,
     to: usize,
-    /// What no value is above.
+    /// Upper bounds of all values.
     bounds: [Peak; LimitOf::COUNT],
     is_simulated: bool,
 }
@@ -38,7 +39,7 @@ pub(crate) struct Firing<'a> {
 }
 
 impl Firing<'_> {
-    /// What no largest value is above.
+    /// Upper bounds of the largest values.
     pub(crate) fn bounds(&self) -> [Peak; LimitOf::COUNT] {
         peaks(self.trace, self.added, self.near, self.limits)
     }

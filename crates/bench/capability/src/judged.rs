@@ -33,7 +33,7 @@ pub(crate) fn validations(
     sets.iter().map(|set| Ok(validate(reference, &feedback, set)?)).collect()
 }
 
-/// What a run demands.
+/// Demands of a run.
 fn demanded(trace: &Trace) -> Reference {
     let (speed, torque) = (trace.speed_demand_rad_s.clone(), trace.torque_demand_nm.clone());
     Reference { step_s: trace.step_s, ..Reference::of_itself(trace.start_s, speed, torque) }
@@ -48,7 +48,7 @@ pub(crate) fn own(trace: &Trace, own: &[Own]) -> Vec<Judged> {
     own.iter().map(judge).collect()
 }
 
-/// Whether a run can be judged by one's own requirements.
+/// Checks that a run can be judged by one's own requirements.
 pub(crate) fn check_own(trace: &Trace, own: &[Own]) -> Result<(), CapabilityError> {
     Ok(own.iter().try_for_each(|own| own.check(&course(trace, own)))?)
 }

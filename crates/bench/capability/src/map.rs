@@ -31,7 +31,7 @@ const REACHED: (f64, f64) = (0.02, 2.0);
 /// Frequencies at which the response is looked at for bandwidths, less one.
 const BANDWIDTH_STEPS: u32 = 400;
 
-/// What the sine is demanded of.
+/// Demand that the sine is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SineOf {
@@ -41,16 +41,16 @@ pub enum SineOf {
     Torque,
 }
 
-/// What a map rests on.
+/// Inputs of a map.
 #[derive(Debug, Clone, Copy)]
 pub struct MapInputs<'a> {
     /// The bench.
     pub model: &'a BenchModel,
     /// Its engine.
     pub engine: &'a EngineParameters,
-    /// What is known of its firing pulses.
+    /// Knowledge of its firing pulses.
     pub pulses: &'a KnownPulses,
-    /// What the bench must not exceed.
+    /// Limits that the bench must not exceed.
     pub limits: Limits,
     /// How benches differ from it.
     pub spread: BenchSpread<'a>,
@@ -101,7 +101,7 @@ pub struct Bandwidths {
     pub delay_s: [f64; 3],
 }
 
-/// What 1 rad/s or 1 Nm of a demand makes of each quantity, at one frequency.
+/// Gains from 1 rad/s or 1 Nm of a demand to each quantity, at one frequency.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
     omega_rad_s: f64,

@@ -1,4 +1,4 @@
-//! What an answer rests on, and what one bench does.
+//! Inputs of an answer, and the outcome of one bench.
 
 use bench_model::document::Validity;
 use bench_model::friction::DynoFriction;
@@ -13,7 +13,7 @@ use crate::demand::Demand;
 use crate::extremes::{LimitOf, Peak};
 use crate::following::{Following, FollowingSpread};
 
-/// What an answer rests on.
+/// Inputs of an answer.
 #[derive(Debug, Clone, Copy)]
 pub struct CanInputs<'a> {
     /// The test.
@@ -22,9 +22,9 @@ pub struct CanInputs<'a> {
     pub model: &'a BenchModel,
     /// Its engine.
     pub engine: &'a EngineParameters,
-    /// What is known of its firing pulses.
+    /// Knowledge of its firing pulses.
     pub pulses: &'a KnownPulses,
-    /// What the bench must not exceed.
+    /// Limits that the bench must not exceed.
     pub limits: Limits,
     /// The range of the recordings that the model is from.
     pub validity: Validity,
@@ -49,7 +49,7 @@ pub struct CanInputs<'a> {
     pub seed: u64,
 }
 
-/// What one bench did.
+/// Outcome of one bench.
 pub(crate) struct Outcome {
     pub(crate) peaks: [Peak; LimitOf::COUNT],
     pub(crate) validations: Vec<Validation>,
@@ -71,7 +71,7 @@ pub(crate) struct Drawn {
     pub(crate) firing_seed: Option<u64>,
 }
 
-/// Whether a bench keeps every limit and meets every requirement.
+/// Tells whether a bench keeps every limit and meets every requirement.
 pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
     let meets_own = outcome.own.len() == inputs.own.len() && outcome.own.iter().all(Judged::passes);
     !outcome.is_unstable
@@ -80,14 +80,14 @@ pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
         && keeps_limits(inputs, &outcome.peaks)
 }
 
-/// Whether every limit is kept.
+/// Tells whether every limit is kept.
 pub(crate) fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
     let is_reached =
         |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(peaks[of as usize].value, limit));
     !LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits).any(is_reached)
 }
 
-/// Whether every requirement set is met.
+/// Tells whether every requirement set is met.
 pub(crate) fn meets_sets(inputs: &CanInputs<'_>, validations: &[Validation]) -> bool {
     validations.len() == inputs.sets.len() && validations.iter().all(|validation| validation.passes)
 }

@@ -7,7 +7,7 @@ use rig::experiment::Demands;
 use crate::error::CapabilityError;
 use crate::trace::Trace;
 
-/// What a bench does, millisecond by millisecond, beside the demands that were asked for.
+/// Runs a bench, millisecond by millisecond, beside the demands that were asked for.
 pub(crate) fn run(inputs: &PredictionInputs<'_>, demands: &Demands) -> Result<Trace, CapabilityError> {
     let prediction = predict(inputs)?;
     let (response, plan) = (prediction.response, inputs.plan);

@@ -32,20 +32,20 @@ const VARIES: f64 = 3.0;
 /// Torques below this are none, Nm.
 const LEAST: f64 = 1e-6;
 
-/// What pulses add to each quantity at the mean torques of the table, over the engine's speed. What they add is convex over the torque,
-/// so that straight lines between these torques are upper bounds.
+/// Additions of pulses to each quantity at the mean torques of the table, over the engine's speed. What they add is
+/// convex over the torque, so that straight lines between these torques are upper bounds.
 pub(crate) struct Pulses {
     lowest_rad_s: f64,
     /// The largest mean torque of the table, Nm.
     highest_nm: f64,
     table: Vec<Levels>,
-    /// What a firing adds that pushes with 1 Nm more than the mean.
+    /// Addition of a firing that pushes with 1 Nm more than the mean.
     push: Added,
     /// By which part firings are stronger than the mean where they vary from cycle to cycle.
     varies: f64,
 }
 
-/// What pulses add at each mean torque of the table.
+/// Additions of pulses at each mean torque of the table.
 type Levels = [Added; LEVELS];
 
 /// The larger of each.
@@ -83,13 +83,14 @@ impl Pulses {
         Pulses { lowest_rad_s, highest_nm, table: (0..count).map(at).collect(), push: push(model, mode), varies }
     }
 
-    /// What they add at a mean torque of the engine: at the speed, the more of its two neighbours in the table.
+    /// Their additions at a mean torque of the engine: at the speed, the more of its two neighbours in the table.
     pub(crate) fn at(&self, engine_nm: f64, speed_rad_s: f64) -> Added {
         let place = self.place(speed_rad_s);
         self.at_torque(&or_more(&self.table[place.floor() as usize], &self.table[place.ceil() as usize]), engine_nm)
     }
 
-    /// What they add at the most at any speed within so many places of the table about a speed; the last one holds all of the table.
+    /// Their largest additions at any speed within so many places of the table about a speed; the last one holds all of
+    /// the table.
     pub(crate) fn about(&self, speed_rad_s: f64) -> About<'_> {
         let place = self.place(speed_rad_s);
         let (low, high) = (place.floor() as usize, place.ceil() as usize);
@@ -134,7 +135,7 @@ fn share_of_highest(level: usize) -> f64 {
     }
 }
 
-/// What pulses add about a speed.
+/// Additions of pulses about a speed.
 pub(crate) struct About<'a> {
     pulses: &'a Pulses,
     speed_rad_s: f64,
@@ -142,7 +143,8 @@ pub(crate) struct About<'a> {
 }
 
 impl About<'_> {
-    /// What they add at the most while the speed moves this far to both sides, and the mean torque of the engine between two.
+    /// Their largest additions while the speed moves this far to both sides, and the mean torque of the engine between
+    /// two.
     pub(crate) fn within(&self, reach_rad_s: f64, engine_nm: [f64; 2]) -> Added {
         // Downwards a speed goes further on the logarithmic table.
         let part = (reach_rad_s / self.speed_rad_s.max(f64::MIN_POSITIVE)).min(1.0 - f64::EPSILON);
@@ -154,7 +156,7 @@ impl About<'_> {
     }
 }
 
-/// What a push of 1 Nm adds: it accelerates both ends, and the controller answers to that.
+/// Additions of a push of 1 Nm: it accelerates both ends, and the controller answers to that.
 fn push(model: &BenchModel, mode: LoopMode) -> Added {
     let gradient = 1.0 / (model.mechanics.dyno_inertia_kg_m2 + model.mechanics.engine_inertia_kg_m2);
     let gain =
@@ -173,7 +175,7 @@ fn waves(harmonics: &[CycleHarmonic], of: impl Fn(&CycleHarmonic) -> Complex64) 
     (1..).zip(harmonics.iter().map(of)).filter(|(_, amplitude)| amplitude.norm() > 0.0).collect()
 }
 
-/// What waves of the engine's torque make of a cycle, at each point of it.
+/// Response of a cycle to waves of the engine's torque, at each point of it.
 struct Courses {
     shaft_nm: Vec<f64>,
     shaft_slope_nm_per_s: Vec<f64>,

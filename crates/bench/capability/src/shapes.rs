@@ -9,9 +9,9 @@ use units::RPM_RAD_S;
 /// A shape by its name.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What is demanded.
+    /// Demand, in words.
     pub demands: &'static str,
     /// Its numbers.
     pub parameters: &'static [Parameter],

@@ -1,4 +1,4 @@
-//! What one bench does in a test.
+//! Trace of one bench in a test.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ pub struct Trace {
     pub start_s: f64,
     /// Time between values, s.
     pub step_s: f64,
-    /// Whether a demand holds from its time to the next. Otherwise it changes in between.
+    /// True where a demand holds from its time to the next. Otherwise it changes in between.
     pub is_demand_held: bool,
     /// Speed demanded, rad/s.
     pub speed_demand_rad_s: Vec<f64>,
@@ -52,7 +52,7 @@ impl Trace {
         }
     }
 
-    /// Whether every value is finite and of a size that a bench can have.
+    /// Tells whether every value is finite and of a size that a bench can have.
     pub(crate) fn is_bounded(&self) -> bool {
         let is_bounded = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);
         is_bounded(&self.dyno_speed_rad_s) && is_bounded(&self.shaft_torque_nm)

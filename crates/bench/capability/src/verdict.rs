@@ -1,4 +1,4 @@
-//! What all benches together say.
+//! Joint verdict of all benches.
 
 use cycle::{Judged, Own, RequirementSet, Signal, Statistic, Validation};
 use design::safety::{Proportion, reaches};
@@ -105,7 +105,7 @@ pub struct Bands {
     pub torque_nm: [Vec<f64>; 2],
 }
 
-/// What can be said of a test on a bench.
+/// Verdict on a test on a bench.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
     /// In a word.
@@ -194,7 +194,7 @@ pub(crate) fn verdict(
     }
 }
 
-/// Whether so many benches of so many make a yes.
+/// Tells whether so many benches of so many make a yes.
 pub(crate) fn is_share_of_yes(kept: usize, of: usize) -> bool {
     kept as f64 / of as f64 >= YES
 }

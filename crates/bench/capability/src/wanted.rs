@@ -15,7 +15,7 @@ use crate::map::{Braked, MapInputs, SineOf, benches, nominal, one_bench, quantil
 /// From this share of the benches on a wish can be had.
 const ENOUGH: f64 = 0.95;
 
-/// What is wanted, from a text such as `100 rpm at 2 Hz`, `20 Nm at 8 Hz`, `4000 rpm/s`.
+/// Wish, from a text such as `100 rpm at 2 Hz`, `20 Nm at 8 Hz`, `4000 rpm/s`.
 ///
 /// # Example
 /// ```
@@ -44,14 +44,14 @@ pub enum Wanted {
     },
 }
 
-/// What the benches say at one speed.
+/// Answer of the benches at one speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WantedPlace {
     /// The speed, rad/s.
     pub speed_rad_s: f64,
     /// How many benches can do it.
     pub kept: Proportion,
-    /// What 95 %, 50 % and 5 % of them can do at most, in the unit of what is wanted.
+    /// Most that 95 %, 50 % and 5 % of them can do, in the unit of what is wanted.
     pub largest: [f64; 3],
     /// The limit that binds on the nominal bench.
     pub binds: Option<LimitOf>,
@@ -60,21 +60,21 @@ pub struct WantedPlace {
 /// The answer to a wish.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WantedAnswer {
-    /// What is wanted.
+    /// The wish.
     pub wanted: Wanted,
     /// At each speed.
     pub places: Vec<WantedPlace>,
 }
 
 impl WantedPlace {
-    /// Whether 95 % of the benches can do it.
+    /// Tells whether 95 % of the benches can do it.
     pub fn is_yes(&self) -> bool {
         self.kept.estimate >= ENOUGH
     }
 }
 
 impl WantedAnswer {
-    /// Whether it can be had at every speed.
+    /// Tells whether it can be had at every speed.
     pub fn is_yes(&self) -> bool {
         self.places.iter().all(WantedPlace::is_yes)
     }

@@ -32,7 +32,7 @@ pub struct Gains {
     pub gain: Vec<f64>,
     /// J_e/(J_d + J_e), the gain of free masses far below the resonance.
     pub at_rest: f64,
-    /// What the parameters say of the resonance, Hz.
+    /// Resonance by the parameters, Hz.
     pub resonance_hz: f64,
 }
 
@@ -69,7 +69,7 @@ impl Gains {
 struct Sampled<'a> {
     samples: &'a [f64],
     sample_time_s: f64,
-    /// What is added to its stamps, s.
+    /// Addition to its stamps, s.
     shift_s: f64,
 }
 

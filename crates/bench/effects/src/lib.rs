@@ -1,4 +1,4 @@
-//! What a bench shows before any model is made of it: the effects of the thesis, run and measured.
+//! Effects that a bench shows before any model is made of it: those of the thesis, run and measured.
 
 mod error;
 mod gains;
@@ -22,7 +22,7 @@ pub use zeros::{NaiveZeros, ShaftZeros};
 const SPECTRUM_S: f64 = 10.0;
 /// Spectra are given up to this frequency, Hz.
 const HIGHEST_HZ: f64 = 200.0;
-/// What is shown before and after a step, s.
+/// Time shown before and after a step, s.
 const AROUND_STEP_S: (f64, f64) = (0.02, 0.1);
 const STEP_S: f64 = 2.0;
 

@@ -1,4 +1,4 @@
-//! What becomes of the shaft's zero when nobody knows how late a speed is stamped.
+//! The shaft's zero when nobody knows how late a speed is stamped.
 
 use ident::distributions::interval;
 use recording::Recording;

@@ -155,7 +155,7 @@ fn formulas(rows: &[Vec<&str>]) -> Result<Vec<Vec<Formula>>, IdentError> {
     rows.iter().map(|row| row.iter().map(|text| text.parse()).collect()).collect()
 }
 
-/// What is known of the parameters, as a fit would have it. The degrees of freedom are the least of all parts.
+/// Record of the parameters' estimate, as a fit would have it. The degrees of freedom are the least of all parts.
 fn record(document: &BenchModelDocument, grey: &GreyBoxModel<FormulaStructure>) -> EstimateRecord {
     let names = grey.parameter_names();
     let parts: Vec<PartCovariance> = document.uncertainty.clone().into();

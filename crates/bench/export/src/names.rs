@@ -1,6 +1,6 @@
 //! Names that other programs take.
 
-/// What is left where a bench has no name that can be written in ASCII.
+/// Name where a bench has none that can be written in ASCII.
 const FALLBACK: &str = "bench";
 
 /// Words that no module of Python and no function of MATLAB or Octave can be called, and packages that the module itself imports.
@@ -94,7 +94,7 @@ impl Names {
     }
 }
 
-/// What parsers of XML and of programs refuse: control characters, and what is no character.
+/// Tells whether parsers of XML and of programs refuse it: control characters, and what is no character.
 ///
 /// # Source
 /// Extensible Markup Language (XML) 1.0, 5th ed., production 2.
@@ -185,7 +185,7 @@ const LETTERS: [(&str, &str); 54] = [
     ("u", "µμ"),
 ];
 
-/// What stands for a character: itself where no letter does.
+/// Letters that stand for a character: itself where none do.
 fn letter(c: char) -> String {
     let found = LETTERS.iter().find(|(_, letters)| letters.contains(c));
     found.map_or_else(|| c.to_string(), |(ascii, _)| (*ascii).to_owned())

@@ -8,7 +8,7 @@ use bench_model::model::{BenchModel, ModelParameter};
 pub struct Number {
     /// Name in ASCII, as in `K_p`.
     pub name: &'static str,
-    /// What it is.
+    /// Description, in words.
     pub description: &'static str,
     /// SI unit, as SI writes it.
     pub unit: Unit,

@@ -78,10 +78,10 @@ pub fn linear(document: &ModelDocument, names: &Names, version: &str) -> Result<
     ])
 }
 
-/// What wrote a set.
+/// Origin of a set.
 struct Origin<'a> {
     written_by: String,
-    /// What to know about the numbers.
+    /// Remark on the numbers.
     note: Option<String>,
     version: &'a str,
 }

@@ -12,7 +12,7 @@ use rig::results::{FeedForward, Part, Reason};
 pub struct SpeedControllers<'a> {
     /// The recordings.
     pub experiments: Vec<&'a Experiment>,
-    /// What the inverter gives, Nm.
+    /// Torque that the inverter gives, Nm.
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, SpeedControllerFit>,
     feed_forwards: OncePerRecording<'a, FeedForward>,
@@ -67,7 +67,7 @@ impl<'a> SpeedControllers<'a> {
     /// PI and delay from the recording that is chosen for them.
     ///
     /// # Errors
-    /// What would be needed.
+    /// The recordings that would be needed.
     pub fn chosen(&self) -> Result<&Chosen<'a, SpeedControllerFit>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::SpeedController, &self.experiments, |e| self.fit(e))).as_ref()
     }
@@ -96,7 +96,7 @@ impl<'a> SpeedControllers<'a> {
     /// The feed-forward from the recording that is chosen for it.
     ///
     /// # Errors
-    /// What would be needed.
+    /// The recordings that would be needed.
     pub fn chosen_feed_forward(&self) -> Result<Chosen<'a, FeedForward>, Vec<Reason>> {
         let controller = self.best().ok_or_else(|| vec![Reason::Part { part: Part::SpeedController }])?;
         first(Sought::FeedForward, &self.experiments, |e| self.feed_forward(e, controller))

@@ -71,7 +71,7 @@ pub struct Cylinders {
     pub cylinders: Vec<Cylinder>,
     /// How probable it is that they differ so much by chance.
     pub alike_probability: f64,
-    /// What of the difference comes back with every turn.
+    /// Part of the difference that comes back with every turn.
     pub once_a_turn: CylindersOnceATurn,
 }
 
@@ -288,7 +288,7 @@ fn between(values: &[f64], place: f64) -> f64 {
     values[at] + (place - at as f64) * (values[at + 1] - values[at])
 }
 
-/// What is left of the scatter of the cycles' means when their own uncertainty is taken out. Neighbours are compared, since
+/// Scatter of the cycles' means that is left when their own uncertainty is taken out. Neighbours are compared, since
 /// the level may change over the recording: the variance is half that of the difference.
 fn variation(cycles: &[Cycle]) -> f64 {
     let pairs = (cycles.len() - 1) as f64;

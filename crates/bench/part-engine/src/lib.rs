@@ -2,8 +2,9 @@
 //! them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are separated,
 //! cylinder by cylinder.
 //!
-//! What the rebuilt torque holds: gas torque and the inertia torque of pistons and rods, less the engine's friction; and the
-//! bearing friction of the dynamometer at the mean speed, which nothing with the shaft on separates from it.
+//! Engine torque rebuilt from recordings: gas torque and the inertia torque of pistons and rods, less the engine's
+//! friction. It also holds the bearing friction of the dynamometer at the mean speed, which nothing with the shaft on
+//! separates from it.
 
 mod cycles;
 mod pulses;
@@ -24,7 +25,7 @@ pub use self::pulses::engine_pulses;
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 
-/// What recordings show about the engine's torque.
+/// Findings of recordings on the engine's torque.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineTorque {
     /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
@@ -34,7 +35,7 @@ pub struct EngineTorque {
     pub recordings: Vec<EngineRecording>,
 }
 
-/// What one recording shows.
+/// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineRecording {
     /// The file.

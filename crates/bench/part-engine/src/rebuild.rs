@@ -54,7 +54,7 @@ pub struct RebuiltEngine {
     pub of_masses_nm: Vec<f64>,
     /// By a filter without phase shift, Nm.
     pub zero_phase_nm: Vec<f64>,
-    /// What T_d was taken from.
+    /// Source of T_d.
     pub torque: TorqueSource,
     /// Noise levels.
     pub noise: NoiseLevels,
@@ -63,7 +63,7 @@ pub struct RebuiltEngine {
     pub once_a_turn_nm: f64,
 }
 
-/// What the smoother found of the motion.
+/// Motion that the smoother found.
 pub(super) struct Motion {
     /// ω_e, rad/s, at the instants of the torque.
     pub(super) engine_speed_rad_s: Vec<f64>,
@@ -76,7 +76,7 @@ pub(super) struct Motion {
     pub(super) torque_density: f64,
 }
 
-/// What is known beside the recording.
+/// Knowledge beside the recording.
 pub(super) struct Known<'a> {
     pub(super) engine: Engine,
     pub(super) stated_gate_s: Option<f64>,

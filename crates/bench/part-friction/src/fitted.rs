@@ -1,4 +1,4 @@
-//! What a regression of friction finds.
+//! Findings of a regression of friction.
 
 use faer::Mat;
 use ident::LinearFit;
@@ -49,12 +49,12 @@ impl Fitted {
         Some(Parameter::new(Quantity::DynoInertia, 1.0 / rate, self.inertia_error() / rate, self.freedom))
     }
 
-    /// Whether the term of highest order is separated from zero.
+    /// Tells whether the term of highest order is separated from zero.
     pub(crate) fn is_last_significant(&self, level: f64) -> bool {
         self.terms.last().is_some_and(|last| self.is_significant(*last, level))
     }
 
-    /// Whether a term is there and differs from zero.
+    /// Tells whether a term is there and differs from zero.
     pub(crate) fn is_significant(&self, term: Term, level: f64) -> bool {
         let Some(place) = self.terms.iter().position(|own| *own == term) else { return false };
         let at = self.first_term() + place;
@@ -126,7 +126,7 @@ impl Fitted {
         }
     }
 
-    /// What those of its terms come to over a range of speeds.
+    /// Sum of those of its terms over a range of speeds.
     pub(crate) fn curve(&self, (from, to): (f64, f64), is_part: impl Fn(Term) -> bool) -> Vec<CurvePoint> {
         let first = self.first_term();
         let parts: Vec<(usize, Term)> = self.terms.iter().copied().enumerate().filter(|(_, t)| is_part(*t)).collect();

@@ -35,7 +35,7 @@ const DISAGREES: f64 = 0.05;
 const AHEAD_S: f64 = 0.01;
 /// Values of the modelled T_d in a sample of T_d*.
 const FINER: usize = 4;
-/// What T_d does within a sample is not recorded; means over so many of its samples hardly see it.
+/// Samples of T_d over which means hardly see its course within a sample, which is not recorded.
 const SAMPLES_OF_TORQUE: f64 = 5.0;
 /// Means over this hardly see what a load cell does to T_d beyond being late, s.
 const BLOCK_OF_CELL_S: f64 = 0.1;
@@ -54,7 +54,7 @@ pub(super) struct FreeRun {
     pub(super) speed: Signal,
     pub(super) dropped: Vec<bool>,
     pub(super) torque: Option<Signal>,
-    /// What T_d was taken from.
+    /// Source of T_d.
     pub(super) source: Option<TorqueUsed>,
     /// Means over this are compared, s; zero where every sample counts.
     pub(super) block_s: f64,
@@ -187,7 +187,7 @@ impl Directions {
     }
 }
 
-/// Whether both directions were seen.
+/// Directions in which the free runs turn.
 pub(super) fn directions(free_runs: &[FreeRun]) -> Directions {
     let (low, high) = speeds(free_runs);
     if low < 0.0 && high > 0.0 { Directions::Both } else { Directions::One }
@@ -242,8 +242,8 @@ impl FreeRun {
         Some(all.into_iter().map(|sum| sum - first).collect())
     }
 
-    /// What the jumps of T_d come to, Nm, at the instants of N_d, and the time between two samples within which each happens, s;
-    /// none where T_d is known between its samples.
+    /// Sum of the jumps of T_d, Nm, at the instants of N_d, and the time between two samples within which each happens,
+    /// s. None where T_d is known between its samples.
     pub(super) fn jumps(&self, delay_s: f64) -> Option<(Vec<f64>, f64)> {
         let torque = self.torque.as_ref().filter(|_| self.source != Some(TorqueUsed::Modelled))?;
         let changes: Vec<f64> = torque.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -72,7 +72,7 @@ pub struct Candidate {
     pub per_inertia: Vec<Parameter>,
     /// −2 ln likelihood + ln(samples) for each parameter, less that of the best candidate.
     pub bic_above_best: f64,
-    /// Whether it is the one that was chosen.
+    /// True for the one that was chosen.
     pub chosen: bool,
 }
 
@@ -89,7 +89,7 @@ pub struct Friction {
     pub candidates: Vec<Candidate>,
     /// T_fric over the speeds that were seen.
     pub curve: Vec<CurvePoint>,
-    /// What was used.
+    /// Run-outs that were used.
     pub run_outs: Vec<RunOut>,
 }
 

@@ -1,4 +1,4 @@
-//! What is estimated of friction, and how.
+//! Options of the friction estimate.
 
 use rig::BenchFile;
 use rig::results::{Quantity, Stretch};
@@ -46,7 +46,7 @@ impl Term {
         }
     }
 
-    /// What its coefficient is as a torque.
+    /// Quantity of its coefficient as a torque.
     pub(super) fn torque(self) -> Quantity {
         match self {
             Term::Offset => Quantity::FrictionOffset,
@@ -57,7 +57,7 @@ impl Term {
         }
     }
 
-    /// What its coefficient is over J_d.
+    /// Quantity of its coefficient over J_d.
     pub(super) fn deceleration(self) -> Quantity {
         match self {
             Term::Offset => Quantity::FrictionOffsetOverInertia,
@@ -69,7 +69,7 @@ impl Term {
     }
 }
 
-/// What is wanted.
+/// Options of the friction estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionOptions {
     /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not show J_d.
@@ -82,7 +82,7 @@ pub struct FrictionOptions {
 }
 
 impl FrictionOptions {
-    /// What a bench file states.
+    /// Options as a bench file states them.
     pub fn of(bench: &BenchFile) -> Self {
         FrictionOptions {
             inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
@@ -92,7 +92,7 @@ impl FrictionOptions {
     }
 }
 
-/// What T_d was taken from.
+/// Sources of T_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueUsed {
@@ -120,7 +120,7 @@ pub struct CurvePoint {
 pub struct RunOut {
     /// Where.
     pub stretch: Stretch,
-    /// What T_d was taken from; none where none was recorded.
+    /// Source of T_d; none where none was recorded.
     pub torque: Option<TorqueUsed>,
     /// Samples left out: drop-outs.
     pub left_out: usize,

@@ -32,7 +32,7 @@ const TORQUE_FREE: f64 = 0.05;
 /// It shows J_d where what friction cannot do of it is more than this part of the torque that acts.
 const EXCITED: f64 = 0.3;
 
-/// What T_d does.
+/// Excitation by T_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Excitation {
     NotRecorded,
@@ -58,7 +58,7 @@ impl<'a> Problem<'a> {
         Problem { free_runs, delay_s: 0.0, walk: WALK.0, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
     }
 
-    /// What T_d does beyond noise and ripple, to a dynamometer of about this inertia.
+    /// Excitation by T_d beyond noise and ripple, of a dynamometer of about this inertia.
     pub(super) fn excitation(&self, inertia_kg_m2: f64) -> Excitation {
         let Some(free_runs) = self.free_runs.iter().map(FreeRun::blocks).collect::<Option<Vec<_>>>() else {
             return Excitation::NotRecorded;
@@ -192,7 +192,7 @@ impl<'a> Problem<'a> {
         Mat::from_fn(column.len() / length, 1, mean)
     }
 
-    /// What the speed is made of along a free_run, from its first sample on.
+    /// Columns that make up the speed along a free run, from its first sample on.
     fn columns(&self, free_run: &FreeRun, terms: &[Term], drive: Drive) -> Columns {
         let step = free_run.speed.sample_time_s;
         let speed = &free_run.speed.samples;

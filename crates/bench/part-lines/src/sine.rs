@@ -249,7 +249,7 @@ impl Cut {
         Ok(Amplitudes { torque, shaft, engine_torque })
     }
 
-    /// What is left when the waves, constant and slope are taken away.
+    /// Rest of the signals when the waves, constant and slope are taken away.
     fn without_waves(&self, waves: &[f64]) -> Result<Cut, ident::IdentError> {
         let rest = |x: &Signal| {
             let regressors = regressors(x, waves);

@@ -91,7 +91,7 @@ impl<'a> Parts<'a> {
         Parts { experiments, bench: self.bench, controllers, torque_controls, shafts, chosen: OnceLock::new() }
     }
 
-    /// What the shaft is estimated from in a recording, beside the chosen speed controller and torque control.
+    /// Inputs of the shaft's estimate from a recording, beside the chosen speed controller and torque control.
     ///
     /// # Errors
     /// A signal that is missing.
@@ -123,13 +123,13 @@ impl<'a> Parts<'a> {
     /// The shaft from the recording that is chosen for it.
     ///
     /// # Errors
-    /// What would be needed.
+    /// The recordings that would be needed.
     pub fn chosen_shaft(&self) -> Result<&Chosen<'a, Shaft>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::Shaft, &self.experiments, |e| self.shaft(e))).as_ref()
     }
 
-    /// Whether a recording gives both inertias: behind a torque flange stands a dual-mass flywheel, with which there is no one
-    /// J_e.
+    /// Tells whether a recording gives both inertias: behind a torque flange stands a dual-mass flywheel, with which
+    /// there is no one J_e.
     pub fn gives_inertias(&self, experiment: &Experiment) -> bool {
         self.bench.variant == BenchVariant::LoadCell && Sought::Inertias.is_given_by(experiment)
     }
@@ -146,7 +146,7 @@ impl<'a> Parts<'a> {
     /// Both inertias from the recording that is chosen for them.
     ///
     /// # Errors
-    /// What would be needed.
+    /// The recordings that would be needed.
     pub fn chosen_inertias(&self) -> Result<Chosen<'a, Estimate>, Vec<Reason>> {
         let giving: Vec<&Experiment> = self.experiments.iter().copied().filter(|e| self.gives_inertias(e)).collect();
         first(Sought::Inertias, &giving, |e| self.inertias(e))

@@ -27,7 +27,7 @@ pub fn shaft_torque(
     }
 }
 
-/// What the shaft's estimator needs of one recording, beside this torque.
+/// Inputs of the shaft's estimator from one recording, beside this torque.
 pub fn shaft_inputs<'a>(
     experiment: &'a Experiment,
     bench: &BenchFile,
@@ -61,7 +61,7 @@ pub fn shaft_inputs<'a>(
 /// Standard uncertainty of a lag or delay of which a recording shows nothing, s.
 const UNKNOWN_S: f64 = 1e-3;
 
-/// What the torque control leaves uncertain of the torque.
+/// Uncertainty that the torque control leaves in the torque.
 fn torque_delay(control: &TorqueControlFit) -> TorqueDelay {
     let lag_s = 1.0 / control.model.lag_rad_s;
     let error = |quantity| control.result.delay_and_lag.parameter(quantity).map_or(f64::INFINITY, |p| p.standard_error);

@@ -13,7 +13,7 @@ use rig::results::Reason;
 pub struct TorqueControls<'a> {
     /// The recordings.
     pub experiments: Vec<&'a Experiment>,
-    /// What the inverter gives, Nm.
+    /// Torque that the inverter gives, Nm.
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, TorqueControlFit>,
     chosen: OnceLock<Result<Chosen<'a, TorqueControlFit>, Vec<Reason>>>,
@@ -56,7 +56,7 @@ impl<'a> TorqueControls<'a> {
     /// The torque control from the recording that is chosen for it.
     ///
     /// # Errors
-    /// What would be needed.
+    /// The recordings that would be needed.
     pub fn chosen(&self) -> Result<&Chosen<'a, TorqueControlFit>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
     }
@@ -74,8 +74,8 @@ impl<'a> TorqueControls<'a> {
         })
     }
 
-    /// What gives T_d between the samples of T_d,calc: the chosen torque control, or one whose delay and lag the recordings cannot
-    /// separate.
+    /// Torque control that gives T_d between the samples of T_d,calc: the chosen one, or one whose delay and lag the
+    /// recordings cannot separate.
     pub fn between_samples(&self) -> Option<&TorqueControlFit> {
         let unseparated = || {
             let candidates = Sought::TorqueControl.candidates(&self.experiments);

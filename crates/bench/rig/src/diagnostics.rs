@@ -1,4 +1,4 @@
-//! What is usable but with doubts: structured findings, each with its place. Their wording belongs to the report.
+//! Doubts about data that can be used: structured findings, each with its place. Their wording belongs to the report.
 
 use recording::RecordingError;
 use serde::Serialize;
@@ -20,7 +20,7 @@ pub enum Severity {
     Error,
 }
 
-/// What concerns fewer than this part of the samples costs no estimate anything that a user would see.
+/// Share of the samples below which a finding costs no estimate anything that a user would see.
 const FEW: f64 = 0.01;
 
 impl Severity {
@@ -48,11 +48,11 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Where it is.
     pub place: Place,
-    /// What it is.
+    /// The finding.
     pub finding: Finding,
 }
 
-/// What a torque with a wrong gain may hold.
+/// Units that a torque with a wrong gain may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LikelyUnit {
@@ -64,7 +64,7 @@ pub enum LikelyUnit {
     KiloNewtonMetre,
 }
 
-/// What a recording shows that its label excludes.
+/// Content of a recording that its label excludes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "seen", rename_all = "snake_case")]
 pub enum SeenInstead {
@@ -100,7 +100,7 @@ pub enum NotReplayed {
     NotSimulated,
 }
 
-/// What can be found.
+/// Kinds of findings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Finding {
@@ -141,14 +141,14 @@ pub enum Finding {
     NotANumber {
         /// How many.
         count: usize,
-        /// Whether they were few enough to be interpolated.
+        /// True where they were few enough to be interpolated.
         mended: bool,
     },
     /// A slow channel was held or interpolated up to a faster raster; only its own samples are used.
     SamplesRaised {
         /// It has a value of its own every so many samples.
         every: usize,
-        /// Whether the others lie on straight lines between these, rather than repeat the one before.
+        /// True where the others lie on straight lines between these, rather than repeat the one before.
         interpolated: bool,
     },
     /// Samples repeat the one before at irregular instants; they are left out.
@@ -186,7 +186,7 @@ pub enum Finding {
     Gap {
         /// Length, s.
         duration_s: f64,
-        /// Whether the gap was short enough to be interpolated.
+        /// True where the gap was short enough to be interpolated.
         mended: bool,
     },
     /// Several short gaps, all interpolated.
@@ -225,7 +225,7 @@ pub enum Finding {
     SlowRaster {
         /// Its sample time, s.
         sample_time_s: f64,
-        /// Whether it is so long that the time stamps seem to be in ms.
+        /// True where it is so long that the time stamps seem to be in ms.
         is_in_ms: bool,
     },
     /// The time stamps of a raster begin and end equally far from those of another.
@@ -243,7 +243,7 @@ pub enum Finding {
         rate: f64,
         /// Standard error of the rate.
         standard_error: f64,
-        /// What that makes over the recording, s.
+        /// Difference that the drift makes over the recording, s.
         apart_s: f64,
     },
     /// The signal never changes although its role says it should.
@@ -280,7 +280,7 @@ pub enum Finding {
         role: Role,
         /// Its changes over those of T_d,calc.
         gain: f64,
-        /// What it is more than the gain times T_d,calc, Nm.
+        /// Its excess over the gain times T_d,calc, Nm.
         offset_nm: f64,
         /// Which of both has values in what other unit, if that explains the gain.
         looks_like: Option<(Role, LikelyUnit)>,
@@ -289,7 +289,7 @@ pub enum Finding {
     LabelContradicted {
         /// The label.
         label: ExperimentLabel,
-        /// What speaks against it.
+        /// Evidence against the label.
         seen: SeenInstead,
     },
     /// The orders of the engine's speed are those of another number of cylinders or strokes.
@@ -345,7 +345,7 @@ pub enum Finding {
     TooShort {
         /// Its length, s.
         duration_s: f64,
-        /// What is needed, s.
+        /// Length needed, s.
         needed_s: f64,
     },
     /// T_d brakes with a negative sign, against the convention.
@@ -360,7 +360,7 @@ pub enum Finding {
         inertia: Quantity,
         /// Value in the bench file, kg m².
         given_kg_m2: f64,
-        /// What the data say, kg m².
+        /// Estimate from the data, kg m².
         estimated_kg_m2: f64,
         /// Standard error, kg m².
         standard_error_kg_m2: f64,
@@ -370,7 +370,7 @@ pub enum Finding {
         /// Which: J_d or a skew.
         #[serde(rename = "symbol", serialize_with = "write_symbol")]
         quantity: Quantity,
-        /// What the recording alone would give, SI.
+        /// Value from the recording alone, SI.
         value: f64,
         /// Standard error, SI.
         standard_error: f64,
@@ -398,7 +398,7 @@ pub enum Finding {
     Simulated {
         /// They.
         files: Vec<String>,
-        /// Whether others were measured.
+        /// True where other recordings were measured.
         beside_measured: bool,
     },
     /// A multiple of the firing frequency is one of a speed's sample rate: the engine's pulses fold onto slow changes of their own
@@ -439,7 +439,7 @@ pub enum Finding {
     },
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
-        /// What was estimated twice.
+        /// Quantity that was estimated twice.
         #[serde(serialize_with = "write_symbol")]
         quantity: Quantity,
         /// First value and standard error, SI.

@@ -70,7 +70,7 @@ pub enum EstimateError {
     AtLimit {
         /// File.
         file: String,
-        /// What ended at a limit.
+        /// Quantity that ended at a limit.
         quantity: Quantity,
     },
     /// Sampling folds pulses of the engine onto most of the frequencies that show the shaft.
@@ -92,7 +92,7 @@ pub enum EstimateError {
     Contradiction {
         /// File.
         file: String,
-        /// What is contradicted.
+        /// Quantity that is contradicted.
         quantity: Quantity,
         /// Its value and standard error here, SI.
         here: (f64, f64),
@@ -186,7 +186,7 @@ pub enum Unsuitable {
         poles: usize,
         /// Its coefficients.
         coefficients: usize,
-        /// Whether the engine controls its speed.
+        /// True where the engine controls its speed.
         speed_control: bool,
     },
     /// The coefficients are not those of two masses.

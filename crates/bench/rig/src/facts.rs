@@ -1,8 +1,8 @@
-//! What is stated of a bench: how it measures torque, its engine, inertias and limits.
+//! Facts stated of a bench: how it measures torque, its engine, inertias and limits.
 
 use serde::{Deserialize, Serialize};
 
-/// What the bench file states.
+/// Facts that the bench file states.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BenchFacts {
     /// The bench's name.
@@ -47,7 +47,7 @@ pub struct StatedInertia {
     pub kg_m2: f64,
     /// Its standard uncertainty, % of it; zero counts as exact.
     pub uncertainty_percent: f64,
-    /// Whether the bench file states that uncertainty.
+    /// True where the bench file states that uncertainty.
     pub is_uncertainty_stated: bool,
 }
 

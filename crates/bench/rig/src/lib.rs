@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! What a dynamometer test bench is: its signals and their roles, what is stated of it, experiments planned and recorded,
-//! and the plain types in which its parts are estimated.
+//! Terms of a dynamometer test bench: signals and their roles, stated facts, experiments planned and recorded, and
+//! plain types of its estimated parts.
 //!
 //! Raw channel names and units end here ([`channels`], [`bench_file`], [`prepare`](mod@prepare)); after that everything is SI with a
 //! [`Role`]. The crate reads no file, and knows no model, no simulation and no estimator.

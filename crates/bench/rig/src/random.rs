@@ -2,7 +2,7 @@
 
 use numerics::random::Stream;
 
-/// What random numbers are for: each source has a stream of its own, so that changing one leaves the others alone.
+/// Uses of random numbers: each source has a stream of its own, so that changing one leaves the others alone.
 #[derive(Debug, Clone, Copy)]
 pub enum Source {
     /// Torque demand of the dynamometer.

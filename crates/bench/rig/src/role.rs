@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use units::{Quantity, Unit, UnitError, parse_unit, parse_unit_of};
 
-/// What a channel measures, whatever its name in the recording. Inside the crate every role is in SI: speeds in rad/s,
-/// torques in Nm, throttle as a fraction of one.
+/// Quantity that a channel measures, whatever its name in the recording. Inside the crate every role is in SI: speeds
+/// in rad/s, torques in Nm, throttle as a fraction of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -77,7 +77,7 @@ impl Role {
         }
     }
 
-    /// Whether the role may be recorded as the angle turned, of which it is the rate: the measured speeds.
+    /// Tells whether the role may be recorded as the angle turned, of which it is the rate: the measured speeds.
     pub fn may_be_angle(self) -> bool {
         matches!(self, Role::DynoSpeed | Role::EngineSpeed)
     }
@@ -91,7 +91,7 @@ impl Role {
         }
     }
 
-    /// Whether the signal is computed by a controller and held until its next update, rather than measured.
+    /// Tells whether the signal is computed by a controller and held until its next update, rather than measured.
     pub fn is_demand(self) -> bool {
         matches!(self, Role::DynoSpeedDemand | Role::DynoTorqueDemand)
     }

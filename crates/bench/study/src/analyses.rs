@@ -1,4 +1,4 @@
-//! What the analyses of the parts show about a campaign, in addition to the study: the same as each of them shows on its own.
+//! Findings of the parts' analyses on a campaign, in addition to the study: the same as each of them shows on its own.
 
 use numerics::parallel;
 use part_controller::speed_control::{SpeedControl, speed_control};
@@ -29,7 +29,7 @@ const COUNT: u64 = 9;
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analyses {
-    /// What was recorded, as it was recorded.
+    /// Recorded signals, as they were recorded.
     pub courses: Vec<RecordedCourse>,
     /// The torque signals and N_d at a step of T_d*; `None` without such a step in torque control.
     pub step: Option<StepResponse>,
@@ -39,9 +39,9 @@ pub struct Analyses {
     pub over_speed: Vec<OverSpeed>,
     /// The torque signals against each other.
     pub torque_signals: TorqueSignals,
-    /// What is added to PI, delay and feed-forward.
+    /// Terms that are added to PI, delay and feed-forward.
     pub speed_control: SpeedControl,
-    /// What noise does to the estimate of a PI; `None` without a BS_T_NT.
+    /// Effect of noise on the estimate of a PI; `None` without a BS_T_NT.
     pub pi_study: Option<Result<NoiseTest, EstimateError>>,
     /// Models of the torque control held against a delay of one sample.
     pub torque_control: Result<ModelComparison, ModelComparisonError>,
@@ -51,7 +51,7 @@ pub struct Analyses {
     pub shaft: ShaftAnalysis,
     /// The engine's torque.
     pub engine_torque: EngineTorque,
-    /// What to record next.
+    /// Experiments to record next.
     pub next: Result<NextExperiments, NextError>,
 }
 

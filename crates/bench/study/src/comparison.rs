@@ -1,4 +1,4 @@
-//! Whether a bench is still the same: two bench models from different recordings, compared by a test.
+//! Test that a bench is still the same: two bench models from different recordings are compared.
 
 use bench_model::document::{BenchModelDocument, Provenance, UsedRecording};
 use bench_model::model::{BenchModel, ModelParameter, PartCovariance};
@@ -61,14 +61,14 @@ pub struct ModelComparison {
     pub sources: SourceChanges,
 }
 
-/// What may explain that two models differ, beside the bench itself.
+/// Changes beside the bench itself that may explain that two models differ.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SourceChanges {
     /// Recordings that only the first model comes from.
     pub only_first: Vec<String>,
     /// Recordings that only the second model comes from.
     pub only_second: Vec<String>,
-    /// Whether the bench files have different contents.
+    /// True where the bench files have different contents.
     pub bench_file: bool,
     /// The versions of dynoid, first and second, where they differ.
     pub dynoid_versions: Option<(String, String)>,
@@ -120,7 +120,7 @@ pub struct ParameterComparison {
 }
 
 impl ModelComparison {
-    /// Whether any part differs by more than chance explains.
+    /// Tells whether any part differs by more than chance explains.
     #[must_use]
     pub fn has_changed(&self) -> bool {
         self.parts.iter().any(PartComparison::has_changed)
@@ -128,8 +128,8 @@ impl ModelComparison {
 }
 
 impl PartComparison {
-    /// Whether the part differs by more than chance explains, with allowance for the number of parts; or by numbers that both models
-    /// take as exact.
+    /// Tells whether the part differs by more than chance explains, with allowance for the number of parts. Numbers
+    /// that both models take as exact differ where their values do.
     #[must_use]
     pub fn has_changed(&self) -> bool {
         let is_stated_otherwise = |one: &ParameterComparison| one.standard_error == 0.0 && one.first != one.second;
@@ -247,7 +247,7 @@ fn wald(parameters: &[ParameterComparison], both: &[Uncertain<'_>; 2]) -> Option
     Some(WaldTest { statistic, parameters: n, degrees_of_freedom, p_value, adjusted_p_value: p_value })
 }
 
-/// What is no estimate, and differs.
+/// Names of the constants that differ; they are no estimates.
 fn constants(first: &BenchModel, second: &BenchModel) -> Vec<&'static str> {
     let differs = |name, of: fn(&BenchModel) -> Option<f64>| (of(first) != of(second)).then_some(name);
     let tick = differs("sample time of the controller", |model| model.speed_controller.map(|pi| pi.sample_time_s));

@@ -1,4 +1,4 @@
-//! Whether T_d* is stamped later than the torque that follows it.
+//! Check of a T_d* that is stamped later than the torque that follows it.
 //!
 //! No torque is ahead of its demand by more than two clocks of a bench are apart. Where it is, the demand is late: delays and
 //! feed-forward of the speed controller are then wrong by as much.
@@ -43,7 +43,7 @@ fn delay_s(experiment: &Experiment) -> Option<f64> {
     Some(0.5 * (earliest + as_good.next_back().unwrap_or(earliest)))
 }
 
-/// What a delay of T_d* leaves of the changes of T_d,calc, as a part of their squares.
+/// Rest that a delay of T_d* leaves of the changes of T_d,calc, as a part of their squares.
 fn left(demand: &Signal, calc: &Signal, delay_s: f64) -> f64 {
     let over = ((CHANGE_S / calc.sample_time_s).round() as usize).max(1);
     let demanded: Vec<Option<f64>> = (0..calc.len()).map(|k| value_at(demand, calc.time_s(k) - delay_s)).collect();

@@ -192,7 +192,7 @@ fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<
     Ok(found.fit.as_ref().clone())
 }
 
-/// What other recordings say of the shaft, and the doubts about it.
+/// Adds the estimates of the shaft from other recordings, and notes the doubts about it.
 fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experiment): (&mut Shaft, &Experiment)) {
     doubt_pulses(findings, experiment);
     let mut others = Sought::Shaft.candidates(&parts.experiments);
@@ -212,7 +212,7 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experimen
     cover_contradictions(shaft, of_inertia.max(torque_error(parts)));
 }
 
-/// What a recording would give the bench that it cannot have: a skew, or another inertia than the stated one.
+/// Value that the bench cannot have, although a recording gives it: a skew, or another inertia than the stated one.
 fn impossible(estimate: &Estimate, stated: StatedInertia) -> Option<&Parameter> {
     let is_moved = |j: &&Parameter| (j.value - stated.kg_m2).abs() > MOVED * stated.standard_uncertainty_kg_m2();
     let moved = || estimate.parameter(Quantity::DynoInertia).filter(is_moved);
@@ -275,7 +275,7 @@ fn doubt_shaft(
     doubt_inertias(findings, experiment, shaft, inertia)
 }
 
-/// Whether two values of one quantity are further apart than their errors explain.
+/// Tells whether two values of one quantity are further apart than their errors explain.
 fn contradict(own: &Parameter, other: &Parameter) -> bool {
     (own.value - other.value).abs() > APART * own.standard_error.hypot(other.standard_error)
 }

@@ -27,12 +27,12 @@ impl<'a> Findings<'a> {
         Findings { bench, experiments, diagnostics, context, uses: Vec::new() }
     }
 
-    /// What a file was used for.
+    /// Parts that a file was used for.
     pub(super) fn uses_of(&self, file: &str) -> Vec<Part> {
         self.uses.iter().filter(|(f, _)| f == file).map(|(_, part)| *part).collect()
     }
 
-    /// Whether any part was estimated from a file.
+    /// Tells whether any part was estimated from a file.
     pub(super) fn is_seen(&self, file: &str) -> bool {
         self.uses.iter().any(|(f, _)| f == file)
     }

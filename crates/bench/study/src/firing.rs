@@ -1,4 +1,4 @@
-//! Whether the engine fires as often as its cylinders and strokes in the bench file say, and as its speed says.
+//! Check that the engine fires as often as its cylinders and strokes in the bench file say, and as its speed says.
 //!
 //! The torque of the engine repeats with each working cycle, and but for differences between the cylinders with each firing: of its
 //! multiples of half the speed, those of the firing frequency are the strong ones. What an order of N_e is as an acceleration is

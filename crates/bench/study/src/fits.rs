@@ -60,7 +60,7 @@ impl<'p> Fits<'p> {
         }
     }
 
-    /// What a model is made of; none without a shaft.
+    /// Parts that a model is made of; none without a shaft.
     pub(super) fn pieces(&self) -> Option<Pieces<'_>> {
         Some(Pieces {
             shaft: self.shaft.as_ref().ok()?,

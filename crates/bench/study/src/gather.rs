@@ -17,7 +17,7 @@ pub struct Source {
     pub file: String,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
-    /// What it holds, or why it cannot be read.
+    /// Its content, or why it cannot be read.
     pub recording: Result<Recording, RecordingError>,
 }
 

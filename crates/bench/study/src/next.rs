@@ -1,4 +1,4 @@
-//! What a further recording would buy.
+//! Gain from a further recording.
 //!
 //! Each experiment of the method is run on a virtual bench that is as this one is known to be, and studied beside the
 //! recordings there are, as it would be once it is measured. What the study then states in place of what it states now
@@ -46,13 +46,13 @@ const SHORTEST_S: f64 = 5.0;
 const CHECKED: usize = 200;
 /// Time at the operating point before the recording starts, s.
 const SETTLING_S: f64 = 2.0;
-/// What is designed for: the shaft, on which resonance, gain and damping rest.
+/// Goals of a design: the shaft, on which resonance, gain and damping rest.
 const DESIGNED_FOR: [Goal; 2] = [Goal::Stiffness, Goal::Damping];
 /// Intervals after two realisations of one experiment differ by as much without a reason: that of J_e, the least repeatable,
 /// by an eighth (standard deviation, six recordings of 16 s).
 const SAME: f64 = 0.2;
 
-/// What the next experiment may be.
+/// Conditions of the next experiment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NextOptions {
     /// Speed at which it would run, rpm.
@@ -92,16 +92,16 @@ pub enum NextError {
     VirtualBench(#[from] VirtualBenchError),
 }
 
-/// What further experiments would buy.
+/// Gains from further experiments.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NextExperiments {
-    /// What is known now: results of the whole model, and parameters of its parts.
+    /// Present knowledge: results of the whole model, and parameters of its parts.
     pub now: Vec<Parameter>,
     /// The experiments, the one that buys most first.
     pub candidates: Vec<Candidate>,
     /// Half an interval of this part of the value was taken for narrow enough.
     pub enough: f64,
-    /// What had to be assumed of the bench that they were tried on.
+    /// Assumptions about the bench that they were tried on.
     pub assumptions: Vec<Assumption>,
 }
 
@@ -110,7 +110,7 @@ pub struct NextExperiments {
 pub struct Candidate {
     /// Its label.
     pub label: ExperimentLabel,
-    /// Whether its demand was designed for this bench, see [`design::excitation_design`].
+    /// True where its demand was designed for this bench, see [`design::excitation_design`].
     pub is_designed: bool,
     /// Speed, rpm.
     pub speed_rpm: f64,
@@ -118,13 +118,13 @@ pub struct Candidate {
     pub duration_s: f64,
     /// The largest |T_shaft| it drove the virtual bench to, firing pulses included, Nm.
     pub peak_shaft_torque_nm: f64,
-    /// Whether it is safe on benches like this one, as a check of it says; `None` where it buys nothing, or cannot be checked.
+    /// Safety on benches like this one, as a check of it says; `None` where it buys nothing, or cannot be checked.
     pub safety: Option<Safety>,
-    /// What it changes, in the order of what is known.
+    /// Its gains, in the order of what is known.
     pub gains: Vec<Gain>,
 }
 
-/// What an experiment does to one number, SI; written in the unit people read.
+/// Gain from an experiment in one number, SI; written in the unit people read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(into = "WrittenGain")]
 pub struct Gain {
@@ -136,7 +136,7 @@ pub struct Gain {
     pub now: Option<f64>,
     /// The same after the experiment.
     pub then: f64,
-    /// Whether the interval is narrow enough already.
+    /// True where the interval is narrow enough already.
     pub is_enough_now: bool,
 }
 
@@ -166,7 +166,7 @@ impl Gain {
         Some(self.now? / self.then)
     }
 
-    /// Whether the number gets known, or an interval that is too wide narrower by more than realisations differ.
+    /// Tells whether the number gets known, or an interval that is too wide narrower by more than realisations differ.
     pub fn is_worth_while(&self) -> bool {
         !self.is_enough_now && self.narrowing().is_none_or(|narrowing| narrowing * (1.0 - SAME) > 1.0)
     }
@@ -181,18 +181,18 @@ impl Candidate {
         (new, narrowed.map(|narrowing| narrowing.ln().max(0.0)).sum())
     }
 
-    /// Whether it buys anything.
+    /// Tells whether it buys anything.
     pub fn is_worth_while(&self) -> bool {
         self.gains.iter().any(Gain::is_worth_while)
     }
 
-    /// Whether it would reach a limit of the bench.
+    /// Tells whether it would reach a limit of the bench.
     pub fn is_unsafe(&self) -> bool {
         self.safety == Some(Safety::Unsafe)
     }
 }
 
-/// What each experiment of the method would buy, beside the recordings there are; there may be none.
+/// Gains from each experiment of the method, beside the recordings there are; there may be none.
 ///
 /// # Errors
 /// [`NextError`]: recordings of which none can be used, or a bench of which too little is known to try anything on.
@@ -252,7 +252,7 @@ pub(super) fn beside(parts: &Parts<'_>, options: NextOptions, context: &Context)
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
 }
 
-/// What recordings show.
+/// Knowledge that recordings give.
 struct Known {
     numbers: Vec<Parameter>,
     model: Option<AssembledModel>,
@@ -334,7 +334,8 @@ fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duratio
     Some(plan)
 }
 
-/// What is known once the recording of an experiment on the bench is added to those there are, and the largest |T_shaft| in it, Nm.
+/// Knowledge once the recording of an experiment on the bench is added to those there are, and the largest |T_shaft| in
+/// it, Nm.
 fn try_out(
     parts: &Parts<'_>,
     stated: &StatedBench,
@@ -354,7 +355,7 @@ fn try_out(
     Ok((then.numbers, peak_nm))
 }
 
-/// What a check of an experiment says; `None` where it cannot be checked.
+/// Result of a check of an experiment; `None` where it cannot be checked.
 fn safety(
     bench: &BenchFile,
     stated: &StatedBench,
@@ -386,7 +387,7 @@ fn safety(
     check(&inputs, &Context::new()).ok().map(|checked| checked.safety)
 }
 
-/// What becomes of a number.
+/// Gain in a number.
 fn gain(then: &Parameter, now: &[Parameter], enough: f64) -> Gain {
     let half_width = |p: &Parameter| 0.5 * (p.interval.1 - p.interval.0);
     let now = now.iter().find(|known| known.quantity == then.quantity);

@@ -75,7 +75,7 @@ pub enum Estimator {
     Inverse,
 }
 
-/// What is studied.
+/// Options of the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseTestOptions {
     /// K_p, Nm/rpm.
@@ -121,7 +121,7 @@ pub struct NoiseTest {
     pub file: String,
     /// Standard deviation of its speed error, rad/s.
     pub error_rad_s: f64,
-    /// What was studied.
+    /// Options of the study.
     pub options: NoiseTestOptions,
     /// Without noise, with low-pass noise, with band-pass noise, each by both estimators.
     pub cases: Vec<Case>,
@@ -212,7 +212,7 @@ impl From<Summary> for WrittenSummary {
     }
 }
 
-/// What is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
+/// Experiment that is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
 ///
 /// # Errors
 /// Those of [`simulate`].

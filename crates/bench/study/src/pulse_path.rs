@@ -1,4 +1,4 @@
-//! Whether the engine's pulses pass the shaft as K, B and J_d let them through.
+//! Check that the engine's pulses pass the shaft as K, B and J_d let them through.
 //!
 //! T_shaft moves the dynamometer, and in speed control the torque G ω_d by which the controller answers: ω_d/ω_e =
 //! (K + B s)/(J_d s² + (B + G) s + K) at the frequency of the pulses, which both speeds show far above their noise. A filter on one of the speeds changes that ratio at once, while K and B
@@ -27,7 +27,7 @@ const BESIDE: [f64; 8] = [-20.0, -16.0, -12.0, -8.0, 8.0, 12.0, 16.0, 20.0];
 /// A speed that varies by more than this part of itself is at many frequencies.
 const CONSTANT: f64 = 0.03;
 
-/// What the speed controller makes of N_d: T_d/ω_d = F(s) (K_p + K_i/s) e^{−sτ}, F being the torque control.
+/// Answer of the speed controller to N_d: T_d/ω_d = F(s) (K_p + K_i/s) e^{−sτ}, F being the torque control.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answer {
     proportional: f64,

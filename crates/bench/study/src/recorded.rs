@@ -4,7 +4,7 @@ use rig::results::Trace;
 use rig::{ControlMode, Experiment, ExperimentLabel, Role};
 use signal::Signal;
 
-/// What is shown before and after a step, s.
+/// Time shown before and after a step, s.
 const AROUND_S: (f64, f64) = (0.02, 0.08);
 /// A step stands alone where T_d* is constant for so long before and after it, s: other steps would be in the picture.
 const ALONE_S: f64 = 0.05;

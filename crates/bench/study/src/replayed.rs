@@ -12,7 +12,7 @@ use rig::{ControlMode, Experiment};
 /// The stretch that is replayed, s from the start of a recording: enough to judge, and quick to draw.
 pub const REPLAYED_S: f64 = 20.0;
 
-/// What recordings of a bench are replayed on.
+/// Model on which recordings of a bench are replayed.
 #[derive(Debug, Clone, Copy)]
 pub struct ReplayModel<'a> {
     /// The model.

@@ -18,7 +18,7 @@ use serde::Serialize;
 pub struct Study {
     /// Where it came from.
     pub provenance: Provenance,
-    /// What the bench file states about the bench.
+    /// Facts that the bench file states about the bench.
     pub bench: BenchFacts,
     /// The recordings that were looked at, used or not.
     pub recordings: Vec<RecordingSummary>,
@@ -67,7 +67,7 @@ pub struct Provenance {
     pub bench_file_name: String,
     /// Seed, when the recordings were simulated.
     pub seed: Option<u64>,
-    /// What the bench file says of the report.
+    /// Statements of the bench file on the report.
     pub report: ReportIdentity,
 }
 

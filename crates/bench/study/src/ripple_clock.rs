@@ -1,4 +1,4 @@
-//! Whether the clock of the recordings is right, by the mains: a drive's torque ripples at twice their frequency, which no bench
+//! Check of the recordings' clock by the mains: a drive's torque ripples at twice their frequency, which no bench
 //! misses by more than some tenths of a per cent.
 
 use std::f64::consts::TAU;
@@ -41,7 +41,7 @@ impl Ripple<'_> {
         (self.ratio() - 1.0).abs() > WRONG.1
     }
 
-    /// Whether the engine's pulses, or the other recordings, show that the clock of this one is wrong.
+    /// Tells whether the engine's pulses, or the other recordings, show that the clock of this one is wrong.
     fn is_certain(&self, others: &[f64]) -> bool {
         let alike = |ratio: &f64, other: f64| (ratio - other).abs() < AGREE.0;
         let all_alike = !others.is_empty() && others.iter().all(|other| alike(other, self.ratio()));

@@ -87,12 +87,12 @@ pub(super) fn roles(part: Part) -> &'static [Role] {
     }
 }
 
-/// Whether no error concerns a signal of a recording that shows the shaft.
+/// Tells whether no error concerns a signal of a recording that shows the shaft.
 pub(super) fn is_sound(findings: &Findings<'_>, experiment: &Experiment) -> bool {
     !has_error(findings, &experiment.file, roles(Part::Shaft))
 }
 
-/// Whether an error concerns one of these signals of a recording.
+/// Tells whether an error concerns one of these signals of a recording.
 pub(super) fn has_error(findings: &Findings<'_>, file: &str, roles: &[Role]) -> bool {
     let mut errors = findings.diagnostics.iter().filter(|found| found.severity == Severity::Error);
     errors.any(|found| is_of(findings, found, file, roles))

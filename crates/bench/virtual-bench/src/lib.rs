@@ -57,9 +57,9 @@ pub use truth::Truth;
 /// A recording together with what really happened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualRun {
-    /// What the bench recorded.
+    /// Recording of the bench.
     pub recording: Recording,
-    /// What really happened, where it was asked for.
+    /// The true signals, where they were asked for.
     pub hidden: HiddenTruth,
 }
 

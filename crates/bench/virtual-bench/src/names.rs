@@ -7,7 +7,7 @@ use rig::bench_file::ChannelMapping;
 use rig::role::Role;
 use units::{Quantity, parse_unit};
 
-/// What the channels of a virtual bench are called.
+/// Channel names of a virtual bench.
 pub const CHANNELS: [(Role, &str); 9] = [
     (Role::DynoSpeed, "DynoSpeed"),
     (Role::EngineSpeed, "EngineSpeed"),

@@ -49,14 +49,14 @@ pub(super) fn run(
     Ok((bench.recorder.finish(plan), bench.hidden))
 }
 
-/// What the dynamometer controls.
+/// Control of the dynamometer.
 enum DynoControl {
     Speed(SpeedController),
     AirGapTorque,
     ShaftTorque(ShaftTorqueController),
 }
 
-/// What decides the engine's torque level.
+/// Source of the engine's torque level.
 enum EngineControl {
     /// It turns without fuel.
     Motored,

@@ -66,9 +66,9 @@ pub enum Assumption {
 pub struct StatedBench {
     /// Its parameters.
     pub parameters: BenchParameters,
-    /// What had to be assumed.
+    /// Assumptions that were needed.
     pub assumptions: Vec<Assumption>,
-    /// What is known of the engine's firing pulses.
+    /// Knowledge of the engine's firing pulses.
     pub pulses: KnownPulses,
 }
 
@@ -133,7 +133,7 @@ impl StatedBench {
         }
     }
 
-    /// Whether the shaft's stiffness is known, and not assumed.
+    /// Tells whether the shaft's stiffness is known, and not assumed.
     pub fn knows_shaft(&self) -> bool {
         !self.assumptions.iter().any(|assumption| matches!(assumption, Assumption::Shaft { .. }))
     }
@@ -262,7 +262,7 @@ fn assumptions(file: &BenchFile, model: Option<&BenchModel>, parameters: &BenchP
     .collect()
 }
 
-/// What a bench file lets know of the pulses.
+/// Knowledge of the pulses that a bench file gives.
 fn pulses(file: &BenchFile) -> KnownPulses {
     match states_pulses(file) {
         true => KnownPulses::Stated,
@@ -270,13 +270,13 @@ fn pulses(file: &BenchFile) -> KnownPulses {
     }
 }
 
-/// Whether a bench file states the pulses of its engine, by any of the fields that make them.
+/// Tells whether a bench file states the pulses of its engine, by any of the fields that make them.
 fn states_pulses(file: &BenchFile) -> bool {
     let fields = ["firing_harmonics", "cylinder_factors", "cycle_harmonics", "slider_crank"];
     fields.iter().any(|field| has(&file.virtual_bench, &["engine", field]))
 }
 
-/// Whether a table states something at a path.
+/// Tells whether a table states something at a path.
 fn has(table: &toml::Table, path: &[&str]) -> bool {
     match path {
         [] => true,

@@ -1,4 +1,4 @@
-//! What a study of a virtual bench would find if it were exact.
+//! True values that an exact study of a virtual bench would find.
 
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::UPDATE_S;
@@ -32,7 +32,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// What a study of a virtual bench would find if it were exact.
+    /// Returns the values that an exact study of a virtual bench would find.
     ///
     /// # Example
     /// ```

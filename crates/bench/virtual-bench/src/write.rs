@@ -10,7 +10,7 @@ use units::RPM_RAD_S;
 use super::sensors::Readings;
 use crate::hidden::HiddenTruth;
 
-/// What the automation system holds in its registers at an update. SI.
+/// Registers of the automation system at an update. SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Registers {
     pub(super) readings: Readings,
@@ -120,7 +120,7 @@ impl Recorder {
     }
 }
 
-/// What really happened.
+/// Recording of the true signals.
 pub(super) fn hidden(truth: &HiddenTruth) -> Recording {
     let time_s = (0..truth.dyno_speed_rad_s.len()).map(|k| k as f64 * truth.sample_time_s).collect();
     let channel = |name: &str, unit: &str, factor: f64, samples: &[f64]| Channel {

@@ -1,4 +1,4 @@
-//! What a prediction or a simulation takes for granted.
+//! Assumptions of a prediction or a simulation.
 
 use design::safety::{FrictionFrom, FrictionSpread, Prior};
 use page::{Block, Finding, Tone, decimal};

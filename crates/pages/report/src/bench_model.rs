@@ -11,7 +11,7 @@ use crate::estimated;
 use crate::verdict::{Level, verdict};
 use crate::wording;
 
-/// What a study does not know of itself.
+/// Facts about a study that are not in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
     /// The day, UTC, as in 2026-05-03.

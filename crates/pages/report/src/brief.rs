@@ -33,7 +33,7 @@ pub fn summary(study: &Study, since: Option<String>) -> Page {
     Page::new(study.bench.name.as_str(), all.into_vec())
 }
 
-/// What the study says about itself, without its numbers.
+/// Judgement of the study on itself, without its numbers.
 pub fn judgement(study: &Study) -> Page {
     let mut all = causes(&study.diagnostics);
     all.push(judged(study));
@@ -72,7 +72,7 @@ fn use_of_it(study: &Study, verdict: &Verdict) -> Vec<Block> {
     valid.into_iter().chain([next]).collect()
 }
 
-/// What explains a bad verdict by itself: a channel that is not in the recordings.
+/// Tells whether a finding explains a bad verdict by itself: a channel that is not in the recordings.
 fn is_cause(diagnostic: &Diagnostic) -> bool {
     diagnostic.severity > Severity::Note && matches!(diagnostic.finding, Finding::MissingChannel { .. })
 }

@@ -8,7 +8,7 @@ use rig::experiment::catalogue::{Parameter, Template};
 /// How parameters are given.
 const GIVEN: &str = "speed and duration have options of their own; the others are given as --set NAME=VALUE";
 
-/// What experiments and shapes there are, and what each gives.
+/// Experiments and shapes, and the results that each gives.
 pub fn overview(shown: &[&Template], shapes: &[Shape]) -> Page {
     let mut table = Table::new(&[("experiment", Align::Left), ("gives", Align::Left)]);
     for template in shown {

@@ -68,7 +68,7 @@ fn chance(p_value: Option<f64>) -> String {
     }
 }
 
-/// What has changed since an earlier study, of this day, in a line; `None` compares with a study that has no model.
+/// Changes since an earlier study, of this day, in a line; `None` compares with a study that has no model.
 pub fn since(date: &str, comparison: Option<&ModelComparison>) -> String {
     let Some(found) = comparison else {
         return format!("The study of {date} in this folder had a model, and this one has none.");

@@ -31,7 +31,7 @@ pub fn term(term: Term) -> &'static str {
     }
 }
 
-/// What a test says, in a word or two.
+/// Verdict of a test, in a word or two.
 pub fn verdict(test: &TermTest) -> &'static str {
     match test.verdict {
         Verdict::Found => "found",
@@ -87,7 +87,7 @@ pub fn dependence(test: &ResidualTest) -> String {
     )
 }
 
-/// What the delay changes, in a sentence or two.
+/// Effect of the delay, in a sentence or two.
 pub fn delay(found: &Controller) -> String {
     let of = |validation: &rig::results::Validation| {
         let residuals =
@@ -123,7 +123,7 @@ pub fn rules(found: &Controller) -> String {
     )
 }
 
-/// What was found beside PI and delay.
+/// Findings beside PI and delay.
 pub fn structure(found: &Structure) -> String {
     let level = format!("{} %", number::significant(100.0 * found.level, 2));
     let rpm = |rad_s: f64| number::significant_with_unit(rad_s / RPM_RAD_S, 2, "rpm");
@@ -155,7 +155,7 @@ pub fn round(base: &str, round: &Round) -> String {
     }
 }
 
-/// What was found of the feed-forward beside k and k_a.
+/// Findings on the feed-forward beside k and k_a.
 pub fn bends(found: &FeedForwardTerms) -> String {
     match found.found().as_slice() {
         [] => "No term beyond k and k_a is found.".to_owned(),
@@ -163,7 +163,7 @@ pub fn bends(found: &FeedForwardTerms) -> String {
     }
 }
 
-/// What `too small to matter` means; where it is said of any test.
+/// Meaning of `too small to matter`, where it is said of any test.
 pub fn negligible(tests: &[TermTest]) -> Option<String> {
     let is_said = tests.iter().any(|test| test.verdict == Verdict::Negligible);
     is_said.then(|| {
@@ -188,7 +188,7 @@ pub fn law(law: AntiWindup) -> String {
     }
 }
 
-/// What the recordings show of the limit of T_d*, one text a recording that reaches it, and one for all others.
+/// Findings of the recordings on the limit of T_d*, one text a recording that reaches it, and one for all others.
 pub fn limits(found: &SpeedControl) -> Vec<String> {
     let mut all = Vec::new();
     let (mut highest, mut is_reached) = (None, false);
@@ -276,7 +276,7 @@ pub fn noise(study: &NoiseTest, of: Noise) -> String {
     }
 }
 
-/// What the published draw of a noise was, where the truth is that of the thesis: K_p or K_i of table 7.1.
+/// Published draw of a noise, where the truth is that of the thesis: K_p or K_i of table 7.1.
 pub fn published(study: &NoiseTest, of: Noise, quantity: Quantity) -> Option<f64> {
     let same = (study.options.k_p, study.options.k_i) == (PUBLISHED[0].k_p, PUBLISHED[0].k_i);
     let row: &PublishedRow = PUBLISHED.iter().find(|row| same && row.noise == of)?;
@@ -301,7 +301,7 @@ pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d â
      neither its bands nor its definition of SNR; its table 7.1 is one draw of each, estimated T_d* from N_d. \
      Coverage: the share of the 95 % intervals that contain the true value; in brackets its own 95 % interval, from \
      the number of draws (Clopperâ€“Pearson).";
-/// What the two estimators are good for.
+/// Uses of the two estimators.
 pub const ESTIMATORS: &str = "dynoid estimates N_d from T_d*, because the recorded encoder has noise, which would \
      bias T_d* from N_d. Noise that the controller sees, but no channel records, biases N_d from T_d*.";
 

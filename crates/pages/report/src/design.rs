@@ -25,21 +25,21 @@ pub struct Designed<'a> {
     pub plan: &'a ExperimentPlan,
     /// Its demands.
     pub demands: &'a Demands,
-    /// What they excite.
+    /// Spectrum that they excite.
     pub spectrum: Option<&'a ExcitationSpectrum>,
     /// Of the bench: its firing is drawn into the spectrum.
     pub engine: Engine,
     /// Resonance of the shaft, Hz, if it is known.
     pub resonance_hz: Option<f64>,
-    /// What the bench will do.
+    /// Predicted behaviour of the bench.
     pub prediction: Option<&'a Prediction>,
-    /// What it must not exceed.
+    /// Limits that it must not exceed.
     pub limits: Limits,
     /// Standard errors of its peaks; empty without a study.
     pub errors: &'a [f64],
-    /// What the prediction takes for granted.
+    /// Assumptions of the prediction.
     pub assumptions: &'a [Assumption],
-    /// What it was designed for, where it was.
+    /// Goal that it was designed for, where there is one.
     pub optimal: Option<Optimal<'a>>,
 }
 
@@ -109,7 +109,7 @@ fn peaks(prediction: &Prediction, errors: &[f64]) -> Table {
     table
 }
 
-/// What is learnt, beside what white noise of the same peaks would teach.
+/// Knowledge gained, beside that from white noise of the same peaks.
 fn learns(excitation: &DesignedExcitation) -> Table {
     let mut table = Table::new(&[
         ("learns", Align::Left),

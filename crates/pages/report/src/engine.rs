@@ -23,7 +23,7 @@ const BAND: f64 = 1.96;
 /// Cylinders that differ so little by chance are alike.
 const LEVEL: f64 = 0.01;
 
-/// What the torque is rebuilt with.
+/// Masses with which the torque is rebuilt, in words.
 pub fn masses(masses: &TwoMasses) -> String {
     let inertia = masses.values[masses.values.len() - 1];
     let deviation = masses.covariance.last().and_then(|row| row.last()).map_or(0.0, |v| v.sqrt());
@@ -74,7 +74,7 @@ pub fn cycles(cycles: &Cycles) -> String {
     )
 }
 
-/// Whether cylinders differ.
+/// Verdict on differences between cylinders.
 pub fn cylinders(cylinders: &Cylinders) -> String {
     let by_chance = |probability: f64| match probability < 1e-6 {
         true => "below 10⁻⁶".to_owned(),

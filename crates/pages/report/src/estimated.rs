@@ -22,7 +22,7 @@ pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Reason])> {
     parts(study).into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
 }
 
-/// Whether an error concerns a part, or one that it rests on.
+/// Tells whether an error concerns a part, or one that it rests on.
 pub(crate) fn is_struck(study: &Study, part: Part) -> bool {
     let needs = parts(study).into_iter().find(|(other, _)| *other == part).and_then(|(_, needs)| needs);
     needs.unwrap_or_default().iter().any(|need| match need {

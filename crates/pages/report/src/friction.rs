@@ -33,7 +33,7 @@ pub fn terms(all: &[Term]) -> String {
     all.iter().map(|one| term(*one)).collect::<Vec<_>>().join(" + ")
 }
 
-/// What is to be known beside the numbers.
+/// Remarks beside the numbers.
 pub fn remarks(friction: &Friction) -> Vec<String> {
     let of_inertia = match &friction.inertia {
         Inertia::Estimated { .. } => None,
@@ -54,7 +54,7 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     of_inertia.into_iter().chain(calculated).chain(undecided(friction)).collect()
 }
 
-/// What casts doubt on the numbers, with what to do.
+/// Doubts about the numbers, with the remedies.
 pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
     let of_inertia = match &friction.inertia {
         Inertia::Estimated { inertia, .. } => against_stated(inertia, stated),
@@ -106,7 +106,7 @@ fn below_zero(friction: &Friction) -> Option<String> {
     ))
 }
 
-/// What T_d of a stretch was taken from, in a word.
+/// Source of T_d of a stretch, in a word.
 pub fn torque_used(used: Option<TorqueUsed>) -> &'static str {
     match used {
         None => "no T_d",
@@ -143,7 +143,7 @@ fn undetermined(why: Undetermined) -> &'static str {
     }
 }
 
-/// What was measured as dots evenly spaced, few enough that the model's line is seen over them.
+/// Measured values as dots evenly spaced, few enough that the model's line is seen over them.
 fn measured(time_s: &[f64], values: &[f64]) -> Layer {
     let every = values.len().div_ceil(DOTS).max(1);
     let thinned = |all: &[f64]| all.iter().step_by(every).copied().collect::<Vec<f64>>();

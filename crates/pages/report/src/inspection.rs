@@ -1,4 +1,4 @@
-//! What a recording holds, in words and tables.
+//! Inventory of a recording, in words and tables.
 
 use dataset::inspection::{Apart, Beside, Clock, File, ListedRaster, Listing, Values};
 use page::{Align, Block, Blocks, Cell, Finding, Page, Prose, Table, Tone};
@@ -39,7 +39,7 @@ fn or_nothing(rasters: Blocks) -> Blocks {
     if rasters.is_empty() { line("It holds no numeric channel over time.".to_owned()).into() } else { rasters }
 }
 
-/// What a recording lists, without its samples.
+/// Listing of a recording, without its samples.
 pub fn listing(listing: &Listing) -> Page {
     let Listing { file, format, start, label, comment, extras, findings, .. } = listing;
     let mut all = head(&Head { file, format, start, label, comment, extras, findings });
@@ -57,7 +57,7 @@ fn listed(index: usize, raster: &ListedRaster) -> Blocks {
     [line(title), Block::Table(table)].into_iter().collect()
 }
 
-/// What is above the rasters.
+/// Facts above the rasters.
 struct Head<'a> {
     file: &'a str,
     format: &'a str,
@@ -68,7 +68,7 @@ struct Head<'a> {
     findings: &'a [String],
 }
 
-/// What the experiment of a label does.
+/// Description of the experiment that a label names.
 fn described(label: &str) -> Option<&'static str> {
     experiment(&label.parse().ok()?)
 }

@@ -11,7 +11,7 @@ pub const FORMAT_VERSION: u32 = 3;
 /// The earliest version whose model is read; it had the series in the document.
 const EARLIEST: u32 = 2;
 
-/// What a file of another kind calls itself.
+/// Text of the `format` field of a study's file.
 const FORMAT: &str = "dynoid-study";
 
 #[derive(Serialize)]
@@ -42,7 +42,7 @@ pub fn json(study: &Study, series_file: Option<&str>) -> String {
 pub enum BenchModelError {
     /// The text is neither a bench model nor a study.
     NotAModel {
-        /// What it is instead.
+        /// Reason, in words.
         reason: String,
     },
     /// A study that cannot be read.
@@ -89,7 +89,7 @@ impl std::fmt::Display for BenchModelError {
 
 impl std::error::Error for BenchModelError {}
 
-/// What a study says of itself; looked at before anything else, since another version may have another shape.
+/// Statements of a study on itself; looked at before anything else, since another version may have another shape.
 #[derive(Deserialize)]
 struct Header {
     format: String,
@@ -109,7 +109,7 @@ struct ModelAlone {
     validity: Validity,
 }
 
-/// Whether this is the `format` of a study.
+/// Tells whether this is the `format` of a study.
 #[must_use]
 pub fn is_study(format: &str) -> bool {
     format == FORMAT

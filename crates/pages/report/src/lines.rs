@@ -1,4 +1,4 @@
-//! What recordings show before any model, in words and figures.
+//! Lines that recordings show before any model, in words and figures.
 
 use std::f64::consts::TAU;
 
@@ -78,7 +78,7 @@ pub fn kind_of_cause(cause: &Cause) -> String {
     }
 }
 
-/// What is drawn with one colour.
+/// Kind of cause that is drawn with one colour.
 fn kind(cause: &Cause) -> (&'static str, Style) {
     match cause {
         Cause::Order { .. } | Cause::OrderSideband { .. } => ("engine orders", Style::Modelled),
@@ -102,7 +102,7 @@ pub fn unit(role: Role) -> (&'static str, f64) {
     }
 }
 
-/// What stands at a line in a figure.
+/// Short name at a line in a figure.
 fn short_name(cause: &Cause) -> String {
     match cause {
         Cause::Order { order, .. } => format!("{order}"),

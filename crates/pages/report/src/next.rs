@@ -1,4 +1,4 @@
-//! What a further experiment would buy, in words.
+//! Gain from a further experiment, in words.
 
 use rig::results::Quantity;
 use study::{Candidate, Gain, NextExperiments};
@@ -53,7 +53,7 @@ pub fn best(found: &NextExperiments) -> Vec<Choice<'_>> {
     safe
 }
 
-/// What to record next and why, in a sentence or two.
+/// Experiment to record next and why, in a sentence or two.
 pub fn recommendation(found: &NextExperiments) -> String {
     let left_out = left_out(found);
     let Some(first) = best(found).first().copied() else {
@@ -77,7 +77,7 @@ fn left_out(found: &NextExperiments) -> String {
     )
 }
 
-/// What the other demand of an experiment would buy.
+/// Gain from the other demand of an experiment.
 pub fn instead(other: &Candidate) -> String {
     let demand = if other.is_designed { "designed for this shaft" } else { "with the demand of the method" };
     match other.is_worth_while() {
@@ -87,7 +87,7 @@ pub fn instead(other: &Candidate) -> String {
     }
 }
 
-/// What an experiment buys.
+/// Gain from an experiment.
 fn reasons(candidate: &Candidate) -> String {
     let gains =
         |known: bool| candidate.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);

@@ -50,12 +50,12 @@ pub fn controller(found: &SpeedControl) -> Page {
     titled("Speed controller", all)
 }
 
-/// What noise does to the estimate of a PI that is known.
+/// Page on the effect of noise on the estimate of a PI that is known.
 pub fn controller_noise(found: &NoiseTest) -> Page {
     titled("What noise does to the estimate of a PI", analyses::pi_study(found))
 }
 
-/// What each further experiment would gain.
+/// Page on the gain from each further experiment.
 pub fn next(found: &NextExperiments) -> Page {
     titled("What to record next", analyses::next_experiment(found))
 }

@@ -46,7 +46,7 @@ fn left_out(recording: &Recording) -> Option<String> {
     (count > MOST_CHANNELS).then(|| format!("the picture shows the first {MOST_CHANNELS} of {count} channels"))
 }
 
-/// What of a file is not written.
+/// Parts of a file that are not written.
 pub fn not_carried_over(extras: &Extras) -> Option<String> {
     let count = |count: usize, what: &str| match count {
         0 => None,

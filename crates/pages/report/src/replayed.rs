@@ -12,7 +12,7 @@ use crate::wording::{mode_short, number};
 /// A recording replayed on a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replayed {
-    /// What the model is called.
+    /// Name of the model.
     pub model: String,
     /// The recording on it.
     pub replay: Replay,

@@ -25,13 +25,13 @@ pub struct CheckedPlan<'a> {
     pub plan: &'a ExperimentPlan,
     /// The first speed demanded, rad/s: nobody may have stated it.
     pub speed_rad_s: f64,
-    /// What came of it.
+    /// Result of the check.
     pub check: &'a SafetyCheck,
-    /// Whether the benches were drawn from the covariance of a study.
+    /// True where the benches were drawn from the covariance of a study.
     pub has_study: bool,
-    /// What is known of the engine's firing pulses.
+    /// Knowledge of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
-    /// What the check takes for granted.
+    /// Assumptions of the check.
     pub assumptions: &'a [Assumption],
     /// Friction of the dynamometer.
     pub friction: FrictionSpread,
@@ -164,7 +164,7 @@ fn limits(checked: &SafetyCheck) -> Table {
     table
 }
 
-/// What one bench in twenty goes beyond.
+/// Value that one bench in twenty goes beyond.
 fn beyond(checked: &Checked) -> f64 {
     checked.quantile(if checked.of == Quantity::LowestSpeed { 0.05 } else { 0.95 })
 }

@@ -66,7 +66,7 @@ fn shown(term: Term, value: &Parameter) -> WrittenParameter {
     }
 }
 
-/// Whether a term is there, in a word or two.
+/// Verdict on a term, in a word or two.
 pub fn term_verdict(test: &TermTest) -> &'static str {
     match (&test.value, test.found) {
         (None, _) => "not testable here",
@@ -75,7 +75,7 @@ pub fn term_verdict(test: &TermTest) -> &'static str {
     }
 }
 
-/// What the terms say together, in a sentence.
+/// Joint verdict of the terms, in a sentence.
 pub fn beyond(found: &Beyond) -> String {
     let misfit = number::significant(found.simple_misfit, 2);
     let simple = format!("errors of the simple shaft are {misfit} times what the noise explains");
@@ -126,7 +126,8 @@ fn route<'a, T>(name: &'static str, found: Option<&'a Outcome<T>>, of: fn(&T) ->
     found.map(|found| Route { name, estimate: found.as_ref().map(of) })
 }
 
-/// What one has to know to read the routes: where one contradicts the recording's own estimate, and what each cannot show.
+/// Remarks that one needs to read the routes: where one contradicts the recording's own estimate, and what each cannot
+/// show.
 pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     let Routes { state_space, black_box, multisine, torque_sample_time_s } = &recording.routes;
     let mut remarks: Vec<String> = recording.inertia_contradiction.map(torque_doubted).into_iter().collect();
@@ -149,7 +150,7 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     remarks
 }
 
-/// What a J_d that does not fit means for K and B.
+/// Meaning for K and B of a J_d that does not fit.
 fn torque_doubted(share: f64) -> String {
     format!(
         "The J_d of the bench file differs by {} from the one found, so J_d or the scale of T_d is wrong. K and B are proportional to \
@@ -233,7 +234,7 @@ pub fn routes_not_taken(study: &ShaftAnalysis) -> Vec<&'static str> {
     absent.into_iter().filter(|(taken, _)| with_shaft && !taken).map(|(_, why)| why).collect()
 }
 
-/// What a dual-mass flywheel explains, in a sentence.
+/// Verdict on a dual-mass flywheel, in a sentence.
 pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
     let with = number::significant(found.misfit, 2);
     let without = simple_misfit.map(|misfit| format!(", {} times without", number::significant(misfit, 2)));
@@ -248,7 +249,7 @@ pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
     )
 }
 
-/// What several recordings say together, in a sentence.
+/// Joint finding of several recordings, in a sentence.
 pub fn together(of: &Together) -> String {
     let count = of.stiffness.by_recording.len();
     let chi = number::significant(of.chi_squared, 3);

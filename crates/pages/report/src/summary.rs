@@ -1,4 +1,4 @@
-//! What a reader needs first: where the model is valid, and the one thing to do next.
+//! First needs of a reader: where the model is valid, and the one thing to do next.
 
 use bench_model::document::{Range, Validity};
 use page::Prose;

@@ -31,7 +31,7 @@ pub fn filter(candidate: &FilterCandidate) -> String {
     }
 }
 
-/// What was found of the filter in T_d,shaft,calc.
+/// Findings on the filter in T_d,shaft,calc.
 pub fn shaft_filter(found: &ShaftFilter) -> String {
     let quotient = match found.best.difference {
         Difference::Backward => "backward difference",
@@ -53,7 +53,7 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
     best + &second.map(|second| format!("; {second}{doubt}")).unwrap_or_default()
 }
 
-/// What it means that a delay behind T_d* is below zero by more than its interval; none where it is not.
+/// Meaning of a delay behind T_d* that is below zero by more than its interval; none where it is not.
 pub fn early(what: &str, delay: &Parameter) -> Option<String> {
     (delay.interval.1 < 0.0).then(|| {
         format!(
@@ -66,7 +66,7 @@ pub fn early(what: &str, delay: &Parameter) -> Option<String> {
     })
 }
 
-/// Whether the delay of the torque control is without the skew of T_d,calc, in words.
+/// Clock of the torque control's delay in words: with the skew of T_d,calc, or without.
 pub fn clock_of_delay(part: &TorqueControl) -> String {
     let recorded = |skew: &Parameter| {
         let delay = part.delay_and_lag.parameter(Quantity::TorqueControlDelay)?;
@@ -99,7 +99,7 @@ pub fn early_signals(delays: &[SignalDelay]) -> Vec<String> {
     delays.iter().filter_map(of).collect()
 }
 
-/// Whether the routes to a delay agree.
+/// Verdict on the agreement of the routes to a delay.
 pub fn agreement(delay: &SignalDelay) -> &'static str {
     match delay.routes_agree() {
         Some(true) => "yes",
@@ -177,10 +177,10 @@ pub(crate) fn doubt(noise: &NoiseLevels) -> String {
     format!("{widened}{settled}")
 }
 
-/// What it takes to hold T_d,calc against the load cell.
+/// Needs of a comparison of T_d,calc with the load cell.
 pub const NO_TRUST: &str = "both are needed, with steady torque for 6 s or more; run Step_T_TN with long dwells";
 
-/// Whether T_d,calc can be trusted where torque is steady, in plain words.
+/// Verdict on T_d,calc where torque is steady, in plain words.
 pub fn trust(check: &TrustCheck) -> String {
     let verdict = match check.verdict {
         Trust::Trusted => "steady T_d,calc can be trusted: within 1 % and 1 Nm of the load cell",
@@ -253,7 +253,7 @@ fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
         .of_recording(&recording.file)
 }
 
-/// What the system's own T_d,shaft,calc holds of the same half second.
+/// Layer of the system's own T_d,shaft,calc over the same half second.
 fn system_layer(system: &Trace, start_s: f64) -> Layer {
     let index = |time_s: f64| ((time_s - system.start_s) / system.sample_time_s).ceil().max(0.0) as usize;
     let (from, to) = (index(start_s), index(start_s + SHOWN_S).min(system.values.len()));

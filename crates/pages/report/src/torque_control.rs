@@ -26,7 +26,7 @@ const KINDS: [(Family, Input); 4] = [
     (Family::OutputError, Input::Error),
 ];
 
-/// What moved T_d*, e.g. `the dynamometer`.
+/// Mover of T_d*, e.g. `the dynamometer`.
 pub fn mover(excited: Excited) -> &'static str {
     match excited {
         Excited::Dynamometer => "the dynamometer",
@@ -87,7 +87,7 @@ pub fn closed(closed: Closed) -> Option<&'static str> {
     }
 }
 
-/// Whether anything beats the bar on a recording, and what does so by most.
+/// Verdict on models against the bar on a recording, with the one that beats it by most.
 pub fn against_bar(study: &ModelComparison, recording: &ComparedRecording) -> String {
     let bar = format!(
         "T_d* one sample of T_d,calc ({}) ago leaves {} where {} moves T_d*",
@@ -120,7 +120,7 @@ fn nm(value: f64) -> String {
     number::significant_with_unit(value, 3, "Nm")
 }
 
-/// What a feedback from T_d* − T_d without delay means, where such were among those tried.
+/// Meaning of a feedback from T_d* − T_d without delay, where such were among those tried.
 pub fn circular(recording: &ComparedRecording) -> Option<String> {
     let undelayed = || recording.scanned.iter().filter(|s| s.structure.input == Input::Error && s.structure.nk == 0);
     let unusable = undelayed().filter(|s| s.closed != Closed::Stable).count();
@@ -157,12 +157,12 @@ pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<Str
     ))
 }
 
-/// What a delay below zero means, of the delay alone or beside a lag.
+/// Meaning of a delay below zero, of the delay alone or beside a lag.
 pub fn early(recording: &ComparedRecording) -> Vec<String> {
     torque::early_delays(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag))
 }
 
-/// What is found beyond delay and lag.
+/// Findings beyond delay and lag.
 pub fn beyond(recording: &ComparedRecording) -> String {
     let Some(test) = &recording.second_order else {
         return "a second-order term cannot be tested, because no lag was found".to_owned();
@@ -216,7 +216,7 @@ pub fn first_visible(visibility: &Visibility) -> String {
     )
 }
 
-/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would show.
+/// Figures of the models' T_d, pole–zero maps, fit against order, and the visibility at other rates and demands.
 pub fn figures(study: &ModelComparison) -> Vec<Figure> {
     let of_recording = |recording: &ComparedRecording| {
         let shown = study.shown.iter().filter(|shown| shown.judged_on == recording.excited);

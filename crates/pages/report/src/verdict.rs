@@ -53,9 +53,9 @@ impl Level {
 /// One rule with what the study says to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
-    /// What is asked for, with its thresholds.
+    /// Request of the rule, with its thresholds.
     pub asks: &'static str,
-    /// What the study has.
+    /// Finding of the study.
     pub found: String,
     /// How the rule came out.
     pub level: Level,

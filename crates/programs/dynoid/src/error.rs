@@ -1,4 +1,4 @@
-//! What can go wrong between the files and the terminal, each with its remedy, and the program's exit codes.
+//! Errors between the files and the terminal, each with its remedy, and the program's exit codes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -304,7 +304,7 @@ impl CliError {
         CliError::Internal { what: what.to_string() }
     }
 
-    /// Whether an input is the cause.
+    /// Tells whether an input is the cause.
     pub(crate) fn is_of_input(&self) -> bool {
         self.code() == INPUT || matches!(self, CliError::Encode { .. })
     }
@@ -333,7 +333,7 @@ impl CliError {
     }
 }
 
-/// What a file shows of who made it.
+/// Maker of a file, as far as the file shows it, in words.
 fn made_by(maker: Option<&str>) -> String {
     maker.map_or("nothing shows that dynoid wrote it".to_owned(), |maker| format!("{maker} wrote it"))
 }

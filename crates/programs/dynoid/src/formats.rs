@@ -65,7 +65,7 @@ impl FileFormat {
         Self::of(path).ok_or_else(unknown)
     }
 
-    /// Whether its files are text.
+    /// Tells whether its files are text.
     pub(crate) fn is_text(self) -> bool {
         matches!(self, FileFormat::Csv | FileFormat::Tsv)
     }
@@ -125,7 +125,7 @@ fn in_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What text has no place for.
+/// Content that text has no place for.
 fn lost_in_text(recording: &Recording) -> Option<String> {
     let count = |count: usize, what: &str, one: &str| match count {
         0 => None,

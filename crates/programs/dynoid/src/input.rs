@@ -29,7 +29,7 @@ const ENDINGS: [&str; 11] = ["mf4", "mdf", "dat", "csv", "tsv", "mat", "h5", "hd
 pub(crate) struct InputFile {
     /// Where it is.
     pub(crate) path: PathBuf,
-    /// What the user calls it.
+    /// Name that the user gives it.
     pub(crate) name: String,
 }
 
@@ -58,7 +58,7 @@ fn beginning(path: &Path) -> Vec<u8> {
     text.trim_ascii_start().to_vec()
 }
 
-/// Whether a file begins like JSON, as model files do and no recording does.
+/// Tells whether a file begins like JSON, as model files do and no recording does.
 pub(crate) fn is_json(path: &Path) -> bool {
     beginning(path).starts_with(b"{")
 }
@@ -119,7 +119,7 @@ pub(crate) fn catalogue(file: &InputFile) -> Result<Catalogue, CliError> {
 /// A recording that was read.
 pub(crate) struct Read {
     pub(crate) recording: Recording,
-    /// Whether its time was counted, from row to row.
+    /// True where its time was counted, from row to row.
     pub(crate) is_untimed: bool,
 }
 
@@ -146,7 +146,7 @@ pub(crate) fn read_recording(
     Ok(Read { recording, is_untimed })
 }
 
-/// Whether a table could not be read because no column is its time.
+/// Tells whether a table could not be read because no column is its time.
 fn lacks_time(error: &RecordingError) -> bool {
     match error {
         RecordingError::NoTimeColumn { .. } => true,
@@ -297,7 +297,7 @@ pub(crate) fn named(arguments: &[PathBuf]) -> Result<Vec<InputFile>, CliError> {
     Ok(files)
 }
 
-/// Whether a file has an ending of recordings.
+/// Tells whether a file has an ending of recordings.
 pub(crate) fn is_recording(path: &Path) -> bool {
     paths::ending(path).is_some_and(|ending| ENDINGS.contains(&ending.to_lowercase().as_str()))
 }

@@ -23,7 +23,7 @@ const TAIL: usize = 1 << 16;
 /// Bytes that no bench file has.
 const LARGEST_BENCH_FILE: u64 = 1 << 20;
 
-/// What a text is, by its `format`; also where it cannot be read to its end.
+/// Kind of a text, by its `format`; also where it cannot be read to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Bench,
@@ -43,7 +43,7 @@ impl Kind {
     }
 }
 
-/// What a file says of who made it.
+/// Statement of a file on its maker.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Mark {
     /// A command of this program, by its words.
@@ -62,7 +62,7 @@ impl Mark {
         Mark::Command(this_run::command().to_owned())
     }
 
-    /// What made files of this mark, in words.
+    /// Maker of files of this mark, in words.
     pub(crate) fn maker(&self) -> String {
         match self {
             Mark::Command(command) => format!("`dynoid {command}`"),
@@ -126,7 +126,7 @@ fn generator(bytes: &[u8]) -> Option<String> {
     })
 }
 
-/// Whether a file is a bench file: TOML with the table that every bench file begins with. Nothing larger is read.
+/// Tells whether a file is a bench file: TOML with the table that every bench file begins with. Nothing larger is read.
 pub(crate) fn is_bench_file(path: &Path) -> bool {
     let is_small = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < LARGEST_BENCH_FILE);
     let text = if is_small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };

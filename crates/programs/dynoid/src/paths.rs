@@ -32,7 +32,7 @@ pub(crate) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
     up.chain(path.components().skip(common)).collect()
 }
 
-/// Whether a path names a pipe or a device: neither a file nor a folder.
+/// Tells whether a path names a pipe or a device: neither a file nor a folder.
 pub(crate) fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
 }

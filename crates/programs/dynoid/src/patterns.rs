@@ -16,7 +16,7 @@ pub(crate) enum PatternFault {
 
 /// A part of a pattern, between slashes.
 enum Part<'p> {
-    /// What stands for itself.
+    /// A component that stands for itself.
     Fixed(Component<'p>),
     /// Names that fit, in one folder.
     Names(Pattern),

@@ -21,7 +21,7 @@ const NARROWEST: usize = 40;
 const MOST_LINES: usize = 40;
 /// From frame to frame of a display of progress.
 const TICK: Duration = Duration::from_millis(100);
-/// What takes less than this needs no display.
+/// Duration below which work needs no display.
 const SHORT: Duration = Duration::from_secs(1);
 /// Parts of a display that is full.
 const PARTS: u64 = 1000;
@@ -34,7 +34,7 @@ pub(crate) struct Terminal {
     /// The context of all long work, whose progress is shown on standard error where that is a terminal.
     work: Context,
     quiet: bool,
-    /// Whether results are shown to the last line.
+    /// True where results are shown to the last line.
     all: bool,
     colour_out: bool,
     colour_err: bool,
@@ -67,7 +67,7 @@ impl Terminal {
         }
     }
 
-    /// Whether nothing but warnings and errors is to be shown.
+    /// Tells whether nothing but warnings and errors is to be shown.
     pub(crate) fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -113,7 +113,7 @@ impl Terminal {
         self.put(text.trim_end());
     }
 
-    /// What was done on the way, on standard error.
+    /// Prints a note on a step along the way, on standard error.
     pub(crate) fn note(&mut self, text: &str) {
         if !self.quiet {
             self.complain("note:", Tone::Faint, text);

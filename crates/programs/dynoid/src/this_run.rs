@@ -1,4 +1,4 @@
-//! What this run of the program was asked for: its command, the files that it reads, and whether it may write over others.
+//! This run of the program: its command, the files that it reads, and the leave to write over others.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -40,12 +40,12 @@ pub(crate) fn command() -> &'static str {
     &run().command
 }
 
-/// What makes the results: program, command and version.
+/// Maker of the results: program, command and version.
 pub(crate) fn generator() -> String {
     format!("dynoid {} {}", command(), env!("CARGO_PKG_VERSION"))
 }
 
-/// Whether the user allows to replace files, whoever wrote them.
+/// Tells whether the user allows to replace files, whoever wrote them.
 pub(crate) fn overwrites() -> bool {
     run().overwrites
 }
@@ -57,7 +57,7 @@ pub(crate) fn reads(path: &Path) {
     }
 }
 
-/// Whether a file is one that is read.
+/// Tells whether a file is one that is read.
 pub(crate) fn is_read(path: &Path) -> bool {
     path.canonicalize().is_ok_and(|path| locked(&run().read).contains(&path))
 }

@@ -31,7 +31,7 @@ pub fn default_bench() -> BenchFile {
     bench_file("0.6", "0.28", "400 Nm", BENCH_A)
 }
 
-/// What `work` makes of 0, 1, … on all processors, in order.
+/// Returns the results of `work` on 0, 1, … on all processors, in order.
 pub fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     numerics::parallel::map(&(0..count).collect::<Vec<_>>(), |i| work(*i))
 }

@@ -1,4 +1,4 @@
-//! What a bench is: plain numbers.
+//! Plain numbers of a bench.
 
 /// A bench.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +61,7 @@ pub struct Controller {
     pub integral_nm_per_rad: f64,
     /// τ, ms.
     pub delay_ms: usize,
-    /// Whether the demand of the error is late too.
+    /// True where the demand of the error is late too.
     pub delays_demand: bool,
     /// k, Nm s/rad.
     pub speed_gain_nm_s_per_rad: f64,
@@ -96,7 +96,7 @@ pub struct Engine {
     pub burn_rad: f64,
     /// Friction of the engine, Nm.
     pub friction_nm: f64,
-    /// What it gives of a torque that is demanded: gain, and offset, Nm. Its speed control corrects both.
+    /// Torque that it gives of a demanded one: gain, and offset, Nm. Its speed control corrects both.
     pub torque_error: (f64, f64),
     /// Time constant of the air path, s.
     pub air_lag_s: f64,

@@ -1,4 +1,4 @@
-//! What a bench is asked to do.
+//! Demands on a bench.
 
 /// Who controls what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

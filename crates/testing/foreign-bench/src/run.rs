@@ -14,7 +14,7 @@ const STEPS: usize = 50;
 /// The bench settles so long at the first demands, ms.
 const SETTLING_MS: usize = 2000;
 
-/// What happened, each millisecond from the first demand on.
+/// Signals of a run, each millisecond from the first demand on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Run {
     /// T_d*, Nm.
@@ -27,11 +27,11 @@ pub struct Run {
     pub computed_torque_nm: Vec<f64>,
     /// T_d,meas, Nm.
     pub cell_torque_nm: Vec<f64>,
-    /// What no sensor shows.
+    /// Signals that no sensor shows.
     pub truth: Truth,
 }
 
-/// What no sensor shows, each millisecond.
+/// Signals that no sensor shows, each millisecond.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Truth {
     /// ω_d, rad/s.

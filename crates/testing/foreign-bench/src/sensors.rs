@@ -9,7 +9,7 @@ use crate::random::Random;
 /// Time between readings, s.
 const READ_S: f64 = 1e-3;
 
-/// What the sensors show.
+/// Readings of the sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reading {
     pub(crate) dyno_rad_s: f64,

@@ -1,4 +1,4 @@
-//! What each parameter does to what is computed from the model.
+//! Influence of each parameter on the results computed from the model.
 
 use rig::results::Quantity;
 
@@ -10,7 +10,7 @@ const STEP: f64 = 1e-4;
 /// Results that move by less than this many per cent a per cent are not moved by a parameter.
 const UNMOVED: f64 = 1e-3;
 
-/// What each parameter does to a result; parameters that do nothing to it are left out.
+/// Influence of each parameter on a result; parameters without effect on it are left out.
 pub(super) fn influence(
     (quantity, model, uncertainty): (Quantity, &BenchModel, &ModelUncertainty),
     result: impl Fn(&BenchModel) -> f64,

@@ -1,4 +1,4 @@
-//! What the assembled model says: resonance, Bode curves, margins, and sine tests held against it.
+//! Results of the assembled model: resonance, Bode curves, margins, and sine tests held against it.
 
 mod bode;
 mod influence;
@@ -13,7 +13,7 @@ use crate::model::{BenchModel, ModelUncertainty};
 pub use margins::margins;
 pub use result::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
 
-/// What the analysis works on.
+/// Inputs of the analysis.
 #[derive(Debug, Clone, Copy)]
 pub struct WholeInputs<'a> {
     /// The model.
@@ -52,8 +52,8 @@ pub fn whole_model(inputs: &WholeInputs<'_>) -> WholeModel {
     }
 }
 
-/// What is computed from a model, each with its interval: resonance, gain and damping there, and of the speed loop, if there
-/// is one, crossover and phase margin.
+/// Results computed from a model, each with its interval: resonance, with gain and damping there. A speed loop adds
+/// crossover and phase margin.
 pub fn results_of(model: &BenchModel, uncertainty: &ModelUncertainty) -> Vec<Parameter> {
     results(model).map(|(quantity, function)| uncertainty.propagate(model, function).parameter(quantity)).collect()
 }

@@ -1,4 +1,4 @@
-//! What an analysis of the assembled model finds.
+//! Findings of an analysis of the assembled model.
 
 use rig::ControlMode;
 use rig::results::{Parameter, Quantity, write_notation};
@@ -26,11 +26,11 @@ pub struct WholeModel {
     pub sine_points: Vec<SinePoint>,
     /// Phase and gain margin of the speed loop, degrees and dB, with crossover in Hz.
     pub speed_loop_margins: Option<Margins>,
-    /// What each parameter does to resonance, gain, damping ratio and the speed loop.
+    /// Influence of each parameter on resonance, gain, damping ratio and the speed loop.
     pub influences: Vec<Influence>,
 }
 
-/// What each parameter does to a result.
+/// Influence of all parameters on a result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Influence {
     /// The result.
@@ -40,7 +40,7 @@ pub struct Influence {
     pub parameters: Vec<ParameterInfluence>,
 }
 
-/// What a parameter does to a result.
+/// Influence of one parameter on a result.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ParameterInfluence {
     /// The parameter.
@@ -105,7 +105,8 @@ pub struct SinePoint {
     /// Measured gain without the part that the engine torque caused; to be compared with `model_gain`, and to be drawn on
     /// the curve of (7.2). `None` where N_e was not recorded.
     pub gain_corrected_for_engine: Option<f64>,
-    /// Whether the sine meets an engine order, where the fired engine excites the shaft by itself: not to be relied on.
+    /// True where the sine meets an engine order, at which the fired engine excites the shaft by itself: not to be
+    /// relied on.
     pub at_engine_order: bool,
     /// File.
     pub file: String,

@@ -1,7 +1,7 @@
-//! Whether a document describes a bench that can be.
+//! Check that a document describes a possible bench.
 //!
-//! What is read may be edited by hand, or come from elsewhere. The bounds are far beyond every bench; they keep what is computed from a
-//! model within the numbers and the memory of a computer. `docs/src/bench-model-format.md` states them.
+//! A document may be edited by hand, or come from elsewhere. The bounds are far beyond every bench; they keep what is
+//! computed from a model within the numbers and the memory of a computer. `docs/src/bench-model-format.md` states them.
 
 use rig::engine_pulses::EnginePulses;
 
@@ -33,7 +33,7 @@ const INERTIA: Bound = Bound::new(0.0, 1e6, "kg m²");
 const PERCENT: Bound = Bound::new(0.0, 1000.0, "%");
 /// None where nothing fires, as in an electric machine.
 const CYLINDERS: Bound = Bound::new(0.0, 64.0, "");
-/// What an estimate can rest on; none is infinite.
+/// Degrees of freedom that an estimate can rest on; none is infinite.
 const DEGREES_OF_FREEDOM: Bound = Bound::new(0.1, f64::MAX, "");
 /// Eigenvalues of a correlation matrix below this are no rounding.
 const LEAST_EIGENVALUE: f64 = -1e-6;
@@ -61,7 +61,7 @@ fn bounded<'a>(numbers: impl IntoIterator<Item = (&'a str, Option<f64>, Bound)>)
     })
 }
 
-/// What the bench file stated.
+/// Checks the facts that the bench file stated.
 fn facts(document: &BenchModelDocument) -> Result<(), DocumentError> {
     let bench = &document.bench;
     if ![2, 4].contains(&bench.strokes) {
@@ -153,7 +153,7 @@ fn resonance(model: &BenchModel) -> Result<(), DocumentError> {
     Err(DocumentError::Together { problem })
 }
 
-/// What people read and what programs read must be the same.
+/// Checks that the numbers for people and those for programs are the same.
 fn described(model: &BenchModel, listed: &[DescribedParameter]) -> Result<(), DocumentError> {
     for one in listed {
         let modelled = model.value(one.parameter);

@@ -11,7 +11,7 @@ pub struct DescribedParameter {
     pub parameter: ModelParameter,
     /// Symbol of the thesis; the two delays have one of their own each.
     pub symbol: String,
-    /// What it is.
+    /// Name of the parameter.
     pub name: String,
     /// Its value, in this unit.
     pub value: f64,

@@ -25,7 +25,7 @@ pub enum DocumentError {
         "this is no bench model, its `format` is “{found}”; `dynoid study bench.toml` writes one to study/model.json"
     )]
     Format {
-        /// What the document calls itself.
+        /// The document's own `format`.
         found: String,
     },
     /// A version that is not known here.
@@ -62,7 +62,7 @@ pub enum DocumentError {
         field: String,
         /// Its value.
         value: f64,
-        /// What it can be.
+        /// Bound that the value must keep.
         bound: Bound,
     },
     /// Numbers that no bench has together.
@@ -88,7 +88,7 @@ pub enum DocumentError {
     Uncertainty {
         /// Which number.
         parameter: ModelParameter,
-        /// Whether it is there twice; otherwise the model lacks it.
+        /// True where it is there twice; otherwise the model lacks it.
         is_twice: bool,
     },
 }

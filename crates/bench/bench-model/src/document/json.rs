@@ -31,7 +31,7 @@ pub enum JsonFault {
         line: usize,
         /// The field.
         field: String,
-        /// What is wrong with it.
+        /// Fault of the text, in words.
         problem: String,
     },
 }
@@ -120,7 +120,7 @@ fn of_data(message: &str) -> Option<String> {
     Some(format!("{found} is unknown here; write {known}"))
 }
 
-/// What was found, as the file has it.
+/// Kind of value that was found, as the file has it.
 fn of_found(found: &str) -> String {
     let value = |kind: &str| found.strip_prefix(kind).map(|value| value.trim_matches('`').to_owned());
     if let Some(text) = found.strip_prefix("string ") {

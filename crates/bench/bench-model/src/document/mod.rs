@@ -25,7 +25,7 @@ pub use json::{JsonFault, from_json};
 pub use provenance::{BenchFileOrigin, NotEstimated, Provenance, StudyVerdict, UsedRecording};
 pub use validity::{Range, Validity};
 
-/// What the `format` field of a document says.
+/// Text of a document's `format` field.
 const FORMAT: &str = "dynoid bench model";
 /// The version of documents written here. Earlier ones are read too.
 const VERSION: u64 = 1;
@@ -35,7 +35,7 @@ const VERSION: u64 = 1;
 pub struct BenchModelDocument {
     format: String,
     version: u64,
-    /// What the bench file states: name, engine, inertias, limits.
+    /// Facts that the bench file states: name, engine, inertias, limits.
     pub bench: BenchFacts,
     /// Every estimated number of the model, for people.
     parameters: Vec<DescribedParameter>,
@@ -62,7 +62,7 @@ pub struct BenchModelDocument {
     pub provenance: Provenance,
 }
 
-/// What a document says of itself; the same in every version.
+/// Statements of a document on itself; the same in every version.
 #[derive(Deserialize)]
 struct Header {
     format: String,
@@ -86,7 +86,7 @@ fn first_format(text: &str) -> Option<&str> {
 }
 
 impl BenchModelDocument {
-    /// Whether this is the `format` of a bench model.
+    /// Tells whether this is the `format` of a bench model.
     #[must_use]
     pub fn is_format(format: &str) -> bool {
         format == FORMAT

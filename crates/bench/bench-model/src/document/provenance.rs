@@ -17,7 +17,7 @@ pub struct Provenance {
     /// Seed of the recordings, where they were simulated.
     #[serde(default)]
     pub seed: Option<u64>,
-    /// What the study says of the model.
+    /// Verdict of the study on the model.
     #[serde(default)]
     pub verdict: Option<StudyVerdict>,
 }
@@ -45,14 +45,14 @@ pub struct UsedRecording {
     pub used_for: Vec<Part>,
 }
 
-/// What a study says of its model.
+/// Verdict of a study on its model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StudyVerdict {
     /// `good`, `reservations` or `insufficient`.
     pub level: String,
     /// The same in a sentence.
     pub headline: String,
-    /// What the study has against the rules that the model does not meet.
+    /// The study's reservations about the rules that the model does not meet.
     pub reservations: Vec<String>,
 }
 
@@ -61,6 +61,6 @@ pub struct StudyVerdict {
 pub struct NotEstimated {
     /// Which part.
     pub part: Part,
-    /// What it needs, in words.
+    /// Its needs, in words.
     pub needs: String,
 }

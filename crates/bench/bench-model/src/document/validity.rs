@@ -21,7 +21,7 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// Whether speed and torque are within the range; what has no range is not tested.
+    /// Tells whether speed and torque are within the range; a value without a range is not tested.
     ///
     /// # Example
     /// ```

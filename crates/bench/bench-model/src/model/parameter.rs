@@ -120,7 +120,7 @@ impl ModelParameter {
         }
     }
 
-    /// Whether a bench can have this value.
+    /// Tells whether a bench can have this value.
     pub(crate) fn can_be(self, value: f64) -> bool {
         self.bound().allows(value)
     }

@@ -240,7 +240,7 @@ fn cholesky(covariance: &Mat<f64>) -> Vec<Vec<f64>> {
 impl TryFrom<Vec<PartCovariance>> for ModelUncertainty {
     type Error = UncertaintyError;
 
-    /// What is read may be edited by hand, so that more is checked.
+    /// Checks more than [`ModelUncertainty::new`], as a document may be edited by hand.
     fn try_from(parts: Vec<PartCovariance>) -> Result<Self, UncertaintyError> {
         let uncertainty = ModelUncertainty::new(&parts)?;
         parts.iter().enumerate().try_for_each(|(number, part)| possible(number, part))?;

@@ -1,4 +1,4 @@
-//! What a plan demands of the bench, on the clock of the prediction.
+//! Demands of a plan on the bench, on the clock of the prediction.
 
 use rig::ControlMode;
 use rig::experiment::UPDATE_S;
@@ -6,7 +6,7 @@ use rig::experiment::UPDATE_S;
 use super::PredictionInputs;
 use crate::intake::demanded_torque_nm;
 
-/// What is demanded of the bench, on one clock.
+/// Demands on the bench, on one clock.
 pub(super) struct Demanded {
     pub(super) speed_rad_s: Vec<f64>,
     pub(super) dyno_torque_nm: Vec<f64>,
@@ -14,7 +14,7 @@ pub(super) struct Demanded {
     pub(super) engine_torque_nm: Vec<f64>,
     /// η at every sample.
     pub(super) ignition_efficiency: Vec<f64>,
-    /// What the engine gives at rest at the start.
+    /// Torque that the engine gives at rest at the start.
     pub(super) mean_engine_torque_nm: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a prediction starts from.
+//! Inputs of a prediction.
 
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
@@ -7,7 +7,7 @@ use rig::experiment::{Demands, ExperimentPlan};
 use crate::friction::DynoFriction;
 use crate::model::BenchModel;
 
-/// What a prediction rests on.
+/// Inputs of a prediction.
 #[derive(Debug, Clone, Copy)]
 pub struct PredictionInputs<'a> {
     /// The plan.
@@ -22,6 +22,6 @@ pub struct PredictionInputs<'a> {
     pub firing_seed: Option<u64>,
     /// Friction of the dynamometer: in torque control the shaft has it in addition to T_d.
     pub friction: DynoFriction,
-    /// What the bench must not exceed.
+    /// Limits that the bench must not exceed.
     pub limits: Limits,
 }

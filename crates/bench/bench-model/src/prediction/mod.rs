@@ -1,5 +1,5 @@
-//! What a bench will do in an experiment, before it is run: the bench model under the plan's demands, and its peaks against
-//! the limits that the bench file states.
+//! Predicted behaviour of a bench in an experiment: the bench model under the plan's demands, and its peaks against the
+//! limits that the bench file states.
 //!
 //! The engine gives its mean torque and, where they are asked for, its pulses at the angle of its crank; those of a motored engine have
 //! the share of the virtual bench. In TN mode the engine's speed control, its intake and its ignition are those of the virtual bench. What
@@ -25,14 +25,14 @@ use demanded::Demanded;
 pub use inputs::PredictionInputs;
 pub use peaks::{Peak, PeakOf};
 
-/// What the bench will do.
+/// Predicted behaviour of the bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Time between samples, s: that of the controller, or 1 ms.
     pub sample_time_s: f64,
     /// Speeds, torques and demand at every sample.
     pub response: Response,
-    /// Whether there is a shaft, and so an engine that turns.
+    /// True where there is a shaft, and so an engine that turns.
     pub has_shaft: bool,
     /// Largest values, against the limits.
     pub peaks: Vec<Peak>,
@@ -69,7 +69,7 @@ pub enum PredictionError {
 /// The highest speed of an engine, rad/s: racing engines come close to it.
 const HIGHEST_RAD_S: f64 = 20_000.0 * RPM_RAD_S;
 
-/// Whether an engine can have speeds so far apart in time, s.
+/// Checks that an engine can have speeds so far apart in time, s.
 ///
 /// # Errors
 /// [`PredictionError::EngineSpeed`] with the first one that it cannot have.

@@ -33,7 +33,7 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// Whether the limit is reached.
+    /// Tells whether the limit is reached.
     pub fn is_beyond_limit(&self) -> bool {
         self.limit.is_some_and(|limit| self.value.abs() >= limit)
     }

@@ -73,7 +73,7 @@ impl Comparison<'_> {
         self.experiment.signal(role).map(cut)
     }
 
-    /// What the model has `late_s` before each instant of a recorded signal.
+    /// Values of the model `late_s` before each instant of a recorded signal.
     fn late(&self, modelled: &[f64], recorded: &Signal, late_s: f64) -> Result<Vec<f64>, EstimateError> {
         let modelled = self.acted.signal(modelled.to_vec());
         let times: Vec<f64> = (0..recorded.len())

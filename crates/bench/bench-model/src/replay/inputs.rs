@@ -1,4 +1,4 @@
-//! What a replay takes beside the recording and the model.
+//! Inputs of a replay beside the recording and the model.
 
 use signal::Signal;
 
@@ -6,7 +6,7 @@ use super::encoder_error::EncoderError;
 use crate::drive_ripple::DriveRipple;
 use crate::skews::SignalSkews;
 
-/// What a replay takes in addition to the recording and the model.
+/// Inputs of a replay in addition to the recording and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayInputs<'a> {
     /// T_d at 1 kHz, on the clock of T_d,calc; T_d,calc itself, band-limited, where `None`.
@@ -23,7 +23,7 @@ pub struct ReplayInputs<'a> {
     pub band_hz: f64,
     /// Part of the recording, s of its clock; all of it where `None`.
     pub stretch_s: Option<(f64, f64)>,
-    /// Whether any part of the model was estimated from this recording.
+    /// True where any part of the model was estimated from this recording.
     pub seen_in_estimation: bool,
 }
 

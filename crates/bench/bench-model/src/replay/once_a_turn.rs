@@ -18,7 +18,7 @@ impl OnceATurn {
         OnceATurn { angle: angle.collect(), speed: speed.to_vec(), step_s, gate_s }
     }
 
-    /// What is added to a reading that is the mean over the gate before it.
+    /// Addition to a reading that is the mean over the gate before it.
     pub(super) fn reading(&self, amplitudes: [f64; 2]) -> Vec<f64> {
         self.wave(amplitudes, 0.5 * self.gate_s)
     }

@@ -13,7 +13,7 @@ pub struct Replay {
     pub label: ExperimentLabel,
     /// Control mode.
     pub mode: ControlMode,
-    /// Whether any part of the model was estimated from this recording.
+    /// True where any part of the model was estimated from this recording.
     pub seen_in_estimation: bool,
     /// N_d, N_e, T_d, T_shaft: measured against modelled.
     pub signals: Vec<Validation>,

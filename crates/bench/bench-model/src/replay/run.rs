@@ -13,7 +13,7 @@ use super::reconstruct::needed;
 use crate::model::{BenchModel, ModelParameter};
 use crate::simulate::{DynoInput, InitialState, Inputs, Response, Ripple, simulate_with_ripple};
 
-/// What is fitted: the bench at the start, the once-a-turn error of N_e, and a constant error of T_e.
+/// Unknowns of the fit: the bench at the start, the once-a-turn error of N_e, and a constant error of T_e.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Start {
     pub(super) state: InitialState,

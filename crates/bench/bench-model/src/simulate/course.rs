@@ -30,7 +30,7 @@ const ROWS: usize = 4;
 /// samples and the speeds before them.
 const OUTPUTS: usize = 5;
 
-/// What a long run is driven by: values at the points of a coarse grid, straight in between.
+/// Inputs of a long run: values at the points of a coarse grid, straight in between.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CourseInputs<'a> {
     /// Samples of the controller from one point to the next.
@@ -43,7 +43,7 @@ pub struct CourseInputs<'a> {
     pub friction: DynoFriction,
 }
 
-/// What the bench did, one value a point of the grid.
+/// Response of the bench, one value a point of the grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Course {
     /// Time from point to point, s.

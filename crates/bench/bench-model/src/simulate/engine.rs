@@ -20,7 +20,7 @@ pub struct EngineSpeedControl<'a> {
     pub integral_nm_per_rad: f64,
     /// I at the start, Nm.
     pub start_nm: f64,
-    /// What the torque passes before the engine gives it; `None`: nothing.
+    /// Air path that the torque passes before the engine gives it; `None`: nothing.
     pub air: Option<GovernedAir<'a>>,
 }
 
@@ -37,7 +37,7 @@ pub struct GovernedAir<'a> {
 pub(super) struct Engine<'a> {
     given_nm: &'a [f64],
     governor: Option<Governor<'a>>,
-    /// What the governor gives now, Nm.
+    /// Torque that the governor gives now, Nm.
     governed_nm: f64,
     firings: Option<Firings<'a>>,
 }
@@ -94,12 +94,12 @@ impl<'a> Governor<'a> {
         Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm: control.start_nm, air })
     }
 
-    /// What the engine gives before the first sample, Nm.
+    /// Torque that the engine gives before the first sample, Nm.
     fn at_rest_nm(&mut self) -> f64 {
         self.given_nm(0, self.integral_nm)
     }
 
-    /// What the engine gives when sample `k` asks for a torque, Nm.
+    /// Torque that the engine gives when sample `k` asks for a torque, Nm.
     fn given_nm(&mut self, k: usize, asked_nm: f64) -> f64 {
         self.air.as_mut().map_or(asked_nm, |(air, efficiency)| air.update(asked_nm, efficiency[k]))
     }

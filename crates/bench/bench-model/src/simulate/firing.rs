@@ -14,7 +14,7 @@ pub struct FiringEngine<'a> {
     pub engine: &'a EngineParameters,
     /// Seed of the angle at the start, which nobody knows, and of what varies from cycle to cycle.
     pub seed: u64,
-    /// Whether the dynamometer drags it: every pulse is then the same, with the share of a motored engine.
+    /// True where the dynamometer drags it: every pulse is then the same, with the share of a motored engine.
     pub is_motored: bool,
 }
 

@@ -1,8 +1,8 @@
-//! What the model is driven by, and from which state.
+//! Inputs of the model, and the state from which it starts.
 
 use crate::model::BenchModel;
 
-/// What drives the dynamometer.
+/// Input of the dynamometer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynoInput<'a> {
     /// Speed control: ω_d*, rad/s, one value an update of the controller.
@@ -20,7 +20,7 @@ pub struct Inputs<'a> {
     pub sample_time_s: f64,
     /// T_e, Nm, straight between the samples.
     pub engine_torque_nm: &'a [f64],
-    /// What drives the dynamometer.
+    /// Input of the dynamometer.
     pub dyno: DynoInput<'a>,
 }
 

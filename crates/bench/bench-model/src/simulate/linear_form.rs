@@ -9,7 +9,7 @@ use super::inputs::InitialState;
 use super::plant::{STATES, Substep, TORQUE, samples_back};
 use crate::model::BenchModel;
 
-/// What holds the dynamometer in a linear form.
+/// Control that holds the dynamometer in a linear form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopMode {
     /// Speed control: inputs ω_d*, T_e.
@@ -27,14 +27,14 @@ pub enum LoopMode {
 pub struct LinearForm {
     /// The system, on the tick of the controller.
     pub system: StateSpace,
-    /// What is a state, in order.
+    /// The states, in order.
     states: Vec<State>,
-    /// What the first engine torque takes off each state.
+    /// Amount that the first engine torque takes off each state.
     of_engine_torque: Vec<f64>,
     sample_time_s: f64,
 }
 
-/// What a state of the linear form is; the number counts samples back.
+/// Meaning of a state of the linear form; the number counts samples back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     /// ω_d, ω_e, Δθ, T_d.
@@ -79,7 +79,7 @@ pub fn linear_form(model: &BenchModel, mode: LoopMode, sample_time_s: f64) -> Re
 }
 
 impl LinearForm {
-    /// What each state is called; the number counts samples back.
+    /// Name of each state; the number counts samples back.
     #[must_use]
     pub fn state_names(&self) -> Vec<String> {
         let plant = ["w_d", "w_e", "twist", "T_d"];
@@ -217,7 +217,7 @@ impl<'a> Builder<'a> {
         if lag == 0 { self.input(0, false) } else { self.state(State::Demand(lag)) }
     }
 
-    /// What the controller demands at this sample: output of PI, feed-forward (or T_d*), and the speed error.
+    /// Demand of the controller at this sample: output of PI, feed-forward (or T_d*), and the speed error.
     fn demand(&self) -> Demand {
         let Some(pi) = self.model.speed_controller.filter(|_| self.mode == LoopMode::Speed) else {
             return Demand { delayed: self.zero(), immediate: self.input(0, false), error: self.zero() };

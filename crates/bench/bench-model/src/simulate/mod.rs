@@ -30,7 +30,7 @@ pub use linear_form::{LinearForm, LoopMode, linear_form};
 use plant::{Plant, Streams};
 pub use ripple::Ripple;
 
-/// What the bench did, one value a sample.
+/// Response of the bench, one value a sample.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Response {
     /// N_d as the encoder reads it, rad/s: the mean over the gate that ends at the sample.
@@ -136,7 +136,7 @@ pub fn simulate_fired(
     simulate_acted_on(model, inputs, &Acting { fires: Some(fires), control, ..Acting::default() }, start)
 }
 
-/// What acts on a bench beside its inputs; nothing by default.
+/// Additions that act on a bench beside its inputs; nothing by default.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Acting<'a> {
     /// Pulses of the engine, see [`simulate_fired`].

@@ -85,7 +85,7 @@ pub(super) struct Plant<'a> {
     x: [f64; STATES],
 }
 
-/// What the encoders look at.
+/// Motion that the encoders look at.
 pub(super) struct Motion {
     pub(super) dyno_speed_rad_s: f64,
     pub(super) engine_speed_rad_s: f64,

@@ -154,7 +154,7 @@ fn regress_other_kinds_later_versions_and_contradictions_are_refused() {
     assert!(strange.contains("`uncertainty[0].covariance[0]` has a negative variance"), "{strange}");
 }
 
-/// What a computer cannot compute with, and no bench has: by field, with the value and what is possible.
+/// Numbers that a computer cannot compute with, and no bench has: by field, with the value and the possible range.
 #[test]
 fn regress_sizes_that_no_bench_has_are_refused() {
     let text = document(36.0, 40.0).to_json().unwrap();

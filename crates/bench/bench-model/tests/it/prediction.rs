@@ -1,4 +1,4 @@
-//! What a bench will do, against a virtual bench without anything that the model does not have.
+//! Predictions against a virtual bench without anything that the model does not have.
 
 use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};

@@ -204,7 +204,7 @@ fn exact_every_shape_makes_a_plan_that_can_be_predicted() {
     }
 }
 
-/// What is longest near the resonance in a sine test is the sine there, as the check of experiments counts it.
+/// The longest time near the resonance in a sine test is that of the sine there, as the check of experiments counts it.
 #[test]
 fn exact_a_sine_at_the_resonance_counts() {
     let bench = bench();

@@ -106,7 +106,7 @@ fn reached_nm(truth: &BenchParameters, seed: u64, plan: &ExperimentPlan) -> f64 
     torque.iter().fold(0.0, |most: f64, torque| most.max(torque.abs()))
 }
 
-/// What was predicted of one bench, and what happened.
+/// Prediction for one bench, and what happened.
 struct One {
     stated: f64,
     is_reached: bool,

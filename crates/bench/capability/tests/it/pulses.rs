@@ -12,7 +12,7 @@ use crate::support::{Bench, bench};
 /// Length of the runs, s.
 const DURATION_S: f64 = 8.0;
 
-/// What pulses move.
+/// Quantities that pulses move.
 const MOVED: [LimitOf; 7] = [
     LimitOf::ShaftTorque,
     LimitOf::ShaftTorqueSlew,

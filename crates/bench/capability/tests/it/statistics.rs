@@ -53,7 +53,7 @@ fn plan() -> ExperimentPlan {
     ExperimentPlan { speed_rad_s, engine_torque_nm, ..shape.plan(&settings).unwrap() }
 }
 
-/// What a virtual bench does.
+/// Feedback of a virtual bench.
 fn feedback(truth: &BenchParameters, seed: u64, plan: &ExperimentPlan) -> Feedback {
     let run = simulate_hidden(truth, plan, seed, Numerics::default()).unwrap();
     let truth = run.hidden.recording();

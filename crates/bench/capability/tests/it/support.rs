@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Helpers that the tests share.
 
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;

@@ -11,7 +11,7 @@ pub enum DesignError {
     /// The task contradicts itself.
     #[error("{requirement}")]
     Task {
-        /// What it would need.
+        /// The need, in words.
         requirement: &'static str,
     },
     /// The model lacks a part.

@@ -1,4 +1,4 @@
-//! What an experiment is to teach, in the words of the method, and the task that follows from it.
+//! Goal of an experiment, in the words of the method, and the task that follows from it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -31,7 +31,7 @@ const TORQUE_SHARE: f64 = 0.95;
 /// A sensor without noise is taken for one with this little, SI.
 const LEAST_NOISE: f64 = 1e-6;
 
-/// What an experiment is to teach.
+/// Goal of an experiment: the parameter that it is to teach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goal {
     /// K.
@@ -83,8 +83,8 @@ impl Goal {
         }
     }
 
-    /// Whether it shows in speed control alone: the controller rests in torque control, where the engine's speed control
-    /// acts in its place and hides J_e.
+    /// Tells whether it shows in speed control alone: the controller rests in torque control, where the engine's speed
+    /// control acts in its place and hides J_e.
     pub fn needs_speed_control(self) -> bool {
         matches!(self, Goal::SpeedController | Goal::FeedForward | Goal::EngineInertia)
     }
@@ -123,8 +123,8 @@ pub struct OperatingPoint {
 }
 
 impl PeakLimits {
-    /// What the limits of a bench leave for an excitation at an operating point: of T_shaft half, since firing pulses take
-    /// the rest, of T_d nearly all, since the torque control cuts at its limit.
+    /// Peaks that the limits of a bench leave for an excitation at an operating point. Of T_shaft it is half, since
+    /// firing pulses take the rest, of T_d nearly all, since the torque control cuts at its limit.
     pub fn left_by(limits: &Limits, at: OperatingPoint) -> Self {
         let left = |limit: f64| limit - at.torque_nm.abs();
         PeakLimits {
@@ -136,8 +136,8 @@ impl PeakLimits {
 }
 
 impl Measurements {
-    /// What is measured on a bench like a virtual one, with the noise of its sensors, and what its engine does by itself
-    /// at an operating point: from firing to firing its torque varies by a part, held until the next.
+    /// Measurements on a bench like a virtual one, with the noise of its sensors and the engine's own variation at an
+    /// operating point. From firing to firing the engine's torque varies by a part, held until the next.
     pub fn of_bench(bench: &BenchParameters, at: OperatingPoint) -> Self {
         let (sensors, clocks, engine) = (&bench.sensors, &bench.clocks, &bench.engine);
         let noise = |deviation: f64, resolution: f64, updates: usize| {
@@ -230,7 +230,7 @@ impl DesignTask {
     }
 }
 
-/// What the estimators of the goals use of what is measured.
+/// Part of the measurements that the estimators of the goals use.
 fn used(goals: &[Goal], excited: ExcitedDemand, all: Measurements) -> Measurements {
     if goals == [Goal::TorqueControl] && excited == ExcitedDemand::Torque {
         return Measurements { dyno_speed: None, engine_speed: None, shaft_torque: None, ..all };

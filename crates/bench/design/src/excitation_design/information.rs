@@ -11,7 +11,7 @@ use crate::excitation_design::error::DesignError;
 
 /// Condition of the scaled information beyond which it counts as singular.
 const SINGULAR: f64 = 1e13;
-/// What disturbances leave of a parameter's information counts as nothing below this part: the rest is rounding.
+/// Part of a parameter's information below which the rest that disturbances leave counts as nothing: it is rounding.
 const CANCELLED: f64 = 1e-12;
 
 /// Information per unit of power and second of a line at `omega`, as rows after rows: Re(G_θᴴ Λ⁻¹ G_θ).
@@ -63,7 +63,7 @@ fn product(a: &[Complex64; OUTPUTS], b: &[Complex64; OUTPUTS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.conj() * b).re).sum()
 }
 
-/// What lines show and what they cost.
+/// Information of lines, and their cost.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub(super) frequency_hz: f64,
@@ -118,7 +118,7 @@ pub(super) struct Judge {
     prior: Vec<f64>,
 }
 
-/// What an information is worth.
+/// Worth of an information.
 pub(super) struct Judged {
     /// The sum of relative variances, or the logarithm of the determinant.
     pub(super) value: f64,
@@ -190,7 +190,8 @@ impl Judges {
         Judges { each: task.models.iter().map(|m| Judge::new(task, m)).collect() }
     }
 
-    /// What the parameters would be known by after the experiment, for one model; `powers` are those of the lines.
+    /// Returns how well the parameters would be known after the experiment, for one model; `powers` are those of the
+    /// lines.
     pub(super) fn after(
         &self,
         task: &DesignTask,

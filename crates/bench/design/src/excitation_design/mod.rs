@@ -95,7 +95,7 @@ impl PredictedParameter {
 pub struct DesignedExcitation {
     /// The demand over the whole experiment, operating point included.
     pub waveform: Waveform,
-    /// What it will achieve.
+    /// Predictions of what it will achieve.
     pub parameters: Vec<PredictedParameter>,
     /// Covariance of the parameters of interest, SI.
     pub covariance: Vec<Vec<f64>>,
@@ -135,7 +135,7 @@ pub struct SpectralLine {
     pub amplitude: f64,
 }
 
-/// What [`design`] found.
+/// Findings of [`design`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExcitationDesign {
     /// The best spectrum with phases that keep peaks low.

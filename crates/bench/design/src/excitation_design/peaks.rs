@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What may be limited.
+/// Quantities that may be limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitedQuantity {

@@ -1,4 +1,4 @@
-//! What the demand, the engine and errors of the encoder do to the bench, at one frequency.
+//! Effects of the demand, the engine and errors of the encoder on the bench, at one frequency.
 
 use bench_model::model::{BenchModel, Mechanics, mean_over};
 use signal::Complex64;
@@ -32,7 +32,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// What T_d does to both masses.
+    /// Effect of T_d on both masses.
     fn of_torque(mechanics: &Mechanics, omega: f64, torque_demand: Complex64, air_gap: Complex64) -> Self {
         let shaft = mechanics.torque_to_shaft(omega) * air_gap;
         Motion {
@@ -44,7 +44,7 @@ impl Motion {
         }
     }
 
-    /// What T_e does to both masses where nothing controls them.
+    /// Effect of T_e on both masses where nothing controls them.
     fn of_engine(mechanics: &Mechanics, omega: f64) -> Self {
         let shaft = mechanics.engine_to_shaft(omega);
         Motion {
@@ -124,7 +124,7 @@ fn outputs(task: &DesignTask, point: &Point, omega: f64) -> Option<[Complex64; O
     Some(by_demand(&point.model, task.excited, task.hold_s, omega)?.measured(point, omega))
 }
 
-/// What else moves the measured signals, each with the reciprocal of its density: zero where it may be anything.
+/// Other movers of the measured signals, each with the reciprocal of its density: zero where it may be anything.
 pub(super) fn disturbances(task: &DesignTask, point: &Point, omega: f64) -> Option<Vec<([Complex64; OUTPUTS], f64)>> {
     let measured = &task.measurements;
     let engine = by_engine(&point.model, task.excited, omega)?.measured(point, omega);

@@ -1,4 +1,4 @@
-//! What a design is asked for.
+//! Task of a design.
 
 use bench_model::model::{BenchModel, ModelParameter};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ pub enum ExcitedDemand {
 pub struct Nuisance {
     /// Which.
     pub unknown: Unknown,
-    /// What is known of it beforehand, as a standard uncertainty in SI; none: nothing.
+    /// Prior knowledge of it, as a standard uncertainty in SI; none: nothing.
     pub standard_uncertainty: Option<f64>,
 }
 
@@ -42,12 +42,12 @@ pub struct SampleNoise {
     pub sample_time_s: f64,
 }
 
-/// What is measured, each signal with its noise; none: not measured. T_e is never measured.
+/// Measured signals, each with its noise; none: not measured. T_e is never measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measurements {
     /// N_d.
     pub dyno_speed: Option<SampleNoise>,
-    /// What the speed controller's reading is off by, beyond the noise of the record of N_d; none: nothing.
+    /// Error of the speed controller's reading, beyond the noise of the record of N_d; none: nothing.
     pub controller_reading: Option<SampleNoise>,
     /// N_e.
     pub engine_speed: Option<SampleNoise>,
@@ -92,7 +92,7 @@ pub struct PeakLimits {
     pub demand: Option<f64>,
 }
 
-/// What is made small.
+/// Criterion that is made small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {
@@ -103,7 +103,7 @@ pub enum Criterion {
     Determinant,
 }
 
-/// What counts where several models are possible.
+/// Treatment of several possible models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Robustness {
@@ -120,19 +120,19 @@ pub struct DesignTask {
     /// Models of the bench: first the nominal one, which predictions are made for; further ones where it is uncertain.
     /// Limits hold for all of them.
     pub models: Vec<BenchModel>,
-    /// What counts where there are several.
+    /// Treatment of several models.
     pub robustness: Robustness,
     /// Which demand is excited.
     pub excited: ExcitedDemand,
     /// Its operating point, about which it is excited, Nm or rad/s.
     pub mean_demand: f64,
-    /// What is to be known well.
+    /// Parameters to be known well.
     pub of_interest: Vec<ModelParameter>,
-    /// What is unknown too.
+    /// Further unknowns.
     pub nuisances: Vec<Nuisance>,
-    /// What is made small.
+    /// Criterion that is made small.
     pub criterion: Criterion,
-    /// What is measured.
+    /// Measured signals.
     pub measurements: Measurements,
     /// Limits.
     pub limits: PeakLimits,
@@ -220,7 +220,7 @@ impl DesignTask {
         (self.duration_s / self.hold_s).round() as usize
     }
 
-    /// Whether the estimator uses a frequency.
+    /// Tells whether the estimator uses a frequency.
     pub(super) fn is_used(&self, frequency_hz: f64) -> bool {
         let inside = |(low, high): &(f64, f64)| (*low..=*high).contains(&frequency_hz);
         inside(&self.estimated_hz) && !self.excluded_hz.iter().any(inside)
@@ -321,7 +321,7 @@ impl std::fmt::Display for Unknown {
 }
 
 impl Unknown {
-    /// What variances are relative to: the value; 1 ms for times, one where the value is zero.
+    /// Scale that variances are relative to: the value; 1 ms for times, one where the value is zero.
     pub(super) fn scale(self, model: &BenchModel) -> f64 {
         match self {
             Unknown::EngineSpeedSkew

@@ -61,8 +61,8 @@ impl<'a> Trials<'a> {
         })
     }
 
-    /// What one model's parameters would be known by after an experiment with a demand, its images beyond half its rate
-    /// included.
+    /// Returns how well one model's parameters would be known after an experiment with a demand, its images beyond half
+    /// its rate included.
     pub(super) fn judged(&mut self, demand: &HeldDemand, model: usize) -> Result<Judged, DesignError> {
         let steps = demand.values.len();
         let spectrum = fft_real(&demand.values)?;

@@ -1,4 +1,4 @@
-//! What is not known of the bench while an excitation is designed.
+//! Unknowns of the bench while an excitation is designed.
 
 use bench_model::model::ModelParameter;
 use serde::{Deserialize, Serialize};

@@ -24,8 +24,8 @@ impl White {
 /// Normal noise at the rate of the demand, as long as the experiment, on the nominal model: the mean over realisations
 /// of the variance it leaves at a peak of T_shaft of 1 Nm, each realisation scaled by its own peak.
 ///
-/// What is known beforehand of nuisances does not shrink with the demand; the variances are those at the peak that the
-/// limits allow where there is a limit of T_shaft.
+/// Prior knowledge of nuisances does not shrink with the demand. Where there is a limit of T_shaft, the variances are
+/// those at the peak that the limits allow.
 pub(super) fn variances(task: &DesignTask, trials: &mut Trials<'_>) -> Result<White, DesignError> {
     let Some(nominal) = task.models.first() else { return Err(DesignError::Task { requirement: "a model is needed" }) };
     let peak = task.limits.shaft_torque_nm.unwrap_or(1.0);

@@ -1,4 +1,4 @@
-//! What a check of an experiment gives.
+//! Result of a check of an experiment.
 
 use numerics::order;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use super::verdict::Safety;
 /// One quantity over all benches drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Checked {
-    /// What it is.
+    /// The quantity.
     pub of: Quantity,
     /// The limit stated, SI.
     pub limit: Option<f64>,

@@ -1,4 +1,4 @@
-//! What of a course is compared with limits, in checks of experiments and of tests alike.
+//! Parts of a course that are compared with limits, in checks of experiments and of tests alike.
 
 use std::f64::consts::TAU;
 

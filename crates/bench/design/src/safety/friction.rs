@@ -32,7 +32,8 @@ impl FrictionSpread {
     pub const NONE: FrictionSpread =
         FrictionSpread { from: FrictionFrom::Stated, coulomb_nm: (0.0, 0.0), viscous_nm_s_per_rad: (0.0, 0.0) };
 
-    /// What a bench file states, and where it does not, what a dynamometer with this torque limit can have.
+    /// Spread that a bench file states, and where it does not, the one that a dynamometer with this torque limit can
+    /// have.
     #[must_use]
     pub fn of(bench: &BenchFile, torque_limit_nm: f64) -> Self {
         let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(DOUBT_PERCENT);

@@ -1,4 +1,4 @@
-//! Whether an experiment is safe on a bench that is not known exactly: many benches are drawn, each runs the demands, and
+//! Safety of an experiment on a bench that is not known exactly. Many benches are drawn, each runs the demands, and
 //! every limit of the bench file gets the probability of being reached.
 //!
 //! An engine that fires adds its pulses, see [`bench_model::prediction`]. What counts in the end is how many benches reach any limit at
@@ -38,14 +38,14 @@ pub const ASSUMED_ENGINE: f64 = 0.1;
 /// Ignition efficiencies below this heat the exhaust much.
 const HOT_EFFICIENCY: f64 = 0.8;
 
-/// What a safety check rests on.
+/// Inputs of a safety check.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyInputs<'a> {
     /// Plan, demands, nominal bench and limits.
     pub prediction: PredictionInputs<'a>,
     /// How benches differ from the nominal one.
     pub spread: BenchSpread<'a>,
-    /// What is known of the engine's firing pulses.
+    /// Knowledge of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
     /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the resonance: its
     /// bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see [`ASSUMED_ENGINE`].
@@ -58,7 +58,7 @@ pub struct SafetyInputs<'a> {
     pub seed: u64,
 }
 
-/// What retarded ignition does to the exhaust: a hint, no limit.
+/// Effect of retarded ignition on the exhaust: a hint, no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ThermalHint {
     /// How long the ignition efficiency lies below 0.8, s.
@@ -145,7 +145,7 @@ pub fn check(inputs: &SafetyInputs<'_>, context: &Context) -> Result<SafetyCheck
     })
 }
 
-/// Whether a bench reaches any limit, or is not stable.
+/// Tells whether a bench reaches any limit, or is not stable.
 fn is_beyond(inputs: &PredictionInputs<'_>, outcome: &Outcome) -> bool {
     let reaches = |of: &Quantity| {
         of.limit(&inputs.limits).is_some_and(|limit| quantity::reaches(outcome.values[*of as usize], limit))

@@ -1,4 +1,4 @@
-//! What is compared with limits.
+//! Quantities that are compared with limits.
 
 use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionInputs};
@@ -80,18 +80,18 @@ impl Quantity {
         }
     }
 
-    /// Whether a limit of it could be stated.
+    /// Tells whether a limit of it could be stated.
     pub fn has_limit(self) -> bool {
         !matches!(self, Quantity::LowestSpeed | Quantity::LimitedShare)
     }
 
-    /// Whether one value is worse than another.
+    /// Tells whether one value is worse than another.
     pub(super) fn is_worse(self, value: f64, than: f64) -> bool {
         if self == Quantity::LowestSpeed { value < than } else { value > than }
     }
 }
 
-/// Whether a value reaches a limit; nothing at all reaches none.
+/// Tells whether a value reaches a limit; nothing at all reaches none.
 pub fn reaches(value: f64, limit: f64) -> bool {
     value >= limit && value > 0.0
 }

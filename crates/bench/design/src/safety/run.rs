@@ -9,7 +9,7 @@ use super::quantity::{self, Quantity};
 use super::spread::Drawn;
 use crate::safety::ladder::Ladder;
 
-/// What one bench did.
+/// Outcome of one bench.
 pub(super) struct Outcome {
     /// By [`Quantity`].
     pub(super) values: [f64; Quantity::COUNT],

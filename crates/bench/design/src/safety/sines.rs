@@ -31,13 +31,13 @@ pub struct SafeSine {
     pub safe_nm: f64,
 }
 
-/// What to do in place of a sine test as planned.
+/// Proposal in place of a sine test as planned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Proposal {
     /// Every sine, in the order of the test.
     pub sines: Vec<SafeSine>,
-    /// Whether the test keeps the limits with every sine at its safe amplitude or, where that is lower, the planned one:
-    /// run on all benches. The time at the resonance is no matter of amplitudes, and not looked at.
+    /// True where the test keeps the limits with every sine at its safe amplitude or, where that is lower, the planned
+    /// one: run on all benches. The time at the resonance is no matter of amplitudes, and not looked at.
     pub holds: bool,
 }
 
@@ -107,7 +107,7 @@ fn jointly_safe(outcomes: &[Outcome], rungs: usize) -> Vec<f64> {
     ranks.take_while(|amplitudes| is_safe(amplitudes)).last().unwrap_or_else(|| at_rank(0))
 }
 
-/// Whether every limit that amplitudes can keep is kept.
+/// Tells whether every limit that amplitudes can keep is kept.
 fn are_kept(inputs: &PredictionInputs<'_>, outcomes: &[Outcome]) -> bool {
     let of_amplitude = Quantity::of_plan(inputs.plan).iter().filter(|of| **of != Quantity::TimeAtResonance);
     of_amplitude.filter_map(|of| Some((*of, of.limit(&inputs.limits)?))).all(|(of, limit)| {

@@ -34,9 +34,9 @@ pub enum BenchSpread<'a> {
     Prior(Prior),
 }
 
-/// What is known without a study. Each number r says that the truth lies with 95 % probability between nominal/(1 + r)
-/// and nominal · (1 + r): log-normal with the nominal value as median and σ = ln(1 + r)/1.96. They vary independently, and
-/// with the engine's inertia the stiffness so that the resonance is what was drawn for it.
+/// Uncertainty without a study. Each number r says that the truth lies with 95 % probability between nominal/(1 + r)
+/// and nominal · (1 + r): log-normal with the nominal value as median and σ = ln(1 + r)/1.96. They vary independently,
+/// and with the engine's inertia the stiffness so that the resonance is what was drawn for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prior {
     /// Of √(K(1/J_d + 1/J_e)), in torque control.

@@ -62,7 +62,7 @@ impl Proportion {
         Proportion { count, of, estimate: x / of.max(1) as f64, lower, upper }
     }
 
-    /// What it means for something that must not happen.
+    /// Safety against something that must not happen.
     pub fn safety(&self) -> Safety {
         match (self.estimate > ALLOWED, self.upper > ALLOWED) {
             (true, _) => Safety::Unsafe,

@@ -1,4 +1,4 @@
-//! Whether experiments are safe on benches that are not known exactly.
+//! Safety of experiments on benches that are not known exactly.
 
 use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};

@@ -1,5 +1,5 @@
-//! What the thesis found at its bench, found at the virtual one (Glans & Kärnell, Chalmers EX112/2018), from recordings
-//! alone wherever the thesis had no more.
+//! Findings of the thesis (Glans & Kärnell, Chalmers EX112/2018), repeated at the virtual bench, from recordings alone
+//! wherever the thesis had no more.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;

@@ -1,4 +1,4 @@
-//! What both versions of the model description have in common.
+//! Common parts of both versions of the model description.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ use crate::xml::escaped;
 /// One revolution a minute in rad/s, the other way round.
 const RPM_PER_RAD_S: f64 = 30.0 / std::f64::consts::PI;
 
-/// What an FMU says of itself.
+/// Content of an FMU's description.
 pub(super) struct Description<'a> {
     pub(super) document: &'a BenchModelDocument,
     pub(super) numbers: &'a BenchNumbers,

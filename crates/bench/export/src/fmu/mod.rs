@@ -63,7 +63,7 @@ pub fn fmu(
     Ok(packed(names, version, Runtime::Bench, &content))
 }
 
-/// Whether the bytes are those of an FMU, or of another ZIP archive.
+/// Tells whether the bytes are those of an FMU, or of another ZIP archive.
 #[must_use]
 pub fn is_archive(bytes: &[u8]) -> bool {
     unpack::is_archive(bytes)
@@ -84,13 +84,13 @@ pub fn version_of(bytes: &[u8]) -> Option<FmiVersion> {
     [FmiVersion::V2, FmiVersion::V3].into_iter().find(is_of)
 }
 
-/// Whether a file of this name is a source that all programs in C share, whatever their model.
+/// Tells whether a file of this name is a source that all programs in C share, whatever their model.
 #[must_use]
 pub fn is_shared_source(name: &str) -> bool {
     sources::is_shared(name)
 }
 
-/// What differs from FMU to FMU.
+/// Parts that differ from FMU to FMU.
 struct Content {
     xml: String,
     documentation: String,

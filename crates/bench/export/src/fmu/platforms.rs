@@ -21,7 +21,7 @@ impl FmiVersion {
         }
     }
 
-    /// What the names of FMUs of this version end in.
+    /// End of the names of FMUs of this version.
     pub(super) fn suffix(self) -> &'static str {
         match self {
             FmiVersion::V2 => "_fmi2",
@@ -30,7 +30,7 @@ impl FmiVersion {
     }
 }
 
-/// What simulates: the bench, or any linear model.
+/// Program that simulates: that of the bench, or that of any linear model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Runtime {
     /// A bench.
@@ -64,7 +64,7 @@ const BENCH: Binaries = binaries!("binaries");
 const LINEAR: Binaries = binaries!("binaries/linear");
 
 impl Runtime {
-    /// What the binaries are called.
+    /// Name of the binaries.
     pub(super) fn identifier(self) -> &'static str {
         match self {
             Runtime::Bench => "dynoid_bench",

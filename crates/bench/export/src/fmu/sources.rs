@@ -13,9 +13,9 @@ macro_rules! runtime {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../runtime/", $name)))),*] };
 }
 
-/// What a program in C needs: the bench without FMI.
+/// Sources of a program in C: the bench without FMI.
 const BENCH: [(&str, &str); 4] = runtime!["bench.c", "bench.h", "matrix.c", "matrix.h"];
-/// What an FMU of a bench needs beyond it.
+/// Further sources of an FMU of a bench.
 const BENCH_FMU: [(&str, &str); 8] = runtime![
     "derivatives.c",
     "exchange.c",
@@ -26,11 +26,11 @@ const BENCH_FMU: [(&str, &str); 8] = runtime![
     "instance.h",
     "model_file.h",
 ];
-/// What a program in C needs of a linear model.
+/// Sources of a program in C for a linear model.
 const LINEAR: [(&str, &str); 2] = runtime!["linear.c", "linear.h"];
-/// What an FMU of a linear model needs beyond it.
+/// Further sources of an FMU of a linear model.
 const LINEAR_FMU: [(&str, &str); 3] = runtime!["linear_file.c", "linear_instance.c", "linear_file.h"];
-/// What both kinds of FMUs need.
+/// Sources of both kinds of FMUs.
 const FMI: [(&str, &str); 11] = runtime![
     "fmi2.c",
     "fmi3.c",
@@ -64,12 +64,12 @@ pub(super) fn of_linear() -> impl Iterator<Item = ExportedFile> {
     LINEAR.into_iter().map(|(name, text)| ExportedFile::text(name, text.to_owned()))
 }
 
-/// Whether a source or header is the same for all models.
+/// Tells whether a source or header is the same for all models.
 pub(super) fn is_shared(name: &str) -> bool {
     BENCH.iter().chain(&LINEAR).any(|(shared, _)| *shared == name)
 }
 
-/// What the files and the numbers of one model are called in C, so that several models fit into one folder and one program.
+/// Names in C of the files and the numbers of one model, so that several models fit into one folder and one program.
 pub(super) struct CNames {
     /// Name of the header.
     pub(super) header: String,

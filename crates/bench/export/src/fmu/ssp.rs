@@ -43,7 +43,7 @@ pub fn ssp(document: &BenchModelDocument, names: &Names, report: Option<&[u8]>) 
     Ok(ExportedFile { name: format!("{}.ssp", names.file), content: archive.into_bytes() })
 }
 
-/// What the bench of the structure refers to.
+/// Files that the bench of the structure refers to.
 struct Sources {
     fmu: String,
     set: String,
@@ -53,7 +53,7 @@ fn resource(file: &ExportedFile) -> String {
     format!("resources/{}", file.name)
 }
 
-/// What a connector is for those that are connected to it.
+/// Direction of a connector for those that are connected to it.
 #[derive(Clone, Copy)]
 enum Direction {
     In,
@@ -87,7 +87,7 @@ fn structure(description: &Description<'_>, sources: &Sources) -> String {
     )
 }
 
-/// Whether the system shows a variable of its bench outside: demands, and all outputs.
+/// Tells whether the system shows a variable of its bench outside: demands, and all outputs.
 fn is_outside(variable: &Variable) -> bool {
     let is_demand = variable.role == Role::Input && matches!(variable.name.as_str(), "speed_demand" | "torque_demand");
     is_demand || variable.is_output()

@@ -14,7 +14,7 @@ const DIRECTORY_END_LENGTH: usize = 22;
 const ENTRY_LENGTH: usize = 46;
 const FILE_LENGTH: usize = 30;
 
-/// Whether bytes begin as an archive does.
+/// Tells whether bytes begin as an archive does.
 pub(super) fn is_archive(bytes: &[u8]) -> bool {
     bytes.starts_with(FILE)
 }

@@ -3,7 +3,7 @@
 use super::numbers::BenchNumbers;
 use crate::numbers::Unit;
 
-/// What a variable is for an importer.
+/// Role of a variable for an importer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
     /// The independent variable.
@@ -70,7 +70,7 @@ const NOMINAL_NM: f64 = 100.0;
 pub(super) const ENGINE_TORQUE: &str = "engine_torque";
 /// The state that it needs.
 pub(super) const ENGINE_SIDE_SPEED: &str = "engine_side_speed";
-/// What the reference of a derivative is beyond that of its state.
+/// Distance of a derivative's reference from that of its state.
 const TO_DERIVATIVE: u32 = 10;
 
 impl From<Unit> for FmiUnit {
@@ -80,7 +80,7 @@ impl From<Unit> for FmiUnit {
 }
 
 impl Variable {
-    /// Whether people read it in rpm. A parameter in rad/s is a bandwidth.
+    /// Tells whether people read it in rpm. A parameter in rad/s is a bandwidth.
     pub(super) fn is_speed(&self) -> bool {
         matches!(self.kind, Kind::Real(unit, ..) if unit.name == "rad/s") && self.role != Role::Tunable
     }
@@ -109,17 +109,17 @@ impl Variable {
         self
     }
 
-    /// Whether an importer learns its first value from the FMU.
+    /// Tells whether an importer learns its first value from the FMU.
     pub(super) fn is_calculated(&self) -> bool {
         matches!(self.role, Role::Output | Role::Sampled | Role::State | Role::OutputState | Role::Derivative(_))
     }
 
-    /// Whether it is an output.
+    /// Tells whether it is an output.
     pub(super) fn is_output(&self) -> bool {
         matches!(self.role, Role::Output | Role::Sampled | Role::OutputState)
     }
 
-    /// Whether it is a parameter.
+    /// Tells whether it is a parameter.
     pub(super) fn is_parameter(&self) -> bool {
         matches!(self.role, Role::Fixed | Role::Tunable)
     }

@@ -77,7 +77,7 @@ fn plant(template: &str, document: &BenchModelDocument) -> String {
         .replace("@VALID@", &validity(document))
 }
 
-/// Whether speed and torque are in range.
+/// Condition, in Modelica, that speed and torque are in range.
 fn validity(document: &BenchModelDocument) -> String {
     let within = |name: &str, range: Option<Range>| {
         range.map(|(low, high)| format!("{name} >= {} and {name} <= {}", number(low), number(high)))

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 pub(crate) const SAMPLES: usize = 3000;
 pub(crate) const TICK_S: f64 = 1e-3;
 
-/// What drives the dynamometer of a case.
+/// Input that drives the dynamometer of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Drive {
     Speed,

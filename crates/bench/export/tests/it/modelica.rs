@@ -173,7 +173,7 @@ fn write_driven(folder: &std::path::Path, text: &str) {
     std::fs::write(folder.join("driven/driven.mo"), text).unwrap();
 }
 
-/// What the program simulates.
+/// Values that the program simulates.
 fn expected(model: &BenchModel, is_speed: bool) -> serde_json::Value {
     let engine = series(|k| 40.0 + 60.0 * (k as f64 * 1e-3 - 0.2).max(0.0));
     let demand =

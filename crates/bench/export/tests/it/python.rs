@@ -19,7 +19,7 @@ fn with_model(model: BenchModel) -> BenchModelDocument {
     )
 }
 
-/// Whether Python simulates a bench as the program does; `None` without Python.
+/// Difference between Python's simulation of a bench and the program's; `None` without Python.
 fn difference(name: &str, document: &BenchModelDocument, drives: &[Drive]) -> Option<f64> {
     let model = &document.model;
     let module = python::bench(document, &Names::of("Test cell 4"));

@@ -17,7 +17,7 @@ use crate::speed_controller::{
 };
 pub use discrete::{Discrete, IntegrationRule};
 
-/// What recordings show about the speed controller.
+/// Findings of recordings on the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedControl {
     /// PI and delay, one entry a recording with constant N_d*, the longest first.
@@ -28,7 +28,7 @@ pub struct SpeedControl {
     pub limits: Vec<LimitRecording>,
 }
 
-/// What one recording with constant N_d* shows.
+/// Findings of one recording with constant N_d*.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerRecording {
     /// The file.
@@ -53,12 +53,12 @@ pub struct Controller {
     pub validation_without_delay: Validation,
     /// The same as the controller computes it.
     pub discrete: Discrete,
-    /// What may be added to PI and delay.
+    /// Terms that may be added to PI and delay.
     #[serde(serialize_with = "write_found")]
     pub structure: Outcome<Structure>,
 }
 
-/// What one recording with moving N_d* shows.
+/// Findings of one recording with moving N_d*.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeedForwardRecording {
     /// The file.

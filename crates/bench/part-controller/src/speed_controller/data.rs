@@ -109,7 +109,7 @@ impl Data {
         Ok((self.rounding()? > COARSE).then(|| resolution(&self.demand.samples)))
     }
 
-    /// Whether rounding of T_d* may look like some of the gate.
+    /// Tells whether rounding of T_d* may look like some of the gate.
     pub(super) fn is_rounding_noticeable(&self) -> Result<bool, EstimateError> {
         Ok(self.rounding()? > NOTICEABLE)
     }

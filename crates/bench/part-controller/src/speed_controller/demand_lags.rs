@@ -49,7 +49,7 @@ pub(super) fn scan(data: &Data, theta: &[f64], delay: i32) -> Result<Vec<Candida
     Ok(candidates)
 }
 
-/// What the measured speed is composed of, for all lags, at the samples of N_d.
+/// Columns that make up the measured speed, for all lags, at the samples of N_d.
 struct Columns {
     earliest: i32,
     /// The inverted controller's answer to N_d* late by each lag.
@@ -126,7 +126,8 @@ impl Columns {
 pub(super) struct Reading {
     pub(super) place: DelayPlace,
     pub(super) lags: DemandLags,
-    /// Whether dN_d*/dt is the change to the next sample, as where the demand comes with its slope, or from the last.
+    /// True where dN_d*/dt is the change to the next sample, as where the demand comes with its slope; else it is that
+    /// from the last.
     pub(super) is_forward: bool,
 }
 
@@ -152,7 +153,7 @@ impl Reading {
     }
 }
 
-/// Whether two pairs describe the same sequence.
+/// Tells whether two pairs describe the same sequence.
 pub(super) fn is_same(a: DemandLags, b: DemandLags) -> bool {
     let is_next = |lags: DemandLags| (0..=1).contains(&(lags.speed_error - lags.feed_forward));
     a == b || (a.feed_forward == b.feed_forward && is_next(a) && is_next(b))

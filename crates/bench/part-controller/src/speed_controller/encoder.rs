@@ -1,4 +1,4 @@
-//! What the speed-controller fit learns of the dynamometer's encoder.
+//! Findings of the speed-controller fit on the dynamometer's encoder.
 
 use rig::estimation::noise_floor;
 use signal::Signal;
@@ -56,7 +56,8 @@ impl Encoder {
         }
     }
 
-    /// Whether N_d is smoother than any encoder makes it, beside what the controller sees; its sample time in s.
+    /// Tells whether N_d, with a sample time in s, is smoother than any encoder makes it, beside what the controller
+    /// sees.
     pub fn is_behind_a_filter(&self, sample_time_s: f64) -> bool {
         let longest_s = f64::max(LONGEST_GATE.0 * sample_time_s, LONGEST_GATE.1);
         self.gate_s - CERTAIN * self.gate_standard_error_s > longest_s

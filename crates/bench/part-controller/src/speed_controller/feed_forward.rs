@@ -17,9 +17,9 @@ use super::demand_lags::{Candidate, Reading, is_same, scan};
 use super::fit::{BATCHES, ESTIMATION_SHARE, SpeedControllerFit, run, validate};
 use super::inverse;
 
-/// What is estimated here.
+/// Parameters estimated here.
 const OWN: [usize; 5] = [inverse::FIRST_ERROR, inverse::COSINE, inverse::SINE, inverse::K, inverse::K_A];
-/// What is known of the controller.
+/// Parameters of the controller that are known.
 const KNOWN: [usize; 3] = [inverse::P, inverse::Q, inverse::LEAD];
 /// Excess χ² below which lags cannot be excluded: chance exceeds it once in 10⁶.
 const DECISIVE: f64 = 24.0;

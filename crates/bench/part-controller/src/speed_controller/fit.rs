@@ -43,11 +43,11 @@ pub struct SpeedControllerFit {
     pub result: SpeedController,
     /// K_p, K_i and I_0 of PI without delay, on the same stretch.
     pub without_delay: Estimate,
-    /// What was learnt of the encoder.
+    /// Findings on the encoder.
     pub encoder: Encoder,
     /// Internal parameters, by the positions in [`inverse`].
     pub(super) theta: Vec<f64>,
-    /// Whether the gate was found in the data.
+    /// True where the gate was found in the data.
     pub(super) is_gated: bool,
     /// Covariance of those that were estimated.
     pub(super) covariance: Mat<f64>,
@@ -168,13 +168,13 @@ fn found_in(data: &Data) -> Result<Found, EstimateError> {
     Ok(Found { fit, lags, smooth, start, open_gate: Some(OpenGate { coarse_demand_nm, other }) })
 }
 
-/// Whether a fit without a gate has the lead of a controller that reads what is logged.
+/// Tells whether a fit without a gate has the lead of a controller that reads what is logged.
 fn leads_by_whole_samples(fit: &Minimum) -> bool {
     let lead = fit.parameters[inverse::LEAD];
     (lead - lead.round()).abs() < WHOLE_LEAD
 }
 
-/// Whether the controller reads the very samples that are logged.
+/// Tells whether the controller reads the very samples that are logged.
 fn shares_noise(data: &Data, fit: &Minimum, lags: DemandLags) -> Result<bool, EstimateError> {
     let left_rad_s = refit_stretch(data, &fit.parameters, lags)?.noise_variance().sqrt();
     Ok(left_rad_s < SHARED * noise_floor(&data.speed))

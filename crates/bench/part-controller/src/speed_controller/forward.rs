@@ -70,7 +70,7 @@ struct Forward<'a> {
     data: &'a Data,
     spline: &'a UniformSpline,
     prefilter: Vec<f64>,
-    /// What the prefilter leaves of T_d*, and of its own start.
+    /// Rest of T_d* behind the prefilter, and of its own start.
     demand: Vec<f64>,
     start: Vec<f64>,
 }

@@ -42,7 +42,7 @@ pub(super) struct InverseController {
     demand: Vec<f64>,
     /// N_d* as it enters the speed error, rad/s, on the controller's clock.
     reference: Vec<f64>,
-    /// What feeds forward, with its parameter: N_d*, its change from sample to sample, further terms.
+    /// Signals fed forward, each with its parameter: N_d*, its change from sample to sample, further terms.
     feeds: Vec<(usize, Vec<f64>)>,
     /// N_d, rad/s, on its own clock.
     speed: Vec<f64>,
@@ -247,7 +247,7 @@ pub(super) fn recursion(theta: &[f64], first: f64, forcing: &[f64]) -> Vec<f64> 
     all
 }
 
-/// What went into a first-order filter, from what came out of it.
+/// Input of a first-order filter, from its output.
 fn unfiltered(series: Vec<f64>, phi: f64) -> Vec<f64> {
     if phi == 0.0 {
         return series;

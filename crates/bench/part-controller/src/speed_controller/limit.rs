@@ -41,7 +41,7 @@ const LAWS: f64 = 3.0;
 /// Tracking times tried, s: from, to, and how many, in equal ratios.
 const TRACKING_S: (f64, f64, usize) = (1e-3, 10.0, 121);
 
-/// What becomes of the integrator while T_d* is limited.
+/// Behaviour of the integrator while T_d* is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum AntiWindup {
@@ -71,7 +71,7 @@ pub struct LawTest {
     pub adjusted_p_value: f64,
 }
 
-/// What a recording shows about the limit.
+/// Findings of a recording on the limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Limit {
@@ -183,7 +183,7 @@ fn doubtful(
     [gains, integral, delay, feed].into_iter().flatten().collect()
 }
 
-/// What the misses of a law are compared with.
+/// Scale against which the misses of a law are judged.
 struct Judge {
     /// Scatter of a reading, known from so many of them.
     reading_nm: f64,
@@ -236,7 +236,7 @@ fn merged(runs: &[Range<usize>]) -> Vec<Range<usize>> {
     all
 }
 
-/// What the controller computed from, sample by sample of T_d*.
+/// Signals that the controller computed from, sample by sample of T_d*.
 struct ControllerSignals {
     sample_time_s: f64,
     limit_nm: f64,

@@ -1,4 +1,4 @@
-//! Whether there is more in a speed controller than PI, delay and straight feed-forward: one term at a time is added to the
+//! Search for more in a speed controller than PI, delay and straight feed-forward. One term at a time is added to the
 //! inverted controller, and its estimate tested against zero.
 //!
 //! A test is Wald's, with the covariance that is robust to coloured residuals: t, or for several coefficients Hotelling's T²,
@@ -59,7 +59,7 @@ pub enum Term {
     Friction,
 }
 
-/// What the data say of a term.
+/// Verdict of the data on a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -84,9 +84,9 @@ pub struct TermTest {
     pub p_value: f64,
     /// The same, corrected for the number of terms tested together.
     pub adjusted_p_value: f64,
-    /// What it explains of the speed, root mean square, rad/s.
+    /// Part of the speed that it explains, root mean square, rad/s.
     pub explains_rad_s: f64,
-    /// What follows.
+    /// Verdict that follows.
     pub verdict: Verdict,
 }
 
@@ -99,7 +99,7 @@ pub struct Structure {
     pub rounds: Vec<Round>,
     /// K_p, K_i and τ beside what was found; `None` where nothing was.
     pub with_terms: Option<Estimate>,
-    /// What PI and delay leave of the speed, root mean square, rad/s, and what is left beside the terms found.
+    /// Speed that PI and delay leave unexplained, root mean square, rad/s, and the rest beside the terms found.
     pub left_rad_s: (f64, f64),
     /// The data.
     pub stretch: Stretch,
@@ -238,7 +238,7 @@ pub fn feed_forward_terms(
     Ok(FeedForwardTerms { level: LEVEL, rounds, map, stretch: data.stretch })
 }
 
-/// What a search for terms came to.
+/// Outcome of a search for terms.
 struct Searched {
     rounds: Vec<Round>,
     data: Data,
@@ -274,7 +274,7 @@ fn search(all: &[Term], fit: Fitting<'_>, start: &[f64]) -> Result<Searched, Est
     Ok(searched)
 }
 
-/// Whether a term that was taken in leaves nothing of another to test.
+/// Tells whether a term that was taken in leaves nothing of another to test.
 fn has(taken: Term, other: Term) -> bool {
     taken == other || (taken, other) == (Term::SecondIntegrator, Term::SpeedOffset)
 }
@@ -359,7 +359,8 @@ fn joint_p_value(fit: &Minimum, covariance: &Mat<f64>, freedom: f64, tested: &[u
     if p_value.is_finite() { p_value } else { 1.0 }
 }
 
-/// Whether the interval of a coefficient is short: what it lets the term move is small beside how the speed moves.
+/// Tells whether the interval of a coefficient is short: what it lets the term move is small beside how the speed
+/// moves.
 fn is_short(data: &Data, fit: &Minimum, covariance: &Mat<f64>, freedom: f64, j: usize) -> bool {
     let half_width = student_t_quantile(0.5 + INTERVAL_LEVEL / 2.0, freedom) * covariance[(j, j)].sqrt();
     let rows = fit.residuals.len() as f64;

@@ -31,7 +31,7 @@ fn found_in(hidden: &Hidden) -> Structure {
     structure(&bs, &fit, Some(LIMIT_NM)).unwrap()
 }
 
-/// What is found of the feed-forward of a hidden controller in levels or ramps of N_d*.
+/// Feed-forward found of a hidden controller in levels or ramps of N_d*.
 fn bent(hidden: &Hidden, plan: &ExperimentPlan) -> FeedForwardTerms {
     let parameters = BenchParameters::default();
     let bs = Hidden { bend_nm: 0.0, hysteresis_nm: 0.0, friction_nm: 0.0, ..hidden.clone() };
@@ -159,7 +159,7 @@ fn regress_one_slope_does_not_tell_friction_compensation_and_says_so() {
     assert_eq!(found.test(Term::Hysteresis).unwrap().verdict, Verdict::NotFound);
 }
 
-/// What steps of N_d* without shaft tell of the limit.
+/// Limit found in steps of N_d* without shaft.
 fn limit_in(law: Option<AntiWindup>, rise_rpm: f64) -> Limit {
     let parameters = BenchParameters::default();
     let mut plan = ExperimentPlan::no_shaft_n_nt(1200.0, 24.0);

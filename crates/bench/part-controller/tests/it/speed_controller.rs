@@ -18,7 +18,7 @@ const K_I: f64 = 1.9 / RPM_RAD_S;
 const K: f64 = 0.012 / RPM_RAD_S;
 const K_A: f64 = -0.085 / RPM_RAD_S;
 
-/// What is recorded and how.
+/// Signals that are recorded, and how.
 #[derive(Clone, Copy)]
 struct Case {
     seconds: f64,
@@ -29,7 +29,7 @@ struct Case {
     ramps: bool,
     /// Where the delay acts.
     place: DelayPlace,
-    /// Whether dN_d*/dt is the change to the next sample, not from the last.
+    /// True where dN_d*/dt is the change to the next sample, not from the last.
     looks_ahead: bool,
     /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded.
     demand_step_nm: f64,

@@ -122,7 +122,8 @@ impl<const N: usize> Sums<N> {
 }
 
 impl Sums<OF_RECORDING> {
-    /// What they say of α, β and γ, whatever the recording has for itself being anything that is probable: the Schur complement.
+    /// Sums for α, β and γ alone, whatever the recording has for itself being anything that is probable: the Schur
+    /// complement.
     fn of_engine(&self) -> Sums {
         let of_engine = [0, 1, 2];
         let alone = Sums::<{ OF_ITSELF.len() }> {
@@ -149,7 +150,7 @@ impl Sums<OF_RECORDING> {
 /// One recording: sums at each harmonic, its variances as large as its own scatter shows.
 pub(super) struct Recording {
     pub(super) file: String,
-    /// Whether ignition angles set its torque.
+    /// True where ignition angles set its torque.
     pub(super) is_by_ignition: bool,
     sums: Vec<Sums>,
 }
@@ -359,7 +360,7 @@ fn doubts(order: f64, values: &Values) -> [f64; 3] {
     [error * values.stiffness / order, 0.0, error * values.engine_inertia * order]
 }
 
-/// What of the evidence depends on the angle between two sums.
+/// Part of the evidence that depends on the angle between two sums.
 fn common((sums, other): (&Sums, &Sums)) -> Complex64 {
     let covariance = sums.plus(other, 0.0).covariance();
     let entry = |i: usize, j: usize| sums.along[i].conj() * other.along[j] * covariance[i][j];

@@ -95,7 +95,7 @@ fn largest_torque_nm(experiments: &[&Experiment]) -> f64 {
     torques.flat_map(|torque| &torque.samples).fold(0.0, |most, torque| most.max(torque.abs()))
 }
 
-/// Whether ignition angles set the engine's torque.
+/// Tells whether ignition angles set the engine's torque.
 fn is_by_ignition(experiment: &Experiment) -> bool {
     experiment.label.test == Test::Bs
 }
@@ -105,7 +105,7 @@ fn looked_for(cylinders: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count).filter(move |place| *place < ONE_BY_ONE * cylinders || (place + 1).is_multiple_of(cylinders))
 }
 
-/// What the windows of a recording show.
+/// Findings of the windows of a recording.
 fn seen(
     experiment: &Experiment,
     parts: &Parts<'_>,

@@ -47,7 +47,7 @@ pub(super) fn firings_counted(order: f64) -> f64 {
     TURNS * order / 1.5
 }
 
-/// What a window shows.
+/// Findings of a window.
 #[derive(Debug)]
 pub(super) struct Seen {
     /// Mean torque of the engine, Nm.
@@ -65,8 +65,8 @@ pub(super) struct Wave {
     pub(super) torque_nm: Complex64,
     /// Variance of its real part, which that of the imaginary part equals.
     pub(super) variance: f64,
-    /// What it has of the errors of both encoders, [`encoder_error`] of each being 1, the engine's first, Nm. Angles of these errors are
-    /// anywhere, so a quarter turn of both is left out, and what the damping turns them.
+    /// Part that the errors of both encoders have in it, [`encoder_error`] of each being 1, the engine's first, Nm.
+    /// Angles of these errors are anywhere, so a quarter turn of both is left out, and what the damping turns them.
     pub(super) of_encoders_nm: [f64; 2],
 }
 

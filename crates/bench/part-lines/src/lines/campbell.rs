@@ -1,4 +1,4 @@
-//! What a Campbell map is made of: short spectra, each at a speed.
+//! Content of a Campbell map: short spectra, each at a speed.
 
 use serde::Serialize;
 use signal::Signal;

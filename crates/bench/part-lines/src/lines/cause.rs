@@ -1,4 +1,4 @@
-//! What a line can come from.
+//! Causes of lines.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ pub enum Cause {
     Order {
         /// The multiple.
         order: f64,
-        /// Whether it is that of the firing, or a multiple of it.
+        /// True for the order of the firing, and for a multiple of it.
         is_firing: bool,
     },
     /// A multiple of the engine's speed above half the sample rate, which shows at another frequency.

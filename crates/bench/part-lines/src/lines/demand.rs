@@ -1,4 +1,4 @@
-//! What was asked of the bench: sines, and how long each value was held.
+//! Demands on the bench: sines, and how long each value was held.
 
 use rig::{ControlMode, Experiment, Role};
 use signal::Signal;

@@ -20,7 +20,7 @@ pub(super) const DRIFT_HZ: f64 = 3.0;
 /// A speed changes where it ranges over more than this share of its mean.
 pub(super) const CHANGES: f64 = 0.03;
 
-/// What one recording shows.
+/// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordingLines {
     /// The file.
@@ -33,7 +33,7 @@ pub struct RecordingLines {
     pub parts: Vec<PartLines>,
 }
 
-/// What a part of a recording shows.
+/// Findings of a part of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartLines {
     /// From, s of the recording's clock.

@@ -1,4 +1,4 @@
-//! What a recording shows before any model is made of it: the lines of its spectra, each with its cause.
+//! Lines in the spectra of a recording before any model is made of it, each with its cause.
 //!
 //! A line is looked for behind the phase that its cause would give it: multiples of the crank angle, which are sharp however
 //! the speed moves, and found where they fold to above half a channel's sample rate; and fixed frequencies, of the demand, of
@@ -61,7 +61,7 @@ pub use tracking::{BANDWIDTH_ORDERS, TURNS};
 /// from firing to firing; a line without a cause this close to any order is of it.
 const OF_A_FIRING_HZ: f64 = 0.6;
 const OFTEN: f64 = 0.2;
-/// What is slower than this, s, is the trend of a signal whose speed changes.
+/// Time above which a change is the trend of a signal whose speed changes, s.
 const TREND_S: f64 = 0.25;
 /// A stretch has at least so many samples of a signal.
 pub const FEWEST_SAMPLES: usize = 256;
@@ -147,7 +147,7 @@ impl Looker<'_> {
         }
     }
 
-    /// Whether the speed changes.
+    /// Tells whether the speed changes.
     fn changes(&self, stretch: &Stretch) -> bool {
         let [low, high] = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
         high - low > CHANGES * 0.5 * (high + low)
@@ -208,7 +208,8 @@ impl Looker<'_> {
         resonance::broad_peaks(&one.lines, measured.or(excitation).map(|other| &other.lines.left))
     }
 
-    /// Whether a frequency is that of what varies from firing to firing: not without an engine, whose speed is recorded.
+    /// Tells whether a frequency is that of what varies from firing to firing: not without an engine, whose speed is
+    /// recorded.
     fn is_of_firing(&self, frequency_hz: f64, stretch: &Stretch) -> bool {
         let Some(engine) = self.engine.filter(|_| self.experiment.signal(Role::EngineSpeed).is_some()) else {
             return false;
@@ -223,13 +224,13 @@ impl Looker<'_> {
         self.engine.map_or(1.0, |engine| 2.0 / f64::from(engine.strokes))
     }
 
-    /// Whether a frequency often is that of a multiple of an order.
+    /// Tells whether a frequency often is that of a multiple of an order.
     fn meets(&self, order: f64, frequency_hz: impl Fn(f64) -> f64, stretch: &Stretch) -> bool {
         self.angle.share_at([stretch.start_s, stretch.end_s], order, frequency_hz, OF_A_FIRING_HZ) > OFTEN
     }
 
-    /// Whether a line may be of an order that is too weak to be followed: where the speed changes, one shows at each speed at
-    /// which it rests, and with it whatever phase it meets there.
+    /// Tells whether a line may be of an order that is too weak to be followed. Where the speed changes, one shows at
+    /// each speed at which it rests, and with it whatever phase it meets there.
     fn may_be_an_order(&self, found: &Found, one: &Shown, stretch: &Stretch) -> bool {
         let law = found.causes.first().map(|r| r.law);
         let at_hz = |turns_hz: f64| law.map_or(found.frequency_hz, |law| law.at_hz(turns_hz));
@@ -239,8 +240,8 @@ impl Looker<'_> {
         meets(|hz, _| hz) || meets(|hz, rate_hz| (rate_hz - hz).abs()) || meets(|hz, rate_hz| rate_hz + hz)
     }
 
-    /// Whether a line is none of its own: drift, part of a stronger one, or, where the speed changes, of an order. What is in the
-    /// demand, the ripple and orders are.
+    /// Tells whether a line is none of its own: drift, part of a stronger one, or, where the speed changes, of an
+    /// order. What is in the demand, the ripple and orders are.
     fn is_of_another(&self, found: &Found, cause: &Cause, one: &Shown, stretch: &Stretch) -> bool {
         let is_drift = found.frequency_hz < DRIFT_HZ || one.lines.is_beside(found);
         match cause {

@@ -28,7 +28,7 @@ const ONE_LINE: f64 = 2.0;
 /// An order is separated from another by a signal in which it is this many times as strong.
 const CLEARLY: f64 = 4.0;
 
-/// What the signals of a part show together.
+/// Joint evidence of the signals of a part.
 pub(super) struct Naming<'a> {
     all: &'a [Shown],
     /// The demand that the experimenter sets.
@@ -90,7 +90,7 @@ impl<'a> Naming<'a> {
         }
     }
 
-    /// Whether a cause can make a line as strong as this.
+    /// Tells whether a cause can make a line as strong as this.
     fn is_plausible(&self, cause: &Cause, amplitude: f64, one: &Shown) -> bool {
         let anywhere = |hz: f64| self.all.iter().any(|shown| shown.lines.strength_at(hz) > 0.0);
         let is_other_mains = |hz: f64| self.mains_hz.is_some_and(|known| known != hz);
@@ -119,7 +119,8 @@ impl<'a> Naming<'a> {
         in_the_air_gap.max(one.lines.strength_at(frequency_hz))
     }
 
-    /// What the demand of torque itself holds at a line of a torque, where that is enough for it: its cause and amplitude.
+    /// Part of a torque's line that the demand of torque itself holds, where that is enough for it: its cause and
+    /// amplitude.
     fn asked_for(&self, found: &Found, one: &Shown) -> Option<(Reference, f64)> {
         let is_torque = self.demand == Role::DynoTorqueDemand && TORQUES.contains(&one.role);
         let demand = self.all.iter().find(|shown| is_torque && shown.role == self.demand)?;
@@ -149,7 +150,7 @@ impl<'a> Naming<'a> {
         (!named.is_empty()).then_some(named)
     }
 
-    /// What a line of a torque may come from, beside what the demand holds of it.
+    /// Causes of a line of a torque, beside what the demand holds of it.
     fn with_asked(&self, causes: Vec<Reference>, (asked, held): &(Reference, f64), amplitude: f64) -> Vec<Reference> {
         let let_through = held * self.bandwidth_hz.map_or(1.0, |hz| gain(asked.law.frequency_hz / hz));
         let is_alone = match self.bandwidth_hz {
@@ -204,7 +205,7 @@ impl<'a> Naming<'a> {
         (strength(&ranked[0]) > CLEARLY * strength(&ranked[1])).then(|| ranked[0].clone())
     }
 
-    /// Whether the demand holds a line that no sine in it explains, such as what rounding gives it.
+    /// Tells whether the demand holds a line that no sine in it explains, such as what rounding gives it.
     fn is_in_the_demand(&self, found: &Found) -> bool {
         let mut demands = self.all.iter().filter(|shown| shown.role == self.demand);
         demands.any(|shown| shown.lines.strength_at(found.frequency_hz) > 0.0)
@@ -227,7 +228,7 @@ impl<'a> Naming<'a> {
     }
 }
 
-/// What a lag lets through at a multiple of its bandwidth.
+/// Gain of a lag at a multiple of its bandwidth.
 fn gain(multiple: f64) -> f64 {
     1.0 / (1.0 + multiple * multiple).sqrt()
 }
@@ -290,7 +291,7 @@ fn hump(all: &[Shown], inertias_kg_m2: [f64; 2], is_of_firing: impl Fn(f64) -> b
     resonance.or_else(|| ranked.first().map(|(hz, _)| (*hz, false)))
 }
 
-/// Whether a signal shows a broad peak.
+/// Tells whether a signal shows a broad peak.
 fn shows(all: &[Shown], role: Role, peak: &BroadPeak) -> bool {
     all.iter().filter(|shown| shown.role == role).flat_map(|shown| &shown.broad).any(|other| is_one(other, peak))
 }

@@ -1,4 +1,5 @@
-//! Whether a broad peak is that of two masses on a shaft: they swing against each other, each the more the lighter it is.
+//! Test that a broad peak is that of two masses on a shaft: they swing against each other, each the more the lighter it
+//! is.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,7 +18,8 @@ const APART_RAD: f64 = PI / 3.0;
 /// where a peak lies some 15 % beside the resonance.
 const OF_THE_MASSES: f64 = 1.5;
 
-/// Whether what two speeds show about a frequency is the mode of their masses: ω_d : ω_e = −J_e : J_d, whatever excites it.
+/// Tells whether two speeds show the mode of their masses about a frequency: ω_d : ω_e = −J_e : J_d, whatever excites
+/// it.
 pub(super) fn is_of_two_masses(
     dynamometer: &Signal,
     engine: &Signal,

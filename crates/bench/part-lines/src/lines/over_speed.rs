@@ -1,4 +1,4 @@
-//! What a signal shows over the speed, of all recordings together: a Campbell map, and its orders' amplitudes.
+//! Content of a signal over the speed, of all recordings together: a Campbell map, and its orders' amplitudes.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -48,7 +48,7 @@ pub struct OverSpeed {
 pub struct OrderCurve {
     /// The multiple of the engine's speed.
     pub order: f64,
-    /// Whether it is that of the firing, or a multiple of it.
+    /// True for the order of the firing, and for a multiple of it.
     pub is_firing: bool,
     /// Class by class; classes without are left out.
     pub points: Vec<CurvePoint>,
@@ -230,7 +230,7 @@ impl OrderCurve {
         self.points.iter().copied().max_by(|a, b| surely(a).total_cmp(&surely(b)))
     }
 
-    /// Whether it does where it is surely largest.
+    /// Tells whether the order stands out where it is surely largest.
     fn stands_out(&self) -> bool {
         self.peak().is_some_and(|peak| peak.amplitude > CLEAR * peak.standard_error)
     }

@@ -66,7 +66,7 @@ pub fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
     rest.min(rate_hz - rest)
 }
 
-/// What the references of a signal depend on.
+/// Conditions on which the references of a signal depend.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setting<'a> {
     /// None without the shaft.
@@ -77,7 +77,7 @@ pub(super) struct Setting<'a> {
     pub(super) sines_hz: &'a [f64],
     /// How often the demand changes, Hz.
     pub(super) held_hz: Option<f64>,
-    /// Whether a demand answers to the engine's speed, as in the mode in which the engine controls it.
+    /// True where a demand answers to the engine's speed, as in the mode in which the engine controls it.
     pub(super) demand_answers: bool,
     /// The highest frequency that any signal shows, Hz.
     pub(super) highest_hz: f64,
@@ -90,7 +90,7 @@ impl Setting<'_> {
         self.orders(rate_hz).chain(mains()).chain(self.of_orders()).chain(sines).collect()
     }
 
-    /// What a demand that the experimenter sets is compared with: nothing of the engine or the drive.
+    /// References of a demand that the experimenter sets: nothing of the engine or the drive.
     pub(super) fn demanded(&self) -> Vec<Reference> {
         let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
         self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz)).filter(is_demanded).collect()

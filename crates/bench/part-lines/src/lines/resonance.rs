@@ -47,7 +47,7 @@ pub(super) fn broad_peaks(lines: &Lines, excitation: Option<&Signal>) -> Vec<Bro
     alone
 }
 
-/// Whether two peaks are one.
+/// Tells whether two peaks are one.
 pub(super) fn is_one(a: &BroadPeak, b: &BroadPeak) -> bool {
     (a.frequency_hz - b.frequency_hz).abs() < ONE_PEAK * b.frequency_hz
 }

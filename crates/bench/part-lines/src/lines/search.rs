@@ -61,7 +61,7 @@ pub(super) struct Found {
     pub(super) frequency_hz: f64,
     pub(super) amplitude: f64,
     pub(super) standard_error: f64,
-    /// What it may come from: one, or several that cannot be separated.
+    /// Its possible causes: one, or several that cannot be separated.
     pub(super) causes: Vec<Reference>,
 }
 
@@ -102,7 +102,7 @@ struct Candidate {
 }
 
 impl Lines {
-    /// Whether a line is part of a stronger one whose strength changes.
+    /// Tells whether a line is part of a stronger one whose strength changes.
     pub(super) fn is_beside(&self, line: &Found) -> bool {
         let is_near = |other: &Found| (other.frequency_hz - line.frequency_hz).abs() < MODULATED_HZ;
         self.found.iter().any(|other| other.amplitude > line.amplitude && is_near(other))
@@ -242,7 +242,7 @@ impl<'a> Seen<'a> {
         (-ABOUT..=ABOUT).map(power).collect()
     }
 
-    /// Whether a line is that of a reference.
+    /// Tells whether a line is that of a reference.
     fn is_of(&self, line: &Found, reference: &Reference) -> bool {
         let hz = |law: &PhaseLaw| law.at_hz(self.turns_hz);
         let apart_hz = reference.law.tolerance_hz + self.bin_hz();
@@ -252,7 +252,7 @@ impl<'a> Seen<'a> {
         line.causes.iter().any(is_it)
     }
 
-    /// Whether the spectrum rises anywhere near where a reference shows.
+    /// Tells whether the spectrum rises anywhere near where a reference shows.
     fn rises(&self, reference: &Reference, shown_hz: f64) -> bool {
         let reach_hz = reference.law.tolerance_hz + self.spread_hz(reference) + BESIDE * self.bin_hz();
         let bins = |hz: f64| ((hz.max(0.0) / self.bin_hz()).round() as usize).min(self.powers.len());
@@ -375,7 +375,7 @@ impl<'a> Seen<'a> {
         pairs.into_iter().find(|(i, j)| self.is_unresolved(&causes(*i), &causes(*j)))
     }
 
-    /// Whether one of two lines may be of the mains, and the other is within its resolution.
+    /// Tells whether one of two lines may be of the mains, and the other is within its resolution.
     fn is_unresolved(&self, a: &[Reference], b: &[Reference]) -> bool {
         let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
         let mut pairs = pairs.filter(|(a, b)| is_of_mains(a) || is_of_mains(b));
@@ -384,8 +384,8 @@ impl<'a> Seen<'a> {
         pairs.any(|(a, b)| is_near(a, b) && self.likeness(&self.turning(a), &self.turning(b)) > RESOLVED)
     }
 
-    /// What a line may come from as well of which only what strays was found: the mains, within their tolerance, and orders whose
-    /// phase cannot be separated from its own.
+    /// Further possible causes of a line of which only straying ones were found: the mains, within their tolerance, and
+    /// orders whose phase cannot be separated from its own.
     fn strays(&self, line: &Found, found: &[Found], references: &[Reference]) -> Vec<Reference> {
         let is_straying = |r: &Reference| is_of_mains(r) || matches!(r.cause, Cause::RippleSideband { .. });
         if line.causes.is_empty() || !line.causes.iter().all(is_straying) {
@@ -401,8 +401,8 @@ impl<'a> Seen<'a> {
         self.at(line.frequency_hz, references).filter(is_meant).filter(|r| !is_known(r)).cloned().collect()
     }
 
-    /// What stands out of the rest, away from the lines that were found: an order whose strength changes, or a line without a
-    /// cause.
+    /// Lines that stand out of the rest, away from those that were found: an order whose strength changes, or a line
+    /// without a cause.
     fn beside(&self, found: &[Found], references: &[Reference]) -> Vec<Found> {
         let (samples, sample_time_s) = (&self.samples, self.signal.sample_time_s);
         let sinusoids = find_sinusoids(samples, sample_time_s, MOST_UNKNOWN, FALSE_ALARM).unwrap_or_default();
@@ -454,7 +454,7 @@ impl<'a> Seen<'a> {
         spread + if changes { MODULATED_HZ } else { 0.0 } + BESIDE * self.bin_hz()
     }
 
-    /// What follows the speed is spread as the speed is.
+    /// Spread of a reference that follows the speed: that of the speed, times the order, Hz.
     fn spread_hz(&self, reference: &Reference) -> f64 {
         reference.law.order.abs() * self.spread_hz
     }

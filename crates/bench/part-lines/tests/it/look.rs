@@ -28,7 +28,7 @@ const UNDECIDED: f64 = 0.2;
 /// Undecided lines of a recording whose advice is followed.
 const REPEATED: usize = 2;
 
-/// What became of the lines of some recordings.
+/// Tally of the lines of some recordings.
 #[derive(Default)]
 struct Tally {
     /// Lines by true kind, named kind, and whether that is right.
@@ -80,7 +80,7 @@ impl Tally {
         self.lines.iter().filter(|((truth, named, right), _)| is_meant(truth, named, *right)).map(|(_, n)| n).sum()
     }
 
-    /// What each true kind was named: a row a kind; undecided lines apart by whether that is right.
+    /// Prints the names that each true kind got: a row a kind; undecided lines apart by whether that is right.
     fn print(&self) {
         println!("{:>16} {}", "", KINDS.map(|k| format!("{k:>16}")).join(""));
         for truth in KINDS {
@@ -98,7 +98,7 @@ impl Tally {
     }
 }
 
-/// Whether no two of these are undecided between each other in a signal.
+/// Tells whether no two of these are undecided between each other in a signal.
 fn is_decided(look: &RecordingLines, role: Role, between: &[Cause]) -> bool {
     let signals = look.parts.iter().flat_map(|part| &part.signals).filter(|signal| signal.role == role);
     signals.flat_map(|signal| &signal.lines).all(|line| match &line.cause {
@@ -109,7 +109,7 @@ fn is_decided(look: &RecordingLines, role: Role, between: &[Cause]) -> bool {
     })
 }
 
-/// Whether two causes are one, at whichever speed.
+/// Tells whether two causes are one, at whichever speed.
 fn is_same(a: &Cause, b: &Cause) -> bool {
     let order = |cause: &Cause| match cause {
         Cause::Order { order, .. } | Cause::FoldedOrder { order, .. } => Some(*order),

@@ -19,7 +19,7 @@ use crate::shaft::term::Term;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
     pub(super) dating: Dating,
-    /// What may be in the shaft beyond K and B.
+    /// Term that may be in the shaft beyond K and B.
     pub(super) term: Option<Term>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Dating {
 }
 
 impl Dating {
-    /// What takes a fit's skews out.
+    /// Dating that takes a fit's skews out.
     pub(super) fn of(theta: &[f64]) -> Self {
         Dating { engine_s: theta[SKEW_ENGINE], torque_s: theta[SKEW_TORQUE] - theta[GATE] / 2.0 }
     }
@@ -52,7 +52,8 @@ fn gate_correction(s: Complex64, gate: f64) -> (f64, f64) {
     (y / sin, s.im / 2.0 * (sin - y * cos) / (sin * sin))
 }
 
-/// What turns the transforms of the records into those of the motion and torque they stand for, at one frequency.
+/// Factors that turn the transforms of the records into those of the motion and torque they stand for, at one
+/// frequency.
 pub(super) struct Corrections {
     pub(super) speed: f64,
     pub(super) engine: Complex64,

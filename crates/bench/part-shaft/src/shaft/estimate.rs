@@ -49,8 +49,9 @@ const FLYWHEELS: [(f64, f64); 8] =
 const START_DAMPING: f64 = 0.05;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 const SLOWEST_RAD_S: f64 = 30.0;
-/// What the model of the signals does not hold, such as ripple beside its lines and pulses beside their multiples: standard
-/// uncertainties, as parts of the values. From virtual benches over the whole class (seeds that the deep check does not use).
+/// Errors of the model of the signals, such as ripple beside its lines and pulses beside their multiples: standard
+/// uncertainties, as parts of the values. From virtual benches over the whole class (seeds that the deep check does not
+/// use).
 const MODEL_ERRORS: [(Quantity, f64); 3] =
     [(Quantity::Stiffness, 8e-4), (Quantity::Damping, 4e-3), (Quantity::DynoInertia, 8e-4)];
 /// The same of the skews, s.
@@ -92,7 +93,7 @@ fn add_model_errors(estimate: &mut Estimate) {
     }
 }
 
-/// What K and B of an estimate are uncertain by as the model of the signals is not exact: standard uncertainties.
+/// Uncertainties of K and B as the model of the signals is not exact: standard uncertainties.
 pub(crate) fn model_errors(stiffness: f64, damping: f64) -> [f64; 2] {
     let part = |quantity| MODEL_ERRORS.iter().find(|(of, _)| *of == quantity).map_or(0.0, |(_, part)| *part);
     [part(Quantity::Stiffness) * stiffness.abs(), part(Quantity::Damping) * damping.abs()]
@@ -241,7 +242,7 @@ pub fn estimate_with_inertias(
 /// within about this time, s.
 const WITHOUT_FIRING_S: f64 = 1e-5;
 
-/// What a fit is to find.
+/// Unknowns that a fit is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Unknowns {
     /// K, B, gate and skews; J_d within its stated uncertainty.
@@ -263,14 +264,14 @@ impl Unknowns {
     }
 }
 
-/// What is known of the timing before a fit.
+/// Knowledge of the timing before a fit.
 #[derive(Debug, Clone, Copy)]
 struct Dated<'a> {
     /// By how much signals are dated earlier.
     dating: Dating,
     /// From and to which frequency the signals are used.
     band_hz: (f64, f64),
-    /// What is known of parameters beside what the inputs say.
+    /// Priors of parameters beside what the inputs say.
     known: &'a [Prior],
     /// Where the search starts; the usual place where `None`.
     from: Option<&'a [f64]>,

@@ -1,4 +1,4 @@
-//! What the shaft is estimated from.
+//! Inputs of the shaft's estimate.
 
 use part_torque::air_gap_torque::NoisyTorque;
 use rig::estimation::EstimateError;
@@ -10,7 +10,7 @@ pub(super) const LARGEST_SKEW_S: f64 = 0.02;
 /// Shortest usable recording, s.
 const SHORTEST_S: f64 = 4.0;
 
-/// What the shaft is estimated from.
+/// Inputs of the shaft's estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaftInputs<'a> {
     /// File, for messages.
@@ -36,7 +36,7 @@ pub struct ShaftInputs<'a> {
     pub firings_per_turn: f64,
 }
 
-/// What of a torque that is computed from its demand is uncertain.
+/// Uncertain parts of a torque that is computed from its demand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueDelay {
     /// Lag 1/a of the torque control that it was computed with, s.

@@ -16,7 +16,7 @@ pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
 pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
 /// Slope of the dynamometer's friction over speed, Nm s/rad; it is next to J_d and like it is zero behind a flange.
 pub(super) const FRICTION: usize = 10;
-/// What a [`Term`] is multiplied by.
+/// Coefficient of a [`Term`].
 pub(super) const TERM: usize = 11;
 /// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
 pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
@@ -29,5 +29,5 @@ pub(super) const COUNT: usize = 16;
 pub(super) const DYNO: usize = 0;
 pub(super) const ENGINE: usize = 1;
 pub(super) const TORQUE: usize = 2;
-/// What a term of the shaft that is not linear multiplies; it is there with such a term alone.
+/// Wave that a term of the shaft multiplies where it is not linear; it is there with such a term alone.
 pub(super) const TERM_WAVE: usize = 3;

@@ -36,7 +36,7 @@ pub(super) struct Start {
     cost: f64,
 }
 
-/// What is known beside skews, K and B.
+/// Knowledge beside skews, K and B.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
     /// J_d, kg m²; zero behind a flange.

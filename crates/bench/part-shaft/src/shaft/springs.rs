@@ -1,4 +1,4 @@
-//! What is between ω_d and ω_e: one spring, or two with a mass between them.
+//! Springs between ω_d and ω_e: one, or two with a mass between them.
 //!
 //! s T_shaft = H_e(s) ω_e − H_d(s) ω_d. One spring: H_d = H_e = K + B s. Two, with the mass J_2 between shaft and engine and
 //! the spring K_2 + B_2 s behind it (a dual-mass flywheel): with Z = K + B s and Z_2 = K_2 + B_2 s,

@@ -1,4 +1,4 @@
-//! What may be in a shaft beyond stiffness and damping.
+//! Terms that may be in a shaft beyond stiffness and damping.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub enum Term {
     OfDamping(Weight),
 }
 
-/// What stiffness or damping may change with.
+/// Weights with which stiffness or damping may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weight {

@@ -1,4 +1,4 @@
-//! What may be in a shaft beyond K and B, each held against the data by itself.
+//! Tests of terms that may be in a shaft beyond K and B, each held against the data by itself.
 //!
 //! A term enters the equation with one parameter that is zero in the simple shaft; it is estimated with K, B and the timing,
 //! and tested by its own standard error. Stiffness and damping that change with torque or speed multiply a weight of time:
@@ -93,7 +93,7 @@ pub struct TermTest {
     pub stiffness_nm_per_rad: Option<f64>,
     /// Mean of |error|²/σ² with it.
     pub misfit: Option<f64>,
-    /// Whether it is there at [`Beyond::LEVEL`], all terms tested at once (Holm).
+    /// True where it is there at [`Beyond::LEVEL`], all terms tested at once (Holm).
     pub found: bool,
     /// The value's interval at the level of that test: it contains zero if, and only if, the term is not found.
     pub joint_interval: Option<(f64, f64)>,

@@ -32,7 +32,7 @@ const COARSE_S: f64 = 2e-3;
 /// A simple shaft whose errors are this many times what noise explains is not the whole truth.
 const MISFIT: f64 = 2.0;
 
-/// What recordings show about the shaft.
+/// Findings of recordings on the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShaftAnalysis {
     /// One entry a recording with a shaft.

@@ -1,4 +1,4 @@
-//! What one recording shows of the shaft.
+//! Findings of one recording on the shaft.
 
 use rig::ExperimentLabel;
 use rig::results::{Estimate, Outcome, Shaft, write_found, write_if_sought};
@@ -9,7 +9,7 @@ use crate::shaft_routes::black_box::BlackBoxRoute;
 use crate::shaft_routes::multisine::MultisineRoute;
 use crate::shaft_routes::state_space::StateSpaceRoute;
 
-/// What one recording shows.
+/// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShaftRecording {
     /// The file.
@@ -23,7 +23,7 @@ pub struct ShaftRecording {
     pub inertia_contradiction: Option<f64>,
     /// The same by band; a band that shows nothing is left out.
     pub bands: Vec<Band>,
-    /// What may be in the shaft beyond K and B.
+    /// Terms that may be in the shaft beyond K and B.
     #[serde(serialize_with = "write_found")]
     pub beyond: Outcome<Beyond>,
     /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes

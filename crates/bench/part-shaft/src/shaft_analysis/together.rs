@@ -3,13 +3,14 @@
 //! K and B are the bench's and the same in every recording; gate and skews are each recording's own. With K̂_i, B̂_i of
 //! recording i and their covariance P_i, the estimate of all together is (Σ P_i⁻¹)⁻¹ Σ P_i⁻¹ (K̂_i, B̂_i).
 //!
-//! What is known beforehand, such as J_d, is wrong by the same amount in every recording. With g_i the errors of (K̂_i, B̂_i) if
-//! it is wrong by a standard uncertainty, two recordings have the covariance g_i g_jᵀ. That part of the variance does not become
-//! smaller with more recordings; the covariance of the mean contains it. What the model of the signals does not hold is taken
-//! as the same in all recordings too.
+//! An error of prior knowledge, such as that of J_d, is the same in every recording. With g_i the errors of (K̂_i,
+//! B̂_i) if it is wrong by a standard uncertainty, two recordings have the covariance g_i g_jᵀ. That part of the
+//! variance does not become smaller with more recordings; the covariance of the mean contains it. What the model of the
+//! signals does not hold is taken as the same in all recordings too.
 //!
-//! Whether the recordings are of one shaft shows in rᵀ V⁻¹ r, with r what the best mean leaves and V the covariance of all values:
-//! it is χ² distributed with 2 (n − 1) degrees of freedom. Errors of the model count as those of each recording there.
+//! The statistic rᵀ V⁻¹ r shows if the recordings are of one shaft; r is what the best mean leaves, and V the
+//! covariance of all values. It is χ² distributed with 2 (n − 1) degrees of freedom. Errors of the model count as those
+//! of each recording there.
 //!
 //! # Source
 //! Rao, *Linear Statistical Inference and its Applications*, 2nd ed., §4a.2 and §6a.2; Birge, *The calculation of errors by
@@ -42,8 +43,8 @@ pub struct Together {
     pub degrees_of_freedom: usize,
     /// How likely recordings of one shaft are so far apart.
     pub p_value: f64,
-    /// Whether they are too far apart to be of one shaft by their own errors; intervals are then wider by √(χ²/degrees of
-    /// freedom).
+    /// True where they are too far apart to be of one shaft by their own errors; intervals are then wider by
+    /// √(χ²/degrees of freedom).
     pub apart: bool,
 }
 
@@ -56,7 +57,7 @@ pub struct CommonValue {
     pub by_recording: Vec<(String, f64, f64)>,
 }
 
-/// What recording a pair of values is from.
+/// Pair of values, with the recording that it is from.
 struct Shown<'a> {
     file: &'a str,
     values: [f64; 2],
@@ -171,7 +172,7 @@ mod tests {
     use super::*;
 
     const TRUTH: [f64; 3] = [2440.0, 6.0, 0.6];
-    /// What is known of J_d: 1 %.
+    /// Prior of J_d: 1 %.
     const INERTIA_UNCERTAINTY: f64 = 0.006;
     /// K and B are proportional to J_d where nothing else shows it.
     const BY_INERTIA: [f64; 2] = [4000.0, 10.0];

@@ -35,7 +35,7 @@ pub(super) struct Aligned {
     pub(super) torque: Vec<f64>,
 }
 
-/// What the torque of a sample stands for.
+/// Meaning of a torque's sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum TorqueSample {
     /// Its value at the instant.

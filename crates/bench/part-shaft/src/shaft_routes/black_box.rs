@@ -48,9 +48,10 @@ const NOISE_ORDER: usize = 12;
 const SAMPLE_TIME_S: f64 = 1e-3;
 /// The same for a model that starting values are taken from, s.
 const COARSE_S: f64 = 2e-3;
-/// What the shape of T_d within a sample leaves uncertain of inertias, K and B: this part of them, for each second of a sample. With
-/// samples 1 ms apart J_d was off by 0.02 to 0.06 % in the median of three sets of benches drawn over the class, and by 0.16 % at
-/// most where two masses explained the coefficients, however little these scattered.
+/// Uncertainty of inertias, K and B that comes from the shape of T_d within a sample: this part of them, for each
+/// second of a sample. With samples 1 ms apart J_d was off by 0.02 to 0.06 % in the median of three sets of benches
+/// drawn over the class, and by 0.16 % at most where two masses explained the coefficients, however little these
+/// scattered.
 const SHAPE_PER_S: f64 = 1.0;
 /// Orders stay below this part of the sample rate.
 const HIGHEST_PART: f64 = 0.4;
@@ -65,7 +66,7 @@ const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors mean nothing.
 const SEPARATED: f64 = 2.0;
 
-/// What controls the engine.
+/// Control of the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineControl {
@@ -238,7 +239,7 @@ impl Prepared {
     }
 }
 
-/// What goes with the coefficients to the parameters.
+/// Knowledge that goes with the coefficients to the parameters.
 struct Around {
     control: EngineControl,
     /// Standard uncertainty of the torque's skew, s.
@@ -566,7 +567,7 @@ impl ResidualModel for &Whitened<'_> {
 mod tests {
     use super::*;
 
-    /// What cannot be separated is said in the words of a recording, not in those of matrices.
+    /// A covariance that is singular is reported in the words of a recording, not in those of matrices.
     #[test]
     fn regress_a_singular_covariance_is_said_with_the_remedy() {
         let singular = |values: usize| Coefficients {

@@ -44,7 +44,7 @@ const LOWEST_HZ: f64 = 0.7;
 const HIGHEST_PART: f64 = 0.2;
 /// Orders of the band's edges.
 const EDGE_ORDERS: (usize, usize) = (2, 8);
-/// What the band-pass remembers of its start, s.
+/// Time for which the band-pass remembers its start, s.
 const SETTLING_S: f64 = 1.5;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
@@ -61,7 +61,7 @@ const BATCHES: usize = 20;
 /// Step of the integral over the noise's spectrum, Hz.
 const NOISE_STEP_HZ: f64 = 0.1;
 
-/// What becomes of the skews.
+/// Treatment of the skews.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Skews {
@@ -76,7 +76,7 @@ pub enum Skews {
 pub struct StateSpaceRoute {
     /// K and B, J_d where it is uncertain, δ_e and δ_T where they are not exactly known.
     pub estimate: Estimate,
-    /// What became of the skews.
+    /// Treatment of the skews.
     pub skews: Skews,
     /// ω_d in the band on the stretch that was not estimated from.
     pub validation: Validation,
@@ -168,7 +168,7 @@ const ENGINE_TURN: [usize; 2] = [7, 8];
 struct Shaft {
     start: (f64, f64),
     inertia: (f64, f64),
-    /// What is left of the skews of ω_e and T_d beforehand, with its standard uncertainty.
+    /// Rest of the skews of ω_e and T_d beforehand, with its standard uncertainty.
     skews: [(f64, f64); 2],
 }
 
@@ -216,10 +216,10 @@ impl Structure for Shaft {
 
 const INPUTS: usize = 6;
 
-/// What is known of a fit beyond its covariance, by parameter.
+/// Corrections of a fit beyond its covariance, by parameter.
 struct Judged {
     bias: Vec<f64>,
-    /// What standard errors are multiplied by.
+    /// Factors on the standard errors.
     inflation: Vec<f64>,
 }
 
@@ -395,7 +395,7 @@ impl Record {
     }
 }
 
-/// What people read, skews counted from the time stamps.
+/// Estimate of the parameters that people read, skews counted from the time stamps.
 fn read_out(fit: &Fit<GreyBoxModel<Shaft>>, structure: &Shaft, clocks: Clocks, stretch: Stretch) -> Estimate {
     let theta = fit.parameters();
     let mut chosen =

@@ -26,7 +26,7 @@ pub const ASKED_HZ: f64 = 10.0;
 /// Level of the intervals of coefficients.
 const INTERVAL_LEVEL: f64 = 0.95;
 
-/// What a black box takes for noise.
+/// Kind of noise that a black box models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What moved T_d*.
+/// Mover of T_d*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Excited {

@@ -36,30 +36,30 @@ pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, v
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.
 pub const LEVEL: f64 = 0.99;
-/// What moves T_d*, and the mode in which it does.
+/// Movers of T_d*, each with the mode in which it acts.
 const MOVED: [(Excited, ControlMode); 2] =
     [(Excited::Dynamometer, ControlMode::Tn), (Excited::Engine, ControlMode::Nt)];
 
-/// What recordings show about the torque control.
+/// Findings of recordings on the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelComparison {
     /// One entry a recording that was used: at most one that the dynamometer moved and one that the engine moved.
     pub recordings: Vec<ComparedRecording>,
     /// Every model on the held-out part of every recording.
     pub judgements: Vec<Judgement>,
-    /// What the models make of a part of every recording's held-out part.
+    /// Responses of the models on a part of every recording's held-out part.
     pub shown: Vec<Shown>,
-    /// What other rates and demands would show, from the recording that the dynamometer moved, or else the other; none where
-    /// delay and lag are not found.
+    /// Visibility at other rates and demands, from the recording that the dynamometer moved, or else the other; none
+    /// where delay and lag are not found.
     pub visibility: Option<Visibility>,
     /// Recordings that were meant but do not show it, by file.
     pub unusable: Vec<(String, Reason)>,
 }
 
-/// What one recording shows.
+/// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedRecording {
-    /// What moved T_d*.
+    /// Mover of T_d*.
     pub excited: Excited,
     /// The file.
     pub file: String,
@@ -67,9 +67,9 @@ pub struct ComparedRecording {
     pub label: ExperimentLabel,
     /// Sample time of T_d,calc, s.
     pub sample_time_s: f64,
-    /// What the chosen models are estimated from.
+    /// Stretch that the chosen models are estimated from.
     pub estimation: Stretch,
-    /// What all models are judged by.
+    /// Stretch that all models are judged by.
     pub held_out: Stretch,
     /// Frequencies of the ripple that was taken out, Hz.
     pub ripple_hz: Vec<f64>,
@@ -81,7 +81,7 @@ pub struct ComparedRecording {
     pub delay_and_lag: Vec<Parameter>,
     /// Residual test of delay and lag, on the held-out part.
     pub delay_and_lag_residuals: Option<ResidualTest>,
-    /// Whether more than delay and lag is found; none where no lag was found, or no fit beyond it.
+    /// Test for more than delay and lag; none where no lag was found, or no fit beyond it.
     pub second_order: Option<SecondOrderTest>,
     /// Root mean square of what the bar leaves of the held-out part, Nm.
     pub bar_rms_nm: f64,
@@ -129,9 +129,9 @@ pub enum Verdict {
 pub struct Judgement {
     /// The model.
     pub model: Model,
-    /// What moved T_d* in the recording it was estimated from.
+    /// Mover of T_d* in the recording it was estimated from.
     pub estimated_on: Excited,
-    /// What moved T_d* in the recording it is judged by.
+    /// Mover of T_d* in the recording it is judged by.
     pub judged_on: Excited,
     /// Root mean square of its errors, Nm; none where it does not settle.
     pub rms_nm: Option<f64>,
@@ -151,7 +151,7 @@ pub struct Judgement {
 /// black boxes of each recording that which errs least there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
-    /// What moved T_d*.
+    /// Mover of T_d*.
     pub judged_on: Excited,
     /// T_d,calc without its mean and ripple, Nm.
     pub measured: Trace,
@@ -295,7 +295,7 @@ fn choose(scanned: &[Scanned]) -> Vec<(Structure, Vec<ChosenBy>)> {
 /// it does not settle.
 type Response = ((Model, Excited), Option<Vec<f64>>);
 
-/// What all models of all recordings make of one.
+/// Responses of all models of all recordings to the demand of one.
 fn responses(record: &Record, records: &[Record], recordings: &[ComparedRecording]) -> Vec<Response> {
     let of_source = |(source, studied): (&Record, &ComparedRecording)| {
         let model = &source.control.model;

@@ -17,7 +17,7 @@ impl Default for OrdersTried {
     }
 }
 
-/// What drives a black box.
+/// Input of a black box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Input {

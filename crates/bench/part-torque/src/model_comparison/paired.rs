@@ -1,4 +1,4 @@
-//! Whether one model's errors are smaller than another's on the same samples.
+//! Test that one model's errors are smaller than another's on the same samples.
 
 use ident::distributions::f_tail;
 use serde::Serialize;

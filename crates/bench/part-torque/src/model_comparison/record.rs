@@ -81,22 +81,22 @@ impl Record {
         (share * self.torque.len() as f64) as usize
     }
 
-    /// What all orders are estimated from.
+    /// Samples that all orders are estimated from.
     pub(super) fn first(&self) -> Range<usize> {
         0..self.at(SHARES[0])
     }
 
-    /// What they are chosen by.
+    /// Samples that they are chosen by.
     pub(super) fn second(&self) -> Range<usize> {
         self.at(SHARES[0])..self.at(SHARES[1])
     }
 
-    /// What the chosen are estimated from.
+    /// Samples that the chosen are estimated from.
     pub(super) fn estimation(&self) -> Range<usize> {
         0..self.at(SHARES[1])
     }
 
-    /// What they are judged by.
+    /// Samples that they are judged by.
     pub(super) fn held_out(&self) -> Range<usize> {
         self.at(SHARES[1])..self.torque.len()
     }
@@ -127,7 +127,7 @@ impl Record {
         range.filter(|i| self.usable[*i])
     }
 
-    /// What drives a model: T_d*, or T_d* − T_d as measured.
+    /// Input of a model: T_d*, or T_d* − T_d as measured.
     pub(super) fn input(&self, input: Input) -> Vec<f64> {
         match input {
             Input::Demand => self.demand.clone(),
@@ -142,14 +142,14 @@ impl Record {
         Dataset::siso(self.sample_time_s, &driving[range], &torque)
     }
 
-    /// What a model makes of T_d, with its offset taken from the estimation part, as every model has one, Nm.
+    /// Response T_d of a model, with its offset taken from the estimation part, as every model has one, Nm.
     pub(super) fn with_offset(&self, modelled: &[f64]) -> Vec<f64> {
         let left: Vec<f64> = self.torque.iter().zip(modelled).map(|(measured, modelled)| measured - modelled).collect();
         let offset = self.mean(&left);
         modelled.iter().map(|modelled| modelled + offset).collect()
     }
 
-    /// What a model of T_d leaves of a stretch, Nm.
+    /// Errors of a model of T_d over a stretch, Nm.
     pub(super) fn errors(&self, modelled: &[f64], range: Range<usize>) -> Vec<f64> {
         let modelled = self.with_offset(modelled);
         self.usable_in(range).map(|i| self.torque[i] - modelled[i]).collect()

@@ -47,7 +47,7 @@ fn starts_at_the_data(structure: Structure) -> bool {
     structure.family == Family::Arx || structure.poles == structure.nb
 }
 
-/// What is known of the structures of one recording.
+/// Knowledge of the structures of one recording.
 struct Scan<'a> {
     record: &'a Record,
     /// The worth of each, and its coefficients.

@@ -15,7 +15,7 @@ const RATES_HZ: [f64; 5] = [250.0, 500.0, 1000.0, 2000.0, 4000.0];
 const HOLDS_S: [f64; 4] = [10e-3, 9e-3, 4e-3, 1e-3];
 /// A recording of this length is looked at, s.
 pub const RECORDING_S: f64 = 60.0;
-/// What is computed of it, s; the rest is alike.
+/// Part of it that is computed, s; the rest is alike.
 const COMPUTED_S: f64 = 4.0;
 /// The demand's own raster, s.
 const UPDATE_S: f64 = 1e-3;
@@ -27,7 +27,7 @@ const STEPS: usize = 7;
 /// Seed of the demands.
 const SEED: u64 = 1;
 
-/// What recordings of other rates and demands would show.
+/// Power of recordings of other rates and demands to show more than delay and lag.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Visibility {
     /// Delay and lag that it is computed at, s and rad/s.
@@ -44,7 +44,7 @@ pub struct Visibility {
     pub cases: Vec<VisibilityCase>,
 }
 
-/// What a recording of one rate and one hold would show. Errors shrink with the root of the recording's length, and with the
+/// Power of a recording of one rate and one hold. Errors shrink with the root of the recording's length, and with the
 /// demand's standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VisibilityCase {
@@ -83,8 +83,8 @@ impl Visibility {
     }
 }
 
-/// What other rates and holds would show about delay and lag `control` (s, rad/s), and of a loop of second order with the same
-/// delay and lag and this κ, with a white demand and white noise of these standard deviations, Nm.
+/// Power of other rates and holds to show delay and lag `control` (s, rad/s), and a loop of second order with both and
+/// this κ. The demand and the noise are white, with these standard deviations, Nm.
 #[must_use]
 pub fn visibility(control: (f64, f64), (demand_nm, noise_nm): (f64, f64), term: f64) -> Visibility {
     let pairs = RATES_HZ.iter().flat_map(|rate_hz| HOLDS_S.iter().map(move |hold_s| (*rate_hz, *hold_s)));

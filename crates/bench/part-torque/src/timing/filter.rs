@@ -16,14 +16,14 @@ const LAGS: usize = 48;
 const MOST: usize = 20_000;
 /// An acceleration that varies by less than this part of its mean square is one value and rounding.
 const STEADY: f64 = 1e-10;
-/// What is left of less than this part of the spread is rounding.
+/// Part of the spread below which what is left is rounding.
 const ROUNDING: f64 = 1e-6;
 /// The best must leave less than this part of the spread of T_d,shaft,calc − T_d,calc.
 const EXPLAINED: f64 = 0.3;
 /// It is separated from the second best by this difference of log-likelihood.
 const DECIDED: f64 = 5.0;
 
-/// What the system does to the speed before, or after, it differentiates it.
+/// Filter of the system before, or after, it differentiates the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Filter {
@@ -92,7 +92,7 @@ impl ShaftFilter {
         }
     }
 
-    /// Whether the best is separated from all others.
+    /// Tells whether the best is separated from all others.
     #[must_use]
     pub fn is_decided(&self) -> bool {
         self.log_likelihood_ahead > DECIDED
@@ -149,7 +149,7 @@ fn others(all: &[FilterCandidate], best: &FilterCandidate) -> Vec<FilterCandidat
     others
 }
 
-/// Whether both make the same of the speed: a central difference is the average of two backward ones.
+/// Tells whether both make the same of the speed: a central difference is the average of two backward ones.
 fn is_same(a: &FilterCandidate, b: &FilterCandidate) -> bool {
     let is_central = |c: &FilterCandidate| {
         c.difference == Difference::Central && matches!(c.filter, Filter::MovingAverage { length: 1 } | Filter::Delay)

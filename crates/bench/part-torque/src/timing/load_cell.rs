@@ -25,13 +25,13 @@ const MOST_S: f64 = 120.0;
 const NATURAL_RAD_S: (f64, f64) = (30.0, 3000.0);
 const DAMPING: (f64, f64) = (0.01, 0.95);
 
-/// What was found about the load cell.
+/// Findings on the load cell.
 pub(super) struct LoadCell {
     /// τ_cell, ω_n, ζ.
     pub(super) dynamics: Estimate,
     /// τ + 1/a + τ_cell + 2ζ/ω_n.
     pub(super) total: Parameter,
-    /// Whether it reached a minimum inside its bounds.
+    /// True where it reached a minimum inside its bounds.
     pub(super) usable: bool,
 }
 
@@ -157,7 +157,7 @@ impl CellModel<'_> {
         Ok(())
     }
 
-    /// What the cell reads at the observed instants, late by a delay.
+    /// Readings of the cell at the observed instants, late by a delay.
     fn delayed(&self, reading: &Reading, delay_s: f64) -> Vec<f64> {
         let fine_s = self.torque.sample_time_s;
         let at = |time_s: &f64| {

@@ -26,7 +26,7 @@ const FLANGE_HZ: (f64, f64) = (1.0, 40.0);
 const INERTIA_HZ: (f64, f64) = (50.0, 90.0);
 /// A delay less certain than this, s, is not known.
 const KNOWN_S: f64 = 2e-3;
-/// What phase slope and correlation peak may be off by: both take lag and ringing for delay, each in its own way, s.
+/// Possible errors of phase slope and correlation peak: both take lag and ringing for delay, each in its own way, s.
 const OFF_S: (f64, f64) = (3e-4, 1.5e-3);
 /// Level of the routes' intervals.
 const LEVEL: f64 = 0.95;
@@ -70,7 +70,7 @@ pub fn estimate(
     Ok(Timing { delays: present.map(|role| bench.delay_of(role)).collect::<Result<_, _>>()? })
 }
 
-/// What every delay is measured with.
+/// Data that every delay is measured with.
 struct Bench<'a> {
     experiment: &'a Experiment,
     demand: &'a Signal,

@@ -38,7 +38,7 @@ impl Measured {
     }
 }
 
-/// What the phase does beside falling with the frequency.
+/// Bend of the phase beside its fall with the frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Curvature {
     /// −ωτ + c ω³: a low-pass at low frequencies.

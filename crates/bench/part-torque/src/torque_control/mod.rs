@@ -82,7 +82,8 @@ pub struct TorqueControlFit {
 }
 
 impl TorqueControlFit {
-    /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
+    /// Tells whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as
+    /// good as none.
     pub fn has_lag(&self) -> bool {
         let lag = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
         let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
@@ -355,7 +356,7 @@ fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
 }
 
 impl Lagged {
-    /// Whether T_d differs from T_d* by a factor that matters.
+    /// Tells whether T_d differs from T_d* by a factor that matters.
     fn is_gain_contradicted(&self, torque_sample_time_s: f64) -> bool {
         // Ripple that the samples fold to zero frequency is a gain of theirs, and none of T_d.
         let is_expected = folded_to_zero_hz(torque_sample_time_s).is_some();
@@ -372,7 +373,7 @@ impl Lagged {
         [moves[0], moves[1], moves[0] + 1.0 / lag - 1.0 / model.lag_rad_s]
     }
 
-    /// What ended at the slow limit of the search, where no drive is.
+    /// Quantity that ended at the slow limit of the search, where no drive is.
     fn slow_limit(&self) -> Option<Quantity> {
         let [delay, lag] = [0, 1].map(|at| self.fit.at_bound[at]);
         if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.0 {

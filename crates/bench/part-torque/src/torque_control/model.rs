@@ -21,14 +21,14 @@ pub(super) const LEVEL: f64 = 0.99;
 /// A line is looked for again within this distance of where it was, Hz: drives and mains drift.
 const DRIFT_HZ: f64 = 0.5;
 
-/// What a model leaves unexplained of T_d,calc.
+/// Residuals of a model of T_d,calc.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ResidualStatistics {
     /// Standard deviation, Nm.
     pub standard_deviation_nm: f64,
     /// Sample time, s.
     pub sample_time_s: f64,
-    /// Whether the residuals pass Ljung and Box's test of whiteness at 99 % over lags 1 to 25.
+    /// True where the residuals pass Ljung and Box's test of whiteness at 99 % over lags 1 to 25.
     pub white: bool,
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn folded_to_zero_hz(sample_time_s: f64) -> Option<f64> {
     OF_MAINS_HZ.into_iter().find(|frequency_hz| stands_still(*frequency_hz, sample_time_s))
 }
 
-/// Whether samples this far apart fold a frequency to zero.
+/// Tells whether samples this far apart fold a frequency to zero.
 pub(crate) fn stands_still(frequency_hz: f64, sample_time_s: f64) -> bool {
     let turns = frequency_hz * sample_time_s;
     turns > 0.5 && (turns - turns.round()).abs() < STANDS_STILL
@@ -77,7 +77,8 @@ fn floor(power: &[f64], peak: usize, bin_hz: f64, width_hz: f64) -> f64 {
     order::upper_median(&mut around).map_or(f64::INFINITY, |median| median / std::f64::consts::LN_2)
 }
 
-/// Whether a further line lowers the cost by more than chance would, considering that its frequency was searched for.
+/// Tells whether a further line lowers the cost by more than chance would, considering that its frequency was searched
+/// for.
 pub(crate) fn lowers_cost(before: f64, after: f64, samples: usize, parameters: usize) -> bool {
     let frequencies = (samples as f64 / 2.0).max(1.0);
     let freedom = samples.saturating_sub(parameters).max(1) as f64;

@@ -1,4 +1,4 @@
-//! What a torque control may be beyond delay and lag: e^{−sτ}/(1 + s/a + κ (s/a)²), with κ = 1/(4ζ²) for a damping ζ.
+//! Torque control beyond delay and lag: e^{−sτ}/(1 + s/a + κ (s/a)²), with κ = 1/(4ζ²) for a damping ζ.
 //!
 //! κ is zero for a lag, 1/4 for a critically damped loop, 1/2 for one of damping 0.7. Near zero it cannot be separated from a
 //! delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ has no standard
@@ -98,7 +98,7 @@ impl Response for DelayAndSecondOrder<'_> {
     }
 }
 
-/// Whether a recording shows more than delay and lag.
+/// Test of a recording for more than delay and lag.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SecondOrderTest {
     /// τ of the fit with κ, s.
@@ -111,7 +111,7 @@ pub struct SecondOrderTest {
     pub lag_p_value: f64,
     /// The same where it is critically damped, κ = 1/4.
     pub damped_p_value: f64,
-    /// Whether what the fit with κ leaves is white, for which the probabilities hold.
+    /// True where the residuals of the fit with κ are white, for which the probabilities hold.
     pub white: bool,
 }
 

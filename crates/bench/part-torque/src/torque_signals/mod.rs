@@ -25,7 +25,7 @@ pub use trust::{Trust, TrustCheck};
 /// Torques whose signals this is about.
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 
-/// What recordings show about the torque signals.
+/// Findings of recordings on the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueSignals {
     /// One entry a recording.
@@ -34,7 +34,7 @@ pub struct TorqueSignals {
     pub trust: Option<TrustCheck>,
 }
 
-/// What one recording shows.
+/// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueRecording {
     /// The file.
@@ -117,7 +117,7 @@ fn of_recording(
     }
 }
 
-/// What is left where T_d,calc cannot be believed: how late the other torques are.
+/// Findings that are left where T_d,calc cannot be believed: how late the other torques are.
 fn with_wrong_sign(experiment: &Experiment, why: &Reason, bench: &BenchFile) -> TorqueRecording {
     let mut others = experiment.clone();
     others.signals.remove(&Role::AirGapTorque);

@@ -48,7 +48,7 @@ pub struct RebuiltShaft {
     pub zero_phase_nm: Vec<f64>,
     /// The system's own T_d,shaft,calc as it was recorded, where it was.
     pub system: Option<Trace>,
-    /// What T_d was taken from.
+    /// Source of T_d.
     pub torque: TorqueSource,
     /// Noise levels.
     pub noise: NoiseLevels,
@@ -56,8 +56,8 @@ pub struct RebuiltShaft {
     pub once_a_turn: OnceATurn,
 }
 
-/// What the once-a-turn error of the dynamometer's encoder does to the shaft torque. Once a turn it cannot be separated from a motion,
-/// unless a speed controller that reads another speed answers the motion alone.
+/// Effect of the once-a-turn error of the dynamometer's encoder on the shaft torque. Once a turn it cannot be separated
+/// from a motion, unless a speed controller that reads another speed answers the motion alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OnceATurn {
@@ -68,7 +68,7 @@ pub enum OnceATurn {
     Unknown(f64),
 }
 
-/// What is known beside the recording.
+/// Knowledge beside the recording.
 pub(super) struct Known<'a> {
     pub(super) inertia_kg_m2: f64,
     pub(super) engine: Engine,

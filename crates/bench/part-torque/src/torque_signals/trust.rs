@@ -41,11 +41,11 @@ pub struct TrustCheck {
     pub torques_nm: (f64, f64),
     /// The means compared: T_d,meas, and T_d,calc less it, Nm.
     pub blocks: Vec<(f64, f64)>,
-    /// What it comes to.
+    /// Verdict of the check.
     pub verdict: Trust,
 }
 
-/// Whether T_d,calc can be trusted at rest.
+/// Trust in T_d,calc at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {

@@ -37,7 +37,7 @@ pub struct NoiseLevels {
     pub wandering_nm_s2_per_root_hz: f64,
     /// Firing frequency and multiples, Hz, with the amplitude that the model expects, Nm.
     pub lines: Vec<(f64, f64)>,
-    /// Whether the search reached a maximum.
+    /// True where the search reached a maximum.
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,

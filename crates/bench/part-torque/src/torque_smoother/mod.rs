@@ -128,7 +128,7 @@ pub fn firing_lines(experiment: &Experiment, engine: Engine, speed: &Signal, hig
 pub struct TorqueSmoother<'a> {
     /// The mechanics.
     pub mechanics: &'a Mechanics,
-    /// What was observed of them.
+    /// Observations of them.
     pub observed: &'a Observations,
 }
 
@@ -151,7 +151,7 @@ impl TorqueSmoother<'_> {
         self.wandering() + 2 + 2 * self.observed.lines_hz.len()
     }
 
-    /// What of the states is the torque sought.
+    /// Weights with which the states make up the torque sought.
     pub fn weights(&self) -> Vec<f64> {
         let first = self.wandering();
         let is_part = |i: usize| i == first || (i >= first + 2 && (i - first).is_multiple_of(2));

@@ -1,9 +1,9 @@
-//! What the smoother is given.
+//! Observations given to the smoother.
 
 use faer::Mat;
 
-/// What the smoother takes, on the clock of N_d: row k is at `start_s` + k steps, where the means of its speeds end and that
-/// of its torque begins.
+/// Observations on the clock of N_d: row k is at `start_s` + k steps, where the means of its speeds end and that of its
+/// torque begins.
 #[derive(Debug, Clone)]
 pub struct Observations {
     /// Time of the first row, s.

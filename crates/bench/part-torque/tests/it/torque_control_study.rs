@@ -1,4 +1,4 @@
-//! What the torque control of virtual benches, of made data and of recorded ones is.
+//! Findings on the torque control of virtual benches, of made data and of recorded ones.
 
 use part_torque::TorqueControls;
 use part_torque::model_comparison::{

@@ -1,4 +1,4 @@
-//! What can be wrong with a bench file, each with its place and its remedy.
+//! Faults of a bench file, each with its place and its remedy.
 
 use std::fmt;
 
@@ -31,11 +31,11 @@ pub struct Fault {
     pub line: usize,
     /// The key with its tables, e.g. `bench.dynamometer_inertia`.
     pub key: String,
-    /// What is wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
 }
 
-/// What is wrong with a key.
+/// Kinds of a key's fault.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FaultKind {
     /// The text is not TOML.
@@ -55,13 +55,13 @@ pub enum FaultKind {
     /// A key that must be there is not.
     #[error("this is missing; add {example}")]
     Missing {
-        /// What to write.
+        /// Text to write.
         example: String,
     },
     /// A placeholder was left.
     #[error("nothing is filled in yet; write the value of your bench, such as {example}")]
     Placeholder {
-        /// What to write.
+        /// Text to write.
         example: String,
     },
     /// A value of the wrong type.
@@ -71,7 +71,7 @@ pub enum FaultKind {
         found: &'static str,
         /// The type needed.
         expected: &'static str,
-        /// What to write.
+        /// Text to write.
         example: String,
     },
     /// A text that is none of the possible ones.
@@ -97,7 +97,7 @@ pub enum FaultKind {
         low: f64,
         /// Largest possible.
         high: f64,
-        /// What to do.
+        /// The remedy.
         remedy: String,
     },
     /// An inertia no bench has.
@@ -115,7 +115,7 @@ pub enum FaultKind {
     Unit {
         /// Why not.
         error: UnitError,
-        /// What to write.
+        /// Text to write.
         example: String,
     },
     /// Two roles name the same channel.

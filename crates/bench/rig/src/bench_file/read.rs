@@ -51,7 +51,7 @@ pub(super) fn read_for_a_run(text: &str) -> Result<RunChannels, BenchFileError> 
     })
 }
 
-/// What a reader makes of a document, or all the faults that it notes.
+/// Returns the result of a reader on a document, or all the faults that it notes.
 fn with_root<T>(
     text: &str,
     reader: impl FnOnce(&Section<'_, '_>, &mut Faults<'_>) -> Option<T>,
@@ -71,7 +71,8 @@ fn with_root<T>(
     }
 }
 
-/// What channels are read for. A judgement may take one channel for several roles, and asks for no role that is not filled in.
+/// Purpose for which channels are read. A judgement may take one channel for several roles, and asks for no role that
+/// is not filled in.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Estimates,

@@ -48,7 +48,7 @@ impl<'v, 'i> Place<'v, 'i> {
         Place { value: value.get_ref(), offset: value.span().start }
     }
 
-    /// Whether `init` left the value to be filled in.
+    /// Tells whether `init` left the value to be filled in.
     pub(super) fn is_placeholder(self) -> bool {
         self.value.as_str().is_some_and(|text| text.trim().eq_ignore_ascii_case(PLACEHOLDER))
     }

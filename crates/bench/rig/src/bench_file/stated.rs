@@ -1,4 +1,4 @@
-//! What a bench file states.
+//! Statements of a bench file.
 
 use std::collections::BTreeMap;
 
@@ -34,9 +34,9 @@ pub struct BenchFile {
     pub engine_inertia_kg_m2: f64,
     /// Standard uncertainty of J_e, % of it, if stated.
     pub engine_inertia_uncertainty_percent: Option<f64>,
-    /// What the bench must not exceed.
+    /// Limits that the bench must not exceed.
     pub limits: Limits,
-    /// What is known of the shaft before anything was estimated.
+    /// Prior knowledge of the shaft.
     pub shaft: ShaftPrior,
     /// Fields of [`BenchParameters`](crate::bench_parameters::BenchParameters) for simulations of this bench; empty where
     /// none is stated.
@@ -49,7 +49,8 @@ pub struct BenchFile {
     pub report: ReportIdentity,
 }
 
-/// What the judgement of a recorded run takes from a bench file: no number of a model, and no role that it does not use.
+/// Part of a bench file that the judgement of a recorded run takes: no number of a model, and no role that it does not
+/// use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunChannels {
     /// Channel of each role. A channel may play several.
@@ -58,7 +59,7 @@ pub struct RunChannels {
     pub speed_limit_rad_s: Option<f64>,
 }
 
-/// What a report says of itself; what is not stated is not shown.
+/// Statements of a report on itself; those not stated are not shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
 pub struct ReportIdentity {
     /// Its title, in place of the bench's name.
@@ -98,7 +99,7 @@ pub struct Limits {
     pub power_w: Option<f64>,
     /// Largest change of the speed, rad/s².
     pub speed_gradient_rad_s2: Option<f64>,
-    /// What the drive's heat allows.
+    /// Torque that the drive's heat allows.
     pub drive_heat: Option<DriveHeat>,
 }
 
@@ -128,7 +129,7 @@ impl DriveHeat {
     }
 }
 
-/// What is known of the shaft before anything was estimated: for predictions and simulations alone, no study looks at it.
+/// Prior knowledge of the shaft: for predictions and simulations alone, no study looks at it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShaftPrior {
     /// K, Nm/rad.
@@ -195,7 +196,7 @@ impl BenchFile {
         StatedInertia::of_engine(self.engine_inertia_kg_m2, self.engine_inertia_uncertainty_percent)
     }
 
-    /// What the file states about the bench, for the study.
+    /// Facts that the file states about the bench, for the study.
     pub fn facts(&self) -> BenchFacts {
         BenchFacts {
             name: self.name.clone(),
@@ -218,7 +219,7 @@ pub(super) fn file_name(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
-/// Whether two paths mean one file: equal, or one is the other's last part.
+/// Tells whether two paths mean one file: equal, or one is the other's last part.
 pub(super) fn names_same_file(file: &str, stated: &str) -> bool {
     let (file, stated) = (file.replace('\\', "/"), stated.replace('\\', "/"));
     file == stated || file.ends_with(&format!("/{stated}")) || stated.ends_with(&format!("/{file}"))
@@ -235,5 +236,5 @@ pub(super) fn plausible_inertia_units(value: f64) -> Vec<String> {
     fitting.map(|unit| unit.spelling.to_owned()).collect()
 }
 
-/// What stands where a person must write something. A bench file that still holds it is refused.
+/// Placeholder that stands where a person must write something. A bench file that still holds it is refused.
 pub const PLACEHOLDER: &str = "FILL IN";

@@ -10,7 +10,7 @@ use crate::channels::{Ambiguity, Guess};
 use crate::facts::BenchVariant;
 use crate::role::Role;
 
-/// What a commented bench file is made of.
+/// Material of a commented bench file.
 #[derive(Debug, Clone, Copy)]
 pub struct Draft<'a> {
     /// The bench's name.
@@ -23,7 +23,7 @@ pub struct Draft<'a> {
     pub unlabelled: &'a [String],
 }
 
-/// What a report can say of itself, to be filled in by whoever wants it.
+/// Statements of a report on itself, to be filled in by whoever wants them.
 const REPORT_HINT: &str = r#"
 # What the report says of itself. Leave out what you do not need.
 # [report]

@@ -30,10 +30,10 @@ pub struct DriveParameters {
     pub knowledge: MachineKnowledge,
 }
 
-/// What the drive computes from currents and what the machine does differ where resistances have warmed:
-/// T_d = g T_d,calc, g = (1 + e_0 + c ϑ)/(1 + â). The rotor's temperature rise ϑ follows the torque,
-/// dϑ/dt = (h T_d² − ϑ)/τ_ϑ; the drive adapts â to the load cell,
-/// dâ/dt = (T_d,meas − T_d,calc) T_d,calc/(T_d,calc² + 25 Nm²)/τ_a (thesis §3.4.2). A bench without load cell cannot.
+/// Difference between the torque that the drive computes from currents and the machine's own, where resistances have
+/// warmed: T_d = g T_d,calc, g = (1 + e_0 + c ϑ)/(1 + â). The rotor's temperature rise ϑ follows the torque, dϑ/dt = (h
+/// T_d² − ϑ)/τ_ϑ; the drive adapts â to the load cell, dâ/dt = (T_d,meas − T_d,calc) T_d,calc/(T_d,calc² + 25 Nm²)/τ_a
+/// (thesis §3.4.2). A bench without load cell cannot.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MachineKnowledge {

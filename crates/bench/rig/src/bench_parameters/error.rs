@@ -8,7 +8,7 @@ pub struct ParameterError {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// What it must be.
+    /// Condition that the value must meet.
     pub requirement: &'static str,
 }
 

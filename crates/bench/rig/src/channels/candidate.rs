@@ -39,8 +39,8 @@ impl Candidate<'_> {
         self.override_unit.or_else(|| units::parse_unit(self.recorded_unit).ok())
     }
 
-    /// What the range of the samples says of the unit: `None` without samples, without a unit, or of a quantity that may
-    /// have any value.
+    /// Evidence that the range of the samples gives on the unit. `None` without samples, without a unit, or of a
+    /// quantity that may have any value.
     pub(super) fn range_reason(&self) -> Option<Reason> {
         let (unit, (smallest, largest)) = (self.unit()?, self.range?);
         let magnitude = smallest.abs().max(largest.abs());
@@ -51,7 +51,7 @@ impl Candidate<'_> {
         })
     }
 
-    /// Whether the samples are those of a demand; `None` without samples.
+    /// Tells whether the samples are those of a demand; `None` without samples.
     pub(super) fn is_noise_free(&self) -> Option<bool> {
         (!self.samples.is_empty()).then_some(self.noise_free_share > NOISE_FREE_SHARE)
     }
@@ -100,7 +100,7 @@ fn candidate<'r>(channel: &'r recording::Channel, samples: Option<(usize, Sample
     })
 }
 
-/// What a channel measures, the unit to write where the recording's own is of no use, and the reason.
+/// Returns the quantity of a channel, the unit to write where the recording's own is of no use, and the reason.
 fn quantity_of(
     channel: &recording::Channel,
     words: &[(Found, bool)],

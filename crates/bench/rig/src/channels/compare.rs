@@ -1,4 +1,4 @@
-//! What channels say of one another: speeds that should agree, torques that follow the demand.
+//! Evidence of channels on one another: speeds that should agree, torques that follow the demand.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! What the samples say about a channel.
+//! Evidence of the samples on a channel.
 
 use recording::{Channel, Recording};
 

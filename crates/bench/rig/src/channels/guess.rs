@@ -51,16 +51,16 @@ pub enum Reason {
     Word {
         /// The word found.
         word: String,
-        /// What it means.
+        /// Its meaning.
         meaning: Meaning,
-        /// Whether it is in the comment rather than the name.
+        /// True where it is in the comment rather than the name.
         in_comment: bool,
     },
     /// The unit measures the role's quantity.
     Unit {
         /// The unit.
         unit: String,
-        /// What it measures.
+        /// Quantity that the unit measures.
         quantity: Quantity,
     },
     /// The samples have this unit's magnitude.
@@ -126,7 +126,7 @@ pub enum Reason {
     },
 }
 
-/// What a word in a name means.
+/// Meaning of a word in a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Meaning {
     /// Speed.

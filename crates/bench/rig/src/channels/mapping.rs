@@ -1,4 +1,4 @@
-//! What a bench file states of one channel.
+//! Statements of a bench file on one channel.
 
 use units::{self, Unit};
 
@@ -9,9 +9,9 @@ pub struct ChannelMapping {
     pub name: String,
     /// Unit of its samples, in place of the one the recording states.
     pub unit: Option<Unit>,
-    /// Whether its samples have the opposite sign of the role's convention (`sign = -1`).
+    /// True where its samples have the opposite sign of the role's convention (`sign = -1`).
     pub inverted: bool,
-    /// What one of its samples is worth, in its unit: a torque constant in Nm/A, a lever arm, a gear ratio.
+    /// Worth of one of its samples, in its unit: a torque constant in Nm/A, a lever arm, a gear ratio.
     pub factor: f64,
     /// Length of the encoder's gate over which a speed is averaged, s, if known.
     pub gate_s: Option<f64>,
@@ -23,7 +23,7 @@ impl ChannelMapping {
         ChannelMapping { name: name.into(), unit: None, inverted: false, factor: 1.0, gate_s: None }
     }
 
-    /// What a sample is multiplied by: the factor, with the sign that makes it follow the role's convention.
+    /// Multiplier of a sample: the factor, with the sign that makes it follow the role's convention.
     pub fn signed_factor(&self) -> f64 {
         if self.inverted { -self.factor } else { self.factor }
     }

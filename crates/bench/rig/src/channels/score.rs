@@ -47,7 +47,7 @@ pub(super) fn score(candidate: &Candidate<'_>, role: Role) -> Option<f64> {
     Some(base + said + shown + hints + possible)
 }
 
-/// What a word says for or against a role.
+/// Weight of a word for a role, negative against it.
 pub(super) fn weight(role: Role, meaning: Meaning, candidate: &Candidate<'_>) -> f64 {
     let dyno = candidate.says(Meaning::Dynamometer);
     let on_shaft = candidate.says(Meaning::Shaft) || candidate.says(Meaning::Flange);

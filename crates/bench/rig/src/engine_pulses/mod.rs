@@ -39,7 +39,7 @@ pub struct PulseHarmonic {
     pub value: CycleHarmonic,
     /// Covariance of α, β and γ in Nm, 1 and Nm s²: the same of the real and of the imaginary parts, which are independent.
     pub covariance: [[f64; 3]; 3],
-    /// Whether recordings show it; otherwise it is what is known of the class.
+    /// True where recordings show it; otherwise it is the prior of the class.
     pub is_estimated: bool,
 }
 
@@ -95,7 +95,7 @@ pub struct ImpossiblePulses {
     pub field: &'static str,
     /// Its value.
     pub value: f64,
-    /// What it must be.
+    /// Condition that the value must meet.
     pub limit: &'static str,
 }
 
@@ -135,7 +135,7 @@ impl EnginePulses {
         }
     }
 
-    /// Whether numbers from a file can be those of an engine.
+    /// Checks that numbers from a file can be those of an engine.
     ///
     /// # Errors
     /// The first that cannot.
@@ -172,7 +172,7 @@ impl EnginePulses {
     }
 }
 
-/// What is known of an engine's pulses.
+/// Knowledge of an engine's pulses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "from", rename_all = "snake_case")]
 pub enum KnownPulses {

@@ -1,4 +1,4 @@
-//! What is known of an engine's pulses before anything was recorded of them.
+//! Prior of an engine's pulses, before anything was recorded of them.
 //!
 //! The class: three to six cylinders, petrol and diesel, at part and full load. Each part of a harmonic is a complex normal number about
 //! zero, since nothing shows its phase. The torque of a cylinder falls off with the harmonic, its gas torque grows with the load, and
@@ -40,8 +40,8 @@ const IDLE_SPREAD_NM: f64 = 4.0;
 const CYCLE_VARIATION: f64 = 0.03;
 
 impl EnginePulses {
-    /// What is known of an engine with spark ignition: its charge grows with the torque from the one on that friction and pumping need, so that
-    /// α is T_0 β, to within some Nm of T_0 for each cylinder.
+    /// Prior of an engine with spark ignition. Its charge grows with the torque from the one on that friction and
+    /// pumping need. So α is T_0 β, to within some Nm of T_0 for each cylinder.
     #[must_use]
     pub fn prior_of_spark_ignition(engine: Engine, engine_inertia_kg_m2: f64) -> Self {
         let general = EnginePulses::prior(engine, engine_inertia_kg_m2);
@@ -57,7 +57,7 @@ impl EnginePulses {
         EnginePulses { harmonics: general.harmonics.into_iter().map(of_charge).collect(), ..general }
     }
 
-    /// What is known of an engine with an inertia, kg m², flywheel included.
+    /// Prior of an engine with an inertia, kg m², flywheel included.
     #[must_use]
     pub fn prior(engine: Engine, engine_inertia_kg_m2: f64) -> Self {
         let harmonic = |m: u32| {

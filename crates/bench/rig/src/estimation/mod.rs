@@ -1,4 +1,4 @@
-//! What all estimators share: which data they may use, what can go wrong, and numbers made into [`crate::results`].
+//! Common ground of all estimators: data that they may use, errors, and numbers made into [`crate::results`].
 
 mod once;
 mod parameter;

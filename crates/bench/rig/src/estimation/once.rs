@@ -46,8 +46,8 @@ impl<'a, T> OncePerRecording<'a, T> {
     }
 }
 
-/// What a cell holds, made by `make` unless it was made before. Nothing waits while it is made: what is made on many threads may
-/// in turn be part of it, and threads that ask at the same time make the same.
+/// Returns the content of a cell, made by `make` unless it was made before. Nothing waits while it is made: what is
+/// made on many threads may in turn be part of it, and threads that ask at the same time make the same.
 pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     match cell.get() {
         Some(made) => made,
@@ -78,7 +78,7 @@ impl<T> Clone for Chosen<'_, T> {
 /// The first success among the recordings that may give what is sought.
 ///
 /// # Errors
-/// What would be needed: a recording, or something of those that there are.
+/// The need: a recording, or something of those that there are.
 pub fn first<'a, T>(
     sought: Sought,
     experiments: &[&'a Experiment],

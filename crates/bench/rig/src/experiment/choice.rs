@@ -6,7 +6,7 @@ use super::{ControlMode, Excitation, Experiment, ExperimentLabel, Test};
 use crate::error::EstimateError;
 use crate::words::write_words;
 
-/// What is estimated from one recording.
+/// Result that is estimated from one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sought {
@@ -29,7 +29,7 @@ struct Rule {
     sought: Sought,
     /// Tests that give it, the best first.
     tests: &'static [Test],
-    /// What should be excited; recordings in which something else is come after the others of a test.
+    /// Excitation that is wanted; recordings in which something else is excited come after the others of a test.
     excitation: Option<Excitation>,
     /// The mode that it needs.
     mode: Option<ControlMode>,
@@ -91,7 +91,7 @@ const RULES: [Rule; 6] = [
 /// Why a recording was chosen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Choice {
-    /// What is estimated from it.
+    /// Result that is estimated from it.
     pub sought: Sought,
     /// The file.
     pub file: String,
@@ -126,7 +126,7 @@ impl Sought {
         self.rule().missing
     }
 
-    /// Whether an experiment may give it.
+    /// Tells whether an experiment may give it.
     pub fn is_given_by(self, experiment: &Experiment) -> bool {
         let rule = self.rule();
         rule.tests.contains(&experiment.label.test) && rule.mode.is_none_or(|mode| experiment.label.mode == mode)

@@ -91,7 +91,7 @@ impl Demands {
 /// A demand that a plan makes, under the name and unit people see.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NamedDemand<'a> {
-    /// What it is.
+    /// Kind of the demand.
     pub kind: DemandKind,
     /// At every update, SI.
     pub values: &'a [f64],
@@ -151,7 +151,7 @@ impl DemandKind {
         }
     }
 
-    /// Whether it is a speed, which may change every millisecond.
+    /// Tells whether it is a speed, which may change every millisecond.
     pub fn is_speed(self) -> bool {
         matches!(self, DemandKind::DynoSpeed | DemandKind::EngineSpeed)
     }

@@ -18,7 +18,7 @@ const SAME_STEP: f64 = 1e-3;
 /// Longest experiment, s.
 const LONGEST_S: f64 = 1e4;
 
-/// What can be set beside the demands themselves.
+/// Parameters that can be set beside the demands themselves.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "speed",
@@ -105,7 +105,7 @@ pub enum FreeFormError {
         name: &'static str,
         /// Its unit.
         unit: &'static str,
-        /// What else would do.
+        /// Alternative that would do.
         or: &'static str,
     },
     /// Two channels have the name of one demand.

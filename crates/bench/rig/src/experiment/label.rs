@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Test;
 
-/// What is excited: the letter after the test's name.
+/// Quantity that is excited: the letter after the test's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Excitation {
     /// Torque (`T`).
@@ -29,9 +29,9 @@ pub enum ControlMode {
 /// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1). Written and read as this text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct ExperimentLabel {
-    /// What is done.
+    /// Test that is done.
     pub test: Test,
-    /// What is excited.
+    /// Quantity that is excited.
     pub excitation: Excitation,
     /// Who controls what.
     pub mode: ControlMode,
@@ -103,7 +103,7 @@ impl ExperimentLabel {
         ExperimentLabel { test, excitation, mode }
     }
 
-    /// Whether the shaft is off: the dynamometer turns alone.
+    /// Tells whether the shaft is off: the dynamometer turns alone.
     pub fn is_without_shaft(&self) -> bool {
         self.test == Test::NoShaft
     }

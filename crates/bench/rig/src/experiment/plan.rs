@@ -1,4 +1,4 @@
-//! What is done to a bench, and for how long.
+//! Plan of an experiment on a bench, with its duration.
 
 use std::f64::consts::TAU;
 
@@ -21,8 +21,8 @@ pub enum TorqueTarget {
     Shaft,
 }
 
-/// What is done to the bench, and for how long. The constructors give the experiments of the method with the levels
-/// and times of the thesis' bench; every field may be changed afterwards.
+/// Plan of an experiment on a bench, with its duration. The constructors give the experiments of the method with the
+/// levels and times of the thesis' bench; every field may be changed afterwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExperimentPlan {
     /// The experiment's label; its mode says who controls what.
@@ -46,9 +46,9 @@ pub struct ExperimentPlan {
     /// η, efficiency of the ignition angle, 1 at the best one; taken up firing by firing, past the intake.
     #[serde(default = "best_ignition")]
     pub ignition_efficiency: Waveform,
-    /// Whether the engine is motored instead of fired. Its torque is then that of the parameters.
+    /// True where the engine is motored instead of fired. Its torque is then that of the parameters.
     pub is_motored: bool,
-    /// Whether dynamometer and engine are connected.
+    /// True where dynamometer and engine are connected.
     pub has_shaft: bool,
 }
 

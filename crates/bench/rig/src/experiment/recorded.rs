@@ -30,7 +30,7 @@ impl Experiment {
         self.signals.values().map(Signal::duration_s).fold(0.0, f64::max)
     }
 
-    /// Whether the label's test is `test`.
+    /// Tells whether the label's test is `test`.
     pub fn is_test(&self, test: &Test) -> bool {
         self.label.test == *test
     }

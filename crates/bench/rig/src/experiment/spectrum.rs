@@ -1,4 +1,4 @@
-//! What an experiment excites, over frequency.
+//! Spectrum of an experiment's excitation.
 
 use signal::SignalError;
 use signal::spectrum::{Welch, power_spectrum};

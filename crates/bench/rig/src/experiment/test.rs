@@ -1,4 +1,4 @@
-//! What is done in an experiment: the first part of its label.
+//! Test of an experiment: the first part of its label.
 
 use std::convert::Infallible;
 use std::fmt;

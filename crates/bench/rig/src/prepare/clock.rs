@@ -54,7 +54,7 @@ pub(super) fn uniform_stretches(source: &Source<'_>, left_out: &[bool], log: &mu
     (!stretches.is_empty()).then_some(stretches)
 }
 
-/// Whether a clock of this sample time would have far more samples than there are stamps.
+/// Tells whether a clock of this sample time would have far more samples than there are stamps.
 fn is_in_bursts(time_s: &[f64], sample_time_s: f64) -> bool {
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return false };
     (last - first) / sample_time_s > MOST_TICKS * time_s.len() as f64

@@ -1,4 +1,5 @@
-//! Whether the channels of T_d* and T_d,calc are exchanged: in torque control the demand is held, and the torque follows it.
+//! Check that the channels of T_d* and T_d,calc are not exchanged: in torque control the demand is held, and the torque
+//! follows it.
 
 use crate::channels::evidence::{Samples, best_delay};
 use crate::diagnostics::{Finding, Severity};

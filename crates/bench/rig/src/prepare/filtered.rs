@@ -1,4 +1,4 @@
-//! Whether the speed of the dynamometer was recorded behind a low-pass filter or a moving mean.
+//! Check of a dynamometer speed that was recorded behind a low-pass filter or a moving mean.
 //!
 //! Above a tenth of its sample rate hardly anything moves N_d by as much as its encoder's noise, which is white. Behind a filter the
 //! noise falls, and behind a mean it has zeros. N_e shows no such thing: multiples of the firing frequency are above its noise.

@@ -1,4 +1,4 @@
-//! Whether a recording is what its label says: which side controls what, whether the shaft is on, what is excited.
+//! Check of a recording against its label: which side controls what, the shaft on or off, the excitation.
 
 use signal::Signal;
 use signal::derivative::central_difference;
@@ -31,7 +31,7 @@ const EXPLAINS: f64 = 0.9;
 /// A constant N_d* varies by less than this part of itself.
 const CONSTANT: f64 = 0.02;
 
-/// Whether the label is wrong beyond doubt; what speaks against it is noted.
+/// Tells whether the label is wrong beyond doubt; notes the evidence against it.
 pub(super) fn contradicts(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) -> bool {
     let Some((seen, severity)) = seen_instead(experiment, bench_file) else { return false };
     log.file(severity, None, Finding::LabelContradicted { label: experiment.label.clone(), seen });
@@ -60,7 +60,7 @@ fn seen_instead(experiment: &Experiment, bench_file: &BenchFile) -> Option<(Seen
     }
 }
 
-/// What T_d* does while N_d changes.
+/// Answer of T_d* to a change of N_d.
 enum Answer {
     ToSpeed,
     Rests,
@@ -80,7 +80,7 @@ fn answers(experiment: &Experiment) -> Option<Answer> {
     }
 }
 
-/// Whether T_d* follows N_d from sample to sample.
+/// Tells whether T_d* follows N_d from sample to sample.
 fn answers_to_noise(experiment: &Experiment) -> Option<bool> {
     let roles = [Role::DynoSpeed, Role::DynoTorqueDemand];
     let (from_s, to_s) = common_window(experiment, &roles)?;
@@ -94,7 +94,7 @@ fn answers_to_noise(experiment: &Experiment) -> Option<bool> {
     Some(is_one_raster && (0..=latest).any(|lag| after(lag).is_some_and(|related| related > least)))
 }
 
-/// Whether the engine's speed follows that of the dynamometer.
+/// Tells whether the engine's speed follows that of the dynamometer.
 fn turns_with(experiment: &Experiment) -> bool {
     let roles = [Role::DynoSpeed, Role::EngineSpeed];
     let compared = || {

@@ -45,8 +45,8 @@ fn is_repeated_at_times(stale: &Stale) -> bool {
     matches!(stale.how, Staleness::Repeated { .. }) && stale.share() < MINORITY
 }
 
-/// Whether T_d* repeats where N_d has, some samples before: a controller that sees the same as before demands the same. N_d in steps
-/// repeats by chance, and T_d* then changes by multiples of what one of these steps makes of it.
+/// Tells whether T_d* repeats where N_d has, some samples before: a controller that sees the same as before demands the
+/// same. N_d in steps repeats by chance, and T_d* then changes by multiples of what one of these steps makes of it.
 fn rests_with_speed(demand: &Source<'_>, stale: &Stale, all: &[Source<'_>]) -> bool {
     let is_on_clock = |source: &&Source<'_>| source.time_s.len() == demand.time_s.len();
     let Some(speed) = all.iter().find(|source| source.role == Role::DynoSpeed).filter(is_on_clock) else {

@@ -57,7 +57,7 @@ pub(super) fn source<'r>(
     })
 }
 
-/// Whether a role is of the engine's side of the shaft: with the shaft off there is nothing to measure.
+/// Tells whether a role is of the engine's side of the shaft: with the shaft off there is nothing to measure.
 fn is_beyond_shaft(role: Role) -> bool {
     matches!(role, Role::EngineSpeed | Role::SystemShaftTorque | Role::FlangeTorque)
 }

@@ -44,7 +44,7 @@ pub enum PrepareError {
     Mislabelled {
         /// The file.
         file: String,
-        /// What speaks against the label, and what else was found.
+        /// Evidence against the label, and the other findings.
         diagnostics: Vec<Diagnostic>,
     },
     /// Gaps leave no time that all channels share.

@@ -1,4 +1,4 @@
-//! Whether the rasters of a recording share one clock: time stamps that begin apart, and clocks that run apart.
+//! Check that the rasters of a recording share one clock: time stamps that begin apart, and clocks that run apart.
 
 use std::collections::BTreeMap;
 

@@ -24,7 +24,7 @@ const SLOW_S: (f64, f64) = (0.0015, 0.2);
 /// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
 const CLIPPED_SHARE: f64 = 0.005;
 
-/// Whether a channel's values can be used; what is wrong with them is noted.
+/// Tells whether a channel's values can be used; notes their faults.
 pub(super) fn are_usable(
     source: &Source<'_>,
     stretches: &[Signal],
@@ -85,7 +85,7 @@ fn is_constant_usable(source: &Source<'_>, signal: &Signal, label: &ExperimentLa
     !is_dead
 }
 
-/// Whether a role's signal changes in an experiment.
+/// Tells whether a role's signal changes in an experiment.
 fn should_move(role: Role, label: &ExperimentLabel) -> bool {
     match role {
         Role::DynoSpeedDemand => label.mode == ControlMode::Nt && label.excitation == Excitation::Speed,
@@ -95,7 +95,7 @@ fn should_move(role: Role, label: &ExperimentLabel) -> bool {
     }
 }
 
-/// Whether a signal's magnitude is possible. What is possible but rare is noted.
+/// Tells whether a signal's magnitude is possible. What is possible but rare is noted.
 pub(super) fn is_plausible(
     source: &Source<'_>,
     signal: &Signal,

@@ -39,7 +39,7 @@ pub fn wrong_sign(experiment: &Experiment, role: Role) -> Option<f64> {
     braking_correlation(experiment, role).filter(|correlation| *correlation < -DECISIVE)
 }
 
-/// Whether the sign of T_d,calc is that of what it does to the speed, or it is not known.
+/// Passes where the sign of T_d,calc is that of its effect on the speed, or is not known.
 ///
 /// # Errors
 /// It is the opposite one.

@@ -1,4 +1,4 @@
-//! What can be estimated, each by one name.
+//! Quantities that can be estimated, each under one name.
 
 mod notation;
 

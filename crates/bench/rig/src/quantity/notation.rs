@@ -14,7 +14,7 @@ use super::Quantity;
 pub struct Notation {
     /// Symbol of the thesis, e.g. `K_p`.
     pub symbol: &'static str,
-    /// What it is, e.g. `proportional gain`.
+    /// Name in words, e.g. `proportional gain`.
     pub name: &'static str,
     /// The unit people read, e.g. `Nm/rpm`.
     pub unit: &'static str,
@@ -142,7 +142,7 @@ impl Quantity {
         self.notation().symbol
     }
 
-    /// What it is, in words.
+    /// Name in words.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.notation().name

@@ -10,7 +10,7 @@ use crate::quantity::{Notation, Quantity};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(into = "WrittenParameter")]
 pub struct Parameter {
-    /// What it is.
+    /// The quantity.
     pub quantity: Quantity,
     /// Estimate.
     pub value: f64,

@@ -8,7 +8,7 @@ use crate::experiment::ExperimentLabel;
 use crate::role::Role;
 use crate::words::write_words;
 
-/// What became of an estimate.
+/// Outcome of an estimate.
 ///
 /// It has two forms in JSON: [`write_status`] is that of a study, [`Found`] that of single analyses.
 #[derive(Debug, Clone, PartialEq)]

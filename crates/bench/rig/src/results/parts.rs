@@ -37,7 +37,7 @@ pub struct SignalDelay {
 /// A delay by one route.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DelayRoute {
-    /// What the route is called.
+    /// Name of the route.
     pub name: String,
     /// Delay, s.
     pub delay_s: f64,
@@ -48,8 +48,8 @@ pub struct DelayRoute {
 }
 
 impl SignalDelay {
-    /// Whether all routes agree with `against_demand`, within their intervals and what they may be off by; `None` where there
-    /// is nothing to compare.
+    /// Tells whether all routes agree with `against_demand`, within their intervals and what they may be off by; `None`
+    /// where there is nothing to compare.
     #[must_use]
     pub fn routes_agree(&self) -> Option<bool> {
         let own = self.against_demand.as_ref()?;
@@ -166,7 +166,7 @@ pub struct Shaft {
     pub estimate: Estimate,
     /// The zero −K/B of (K + B s)/s, rad/s.
     pub zero: Parameter,
-    /// What a fit that ignores gate and skew gives on the same data: K, B, zero.
+    /// K, B and zero of a fit on the same data that ignores gate and skew.
     pub ignoring_timing: Estimate,
     /// Equation error over its standard deviation, by frequency.
     pub residual_spectrum: ResidualSpectrum,
@@ -179,16 +179,16 @@ pub struct Shaft {
     /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the recording
     /// in torque control that they are from, and the estimate.
     pub inertias: Option<(String, Estimate)>,
-    /// What K and B owe to things known beforehand.
+    /// Errors of K and B that come from prior knowledge.
     #[serde(skip)]
     pub shared_errors: Vec<SharedError>,
 }
 
-/// What the error of something known beforehand makes of K and B. It is the same thing in every recording of a bench, so more
-/// recordings do not make its error smaller.
+/// Errors of K and B that come from the error of one thing known beforehand. It is the same thing in every recording of
+/// a bench, so more recordings do not make its error smaller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SharedError {
-    /// What is known beforehand.
+    /// Quantity known beforehand.
     pub known: Quantity,
     /// The errors of K and B if it is wrong by one standard uncertainty, Nm/rad and Nm s/rad.
     pub of_shaft: [f64; 2],

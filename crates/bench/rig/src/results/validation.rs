@@ -33,7 +33,7 @@ impl Serialize for Trace {
 pub struct Validation {
     /// The held-out stretch.
     pub stretch: Stretch,
-    /// What is compared, e.g. `T_d*`.
+    /// Quantity that is compared, e.g. `T_d*`.
     pub quantity: String,
     /// Unit of the traces.
     pub unit: String,
@@ -75,13 +75,13 @@ impl ResidualTest {
     /// A correlation that explains less than 1 % of the residual's variance moves no result, however certain many samples make it.
     const RELEVANT: f64 = 0.1;
 
-    /// Whether the residual depends on present and past input, by more than chance and by enough to matter.
+    /// Tells whether the residual depends on present and past input, by more than chance and by enough to matter.
     pub fn depends_on_input(&self) -> bool {
         let matters = self.past().iter().any(|c| c.abs() > Self::RELEVANT);
         matters && self.has_many_outside()
     }
 
-    /// Whether more lags are outside the region than chance puts there.
+    /// Tells whether more lags are outside the region than chance puts there.
     pub fn has_many_outside(&self) -> bool {
         self.share_outside() > Self::MANY_OUTSIDE
     }

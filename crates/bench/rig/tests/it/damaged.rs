@@ -1,4 +1,4 @@
-//! What is wrong with channels and labels, and is named.
+//! Faults of channels and labels that are named.
 
 use bench_testkit::recordings::{BENCH_A, bench_file, named, noise};
 use recording::{Raster, Recording};

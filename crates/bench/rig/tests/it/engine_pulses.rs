@@ -1,4 +1,4 @@
-//! What is known of an engine's firing pulses.
+//! Knowledge of an engine's firing pulses.
 
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;

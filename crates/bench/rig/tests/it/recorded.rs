@@ -48,7 +48,7 @@ fn bench_file(names: [&str; 7], limit: &str, inverted: bool) -> BenchFile {
     text.parse().unwrap()
 }
 
-/// What is expected of clean recordings: nothing but saturation, and in NoShaft the channels that are not there.
+/// Checks that clean recordings show nothing but saturation, and in NoShaft the absence of channels that are not there.
 fn check_prepared(recordings: &[(String, Recording)], file: &BenchFile) {
     for (name, recording) in recordings {
         let label = file.label_of(name).unwrap();

@@ -19,7 +19,7 @@ use bench_testkit::benches::{bench_file, default_bench, in_parallel};
 use bench_testkit::recordings::{BENCH_A, recordings};
 use table::damages;
 
-/// What a user brings: a bench file and recordings.
+/// Files that a user brings: a bench file and recordings.
 #[derive(Clone)]
 pub(crate) struct Brought {
     pub(crate) bench: BenchFile,
@@ -96,7 +96,7 @@ fn truth(quantity: Quantity) -> Option<f64> {
 /// A value is clearly wrong beyond so many half widths of its interval, and so large a part of itself; times beyond so many s.
 const WRONG: (f64, f64, f64) = (1.6, 0.01, 6e-5);
 
-/// What of a study misses the truth.
+/// Values of a study that miss the truth.
 fn misses(study: &Study) -> Vec<String> {
     let shaft = study.shaft.estimated().map(|part| &part.estimate);
     let controller = study.speed_controller.estimated().map(|part| &part.estimate);
@@ -143,7 +143,7 @@ enum Outcome {
     Wrong,
 }
 
-/// What a study makes of a damage, with the findings that are new and the values that miss the truth.
+/// Outcome of a study of a damage, with the findings that are new and the values that miss the truth.
 fn outcome(damage: &Damage, clean: &BTreeSet<String>, study: Option<&Study>) -> (Outcome, Vec<String>, Vec<String>) {
     let Some(study) = study else { return (Outcome::Refused, Vec::new(), Vec::new()) };
     let misses = misses(study);

@@ -1,4 +1,4 @@
-//! What a further recording would buy, and whether it then does.
+//! Gain from a further recording: what is promised, and what comes true.
 
 use rig::BenchFile;
 use rig::bench_file::ShaftPrior;
@@ -36,7 +36,7 @@ fn gain<'a>(found: &'a NextExperiments, label: &str, quantity: Quantity) -> &'a 
     candidate.gains.iter().find(|gain| gain.quantity == quantity).unwrap()
 }
 
-/// What is promised of an experiment is what a study states once it is recorded.
+/// The promise of an experiment is what a study states once it is recorded.
 #[test]
 #[ignore = "slow"]
 fn stat_what_is_promised_is_kept() {

@@ -56,7 +56,7 @@ impl RecordedBench {
     }
 }
 
-/// What a study found of a quantity.
+/// Finding of a study on a quantity.
 pub(crate) fn found(study: &Study, quantity: Quantity) -> Option<&Parameter> {
     let estimates: [Option<&Estimate>; 4] = [
         study.shaft.estimated().map(|part| &part.estimate),

@@ -124,7 +124,7 @@ struct Damage {
     apply: Box<dyn Fn(&mut Recording) + Sync>,
     /// Kinds of findings that name it.
     causes: &'static [&'static str],
-    /// Whether it has to be named.
+    /// True where it has to be named.
     is_large: bool,
 }
 

@@ -65,7 +65,7 @@ impl Drawn {
         }
     }
 
-    /// What a study of two recordings says of the shaft.
+    /// Estimate of the shaft in a study of two recordings.
     fn study(&self, seed: u64) -> Estimate {
         let plans = [
             ("BS_T_NT.mf4", ExperimentPlan::bs_t_nt(self.speed_rpm, 20.0)),
@@ -98,7 +98,7 @@ impl Drawn {
     }
 }
 
-/// What the shaft is estimated from, J_d being known exactly.
+/// Inputs of the shaft's estimate, J_d being known exactly.
 pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs<'_> {
     let torque_model = torque_control::estimate(experiment, Some(400.0)).unwrap().model;
     let signal = |role| experiment.signal(role).unwrap();

@@ -1,4 +1,5 @@
-//! What may be in a shaft beyond K and B: found where it is, and nowhere else; and friction that is not taken for damping.
+//! Terms that may be in a shaft beyond K and B: found where they are, and nowhere else; and friction that is not taken
+//! for damping.
 
 use part_shaft::shaft::{
     Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms,

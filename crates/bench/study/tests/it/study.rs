@@ -404,7 +404,7 @@ fn stat_intervals_of_the_shaft_contain_the_truth() {
     }
 }
 
-/// What is known of the inertias is in what is computed from them: f_r ∝ √(1/J_d + 1/J_e) at a given K.
+/// Uncertainty of the inertias is in what is computed from them: f_r ∝ √(1/J_d + 1/J_e) at a given K.
 #[test]
 fn exact_uncertain_inertias_widen_the_resonance() {
     let resonance = |uncertain: &str| {

@@ -19,14 +19,14 @@ pub(crate) struct SpeedController {
     update_s: f64,
     integral_nm: f64,
     last_demand_rad_s: f64,
-    /// What is late, from the oldest still needed to the newest: PI outputs, whole outputs or measured speeds.
+    /// Late values, from the oldest still needed to the newest: PI outputs, whole outputs or measured speeds.
     late: VecDeque<f64>,
     /// Whole updates in τ, and the rest as a time.
     whole_updates: usize,
     rest_s: f64,
 }
 
-/// What one update of the controller demands.
+/// Demand of one update of the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Update {
     /// From the update on.
@@ -97,7 +97,7 @@ impl SpeedController {
         }
     }
 
-    /// What came in τ ago, in whole updates: before and from this update on.
+    /// Value that came in τ ago, in whole updates: before and from this update on.
     fn late(&mut self, value: f64) -> (f64, f64) {
         self.late.push_back(value);
         let previous = self.late.pop_front().unwrap_or(value);

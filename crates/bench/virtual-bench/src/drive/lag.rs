@@ -8,7 +8,7 @@ use crate::drive::timed::TimedDemand;
 #[derive(Debug, Clone)]
 pub(super) struct Lag {
     bandwidth_rad_s: f64,
-    /// What is left of a difference after a step in which the demand stays.
+    /// Part of a difference that is left after a step in which the demand stays.
     left_of_a_step: f64,
     held_nm: f64,
     torque_nm: f64,
@@ -35,7 +35,7 @@ impl Lag {
         self.torque_nm
     }
 
-    /// What is left of a difference after a time.
+    /// Part of a difference that is left after a time.
     fn left_after(&self, duration_s: f64) -> f64 {
         (-self.bandwidth_rad_s * duration_s).exp()
     }

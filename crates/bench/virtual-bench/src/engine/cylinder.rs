@@ -11,8 +11,8 @@ const AMBIENT_PA: f64 = 1e5;
 /// Shape of Wiebe's function.
 const WIEBE: (f64, f64) = (5.0, 2.0);
 
-/// What a cylinder does at an angle after its firing top dead centre. Its torque is
-/// `still_nm` + p_im · `charge_m3` + q · `burnt_m3`; `lever_m` is dx/dϑ and `bend_m` d²x/dϑ² of its piston.
+/// Terms of a cylinder at an angle after its firing top dead centre. Its torque is `still_nm` + p_im · `charge_m3` + q
+/// · `burnt_m3`; `lever_m` is dx/dϑ and `bend_m` d²x/dϑ² of its piston.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Angle {
     pub(super) still_nm: f64,

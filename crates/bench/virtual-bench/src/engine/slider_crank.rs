@@ -24,7 +24,7 @@ pub(crate) struct CrankEngine {
     cylinders: Vec<Cylinder>,
 }
 
-/// What a cylinder has in it.
+/// Content of a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Cylinder {
     /// Crank angle of its last firing top dead centre, or of the next one where it has burnt yet.

@@ -2,7 +2,7 @@
 
 use crate::train::Jump;
 
-/// Whether fuel burns.
+/// Combustion in a cylinder: fuel burns or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Combustion {
     Fired,

@@ -21,7 +21,7 @@ pub(crate) use rounding::rounded;
 use system_shaft::SystemShaftTorque;
 use torque::{SensorDynamics, TorqueSensor};
 
-/// What the sensors read at one update.
+/// Readings of the sensors at one update.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Readings {
     pub(super) dyno_speed_rad_s: f64,
@@ -109,7 +109,7 @@ impl Sensors {
         }
     }
 
-    /// What the bench reads now, with the air-gap torque as the drive computes it.
+    /// Returns the readings of the bench now, with the air-gap torque as the drive computes it.
     pub(super) fn read(&mut self, computed_nm: f64) -> Readings {
         let dyno_speed_rad_s = self.dyno_encoder.read_rad_s(&self.dyno_rotation);
         let calc_torque_nm = computed_nm + self.calc_noise_nm * self.calc_random.normal();

@@ -11,7 +11,7 @@ use crate::error::VirtualBenchError;
 /// Part of a step below which a time counts as a whole number of steps.
 const WHOLE: f64 = 1e-6;
 
-/// What a torque sensor does with the torque before noise and rounding.
+/// Dynamics of a torque sensor before noise and rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SensorDynamics {
     pub delay_s: f64,
@@ -71,7 +71,7 @@ impl TorqueSensor {
         self.undelayed_nm.pop_front();
     }
 
-    /// What the sensor reads now, Nm; between steps of the grid the reading is linear.
+    /// Reading of the sensor now, Nm; between steps of the grid it is linear.
     pub(crate) fn reading_nm(&self) -> f64 {
         let newest = self.undelayed_nm.len() - 1;
         let later = self.undelayed_nm[newest - self.delay_steps];

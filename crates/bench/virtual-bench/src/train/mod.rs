@@ -47,7 +47,7 @@ pub(super) struct Train {
     assembly: Assembly,
     law: ShaftLaw,
     is_connected: bool,
-    /// Whether the shaft is connected and more than K φ + B φ̇.
+    /// True where the shaft is connected and more than K φ + B φ̇.
     is_bent: bool,
     coulomb_nm: f64,
     /// The columns of [Φ Γ], in blocks of as many rows as there are lanes. Γ: Γ_0 and Γ_1 of brake and engine, Γ_0 + Γ_1 of
@@ -170,7 +170,7 @@ impl Train {
         self.correct(ENGINE, change_nm);
     }
 
-    /// What a torque does that ends the step higher than predicted.
+    /// Adds the effect of a torque that ends the step higher than predicted.
     fn correct(&mut self, input: usize, change_nm: f64) {
         if change_nm != 0.0 {
             let effect = &self.from_end[input];

@@ -1,4 +1,4 @@
-//! What backlash and stiffening add to the linear shaft.
+//! Torque that backlash and stiffening add to the linear shaft.
 
 use rig::bench_parameters::MechanicsParameters;
 
@@ -31,7 +31,7 @@ impl ShaftLaw {
         }
     }
 
-    /// Whether the shaft is K φ + B φ̇ and nothing else.
+    /// Tells whether the shaft is K φ + B φ̇ and nothing else.
     pub(super) fn is_linear(&self) -> bool {
         self.half_play_rad == 0.0 && self.stiffening == 0.0
     }

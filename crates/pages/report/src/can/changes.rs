@@ -1,4 +1,4 @@
-//! What would make a test possible, and what would settle a doubt.
+//! Changes that would make a test possible, and recordings that would settle a doubt.
 
 use capability::{Answer, Change, Doubt, Easier, Uncertain, Verdict};
 use page::{Align, Block, Blocks, Cell, Table};
@@ -51,7 +51,7 @@ pub fn change(change: Change) -> String {
     }
 }
 
-/// What decides between yes and no, and the recording that shows it.
+/// Numbers that decide between yes and no, and the recording that shows each.
 pub(super) fn doubts(verdict: &Verdict) -> Blocks {
     if verdict.answer != Answer::Perhaps {
         return Blocks::default();

@@ -18,7 +18,7 @@ use crate::wording::{self, number};
 /// Height of a panel on the page.
 const HEIGHT: u32 = 260;
 
-/// What a page of the map shows.
+/// Content of a page of the map.
 #[derive(Debug, Clone, Copy)]
 pub struct MapPage<'a> {
     /// The bench and its mean torque.
@@ -31,7 +31,7 @@ pub struct MapPage<'a> {
     pub gradients: &'a [GradientPlace],
     /// Sines and gradients that were asked for.
     pub wanted: &'a [WantedAnswer],
-    /// What is known of the engine's firing pulses.
+    /// Knowledge of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
     /// Where speeds and torque of the map leave the range of the recordings that the model is from.
     pub beyond: &'a [Beyond],

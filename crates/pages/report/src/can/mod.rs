@@ -1,4 +1,4 @@
-//! Whether a bench can run a test, whether a run of one is valid, and how large a sine may be.
+//! Pages on a test: the bench can run it or not, a run of it is valid or not, and how large a sine may be.
 
 mod changes;
 mod map;

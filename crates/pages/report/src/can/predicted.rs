@@ -26,17 +26,17 @@ pub struct Asked<'a> {
     pub duration_s: f64,
     /// The answer.
     pub verdict: &'a Verdict,
-    /// What would make a no a yes.
+    /// Changes that would make a no a yes.
     pub easier: &'a [Easier],
     /// The requirement sets.
     pub sets: &'a [RequirementSet],
-    /// Whether the benches were drawn from the covariance of a study.
+    /// True where the benches were drawn from the covariance of a study.
     pub has_study: bool,
-    /// Whether the test is a cycle.
+    /// True where the test is a cycle.
     pub is_cycle: bool,
-    /// What is known of the engine's firing pulses.
+    /// Knowledge of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
-    /// What the answer takes for granted.
+    /// Assumptions of the answer.
     pub assumptions: &'a [Assumption],
     /// Friction of the dynamometer.
     pub friction: FrictionSpread,
@@ -223,7 +223,7 @@ fn following(asked: &Asked<'_>) -> Option<String> {
     ))
 }
 
-/// What no bench drawn can show, each as a finding.
+/// Demands that no bench drawn can show, each as a finding.
 pub(crate) fn beyond(all: &[Beyond]) -> Blocks {
     let finding = |one: &Beyond| {
         let (what, remedy) = match one.is_of_engine() {

@@ -40,7 +40,7 @@ pub enum ScalesOf {
     CycleAndStatedIdle,
 }
 
-/// What limits in per cent refer to.
+/// Reference of limits in per cent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Referred {
     /// The numbers.
@@ -62,7 +62,7 @@ pub struct JudgedOwn {
 }
 
 impl JudgedOwn {
-    /// Whether the recording cannot decide.
+    /// Tells whether the recording cannot decide.
     fn is_open(&self) -> bool {
         self.uncertain_by.is_some_and(|by| (self.judged.value - self.judged.limit).abs() < by)
     }
@@ -81,13 +81,13 @@ pub struct RecordedRun<'a> {
     pub aligned_on: AlignedOn,
     /// Which signals were taken as speed and torque, in words; none where no requirement uses it.
     pub signals: (Option<String>, Option<String>),
-    /// Whether the operator's demand was recorded.
+    /// True where the operator's demand was recorded.
     pub has_demand: bool,
     /// Time between the values that were compared, s.
     pub sample_time_s: f64,
-    /// What limits in per cent refer to.
+    /// Reference of limits in per cent.
     pub referred: Referred,
-    /// What was left out of the recording and why, and what else is wrong with it.
+    /// Left-out parts of the recording with the reasons, and its other faults.
     pub remarks: &'a [String],
     /// Requirement sets, judged.
     pub sets: &'a [(RequirementSet, Validation)],
@@ -102,7 +102,7 @@ pub struct RecordedRun<'a> {
 }
 
 impl RecordedRun<'_> {
-    /// Whether everything is met.
+    /// Tells whether everything is met.
     pub fn passes(&self) -> bool {
         self.sets.iter().all(|(_, validation)| validation.passes) && self.own.iter().all(|one| one.judged.passes())
     }
@@ -163,7 +163,7 @@ fn begins(run: &RecordedRun<'_>) -> String {
     )
 }
 
-/// What the judgement takes for granted, and what is wrong with the recording.
+/// Assumptions of the judgement, and faults of the recording.
 fn doubts(run: &RecordedRun<'_>) -> Blocks {
     let finding = |tone, severity, words: &str| Block::Finding(Finding::new(tone, severity, words));
     let mut all: Blocks = run.remarks.iter().map(|words| finding(Tone::Caution, "recording", words)).collect();
@@ -183,7 +183,7 @@ fn doubts(run: &RecordedRun<'_>) -> Blocks {
     all
 }
 
-/// What limits in per cent refer to, and whether it is stated or taken for granted.
+/// Reference of limits in per cent, stated or taken for granted.
 fn referred(referred: &Referred) -> (Tone, &'static str, String) {
     let scales = &referred.scales;
     let rpm = |speed: f64| number::significant(speed / RPM_RAD_S, 5);

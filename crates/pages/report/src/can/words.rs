@@ -11,7 +11,7 @@ use crate::wording::number;
 
 /// Digits that a number beside its limit has at least, and at most.
 const DIGITS: (i32, i32) = (4, 12);
-/// What more benches miss than this share of them prevents a yes on its own.
+/// Share of benches above which a miss prevents a yes on its own.
 const PREVENTS: f64 = 0.05;
 
 /// A signal by its name, with the unit it is reported in and SI per unit.
@@ -63,7 +63,7 @@ fn separating(value: f64, limit: f64, text: &dyn Fn(f64, i32) -> String) -> i32 
     (DIGITS.0..=DIGITS.1).find(differ).unwrap_or(DIGITS.1)
 }
 
-/// What a limit allows.
+/// Values that a limit allows.
 pub(super) fn allowed(of: Signal, statistic: Statistic, limits: (Option<f64>, Option<f64>)) -> String {
     allowed_to(of, statistic, limits, DIGITS.0)
 }
@@ -183,14 +183,14 @@ pub(super) fn short(of: LimitOf) -> &'static str {
     }
 }
 
-/// What a set rests on.
+/// Source of a set.
 pub fn required(set: &RequirementSet) -> Finding {
     let words = format!("{}: {} ({}). {}", set.name, set.paragraph, set.year, set.note);
     let (tone, severity) = if set.seen { (Tone::Plain, "source") } else { (Tone::Caution, "not seen") };
     Finding::new(tone, severity, words)
 }
 
-/// What a test asks for beyond what is known, in words.
+/// Point of a test beyond what is known, in words.
 pub fn beyond(beyond: &Beyond) -> String {
     let whole = |value: f64| number::significant(value.round(), 5);
     let between = |(low, high): Range| format!("{} … {}", whole(low), whole(high));
@@ -260,7 +260,8 @@ pub(super) fn yes(verdict: &Verdict, kept: &Proportion) -> String {
     format!("yes{of_limits}, {} of the benches like yours", number::proportion(kept))
 }
 
-/// What benches miss, in words, with the share of them, and when that happens on the nominal bench, s.
+/// A limit or requirement that benches miss, in words, with the share of them, and the time when that happens on the
+/// nominal bench, s.
 struct Missed {
     words: String,
     share: f64,

@@ -55,7 +55,7 @@ fn with_residuals(grade: Grade, validation: &Validation) -> Grade {
     if validation.residuals.as_ref().is_some_and(ResidualTest::depends_on_input) { grade.contradicted() } else { grade }
 }
 
-/// What the residuals of the held-out stretch say of the delay; nothing where they were not tested.
+/// Verdict of the residuals of the held-out stretch on the delay; nothing where they were not tested.
 fn delay_seen(part: &SpeedController) -> String {
     let (Some(without), Some(with)) = (&part.without_delay.residuals, &part.validation.residuals) else {
         return String::new();

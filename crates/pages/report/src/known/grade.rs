@@ -40,7 +40,7 @@ impl Grade {
         }
     }
 
-    /// What the grade means.
+    /// Meaning of the grade.
     pub fn meaning(self) -> &'static str {
         match self {
             Grade::Well => {
@@ -56,7 +56,7 @@ impl Grade {
         }
     }
 
-    /// What is left of it when something else contradicts it.
+    /// Grade that is left when something else contradicts it.
     pub(super) fn contradicted(self) -> Grade {
         match self {
             Grade::Well => Grade::Roughly,
@@ -82,7 +82,7 @@ pub struct Known {
     pub part: usize,
     /// Its symbol, empty where it has none.
     pub symbol: String,
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
     /// How well it is known.
     pub grade: Grade,
@@ -159,7 +159,7 @@ pub(super) fn recording<'a>(study: &'a Study, file: &str) -> Option<&'a Recordin
     study.recordings.iter().find(|recording| recording.file == file)
 }
 
-/// Whether two intervals have anything in common.
+/// Tells whether two intervals have anything in common.
 pub(super) fn overlap(a: &Parameter, b: &Parameter) -> bool {
     a.interval.0 <= b.interval.1 && b.interval.0 <= a.interval.1
 }

@@ -1,5 +1,5 @@
-//! What is known well, what is not, and why: every quantity of the model, graded by its interval and by what speaks for and
-//! against it in the study. Nothing is estimated here; [`Grade::meaning`] states the thresholds.
+//! Grades of every quantity of the model: by its interval and by what speaks for and against it in the study. Nothing
+//! is estimated here; [`Grade::meaning`] states the thresholds.
 
 mod control;
 mod grade;

@@ -72,7 +72,7 @@ fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
     }
 }
 
-/// What the signals' timing has to do with it.
+/// Effect of the signals' timing on it.
 fn timing(part: &Shaft, own: &Parameter) -> Option<String> {
     let plain = part.ignoring_timing.parameter(own.quantity)?;
     let moved = plain.value / own.value - 1.0;
@@ -103,12 +103,12 @@ fn on_inertia(study: &Study, part: &Shaft) -> Option<String> {
     Some(format!("The shaft’s torque is not measured but computed with J_d, which is {how}."))
 }
 
-/// Whether a value lies in the interval, or as near to the estimate as matters.
+/// Tells whether a value lies in the interval, or as near to the estimate as matters.
 fn holds(found: &Parameter, value: f64) -> bool {
     (found.interval.0..=found.interval.1).contains(&value) || (found.value / value - 1.0).abs() < ALIKE
 }
 
-/// What all recordings say together.
+/// Joint finding of all recordings.
 fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let all = found.shaft.together.as_ref()?;
     let common = if own.quantity == Quantity::Stiffness { &all.stiffness } else { &all.damping };

@@ -30,7 +30,7 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
     vec![known(&whole.resonance_hz, false), known(&whole.resonance_gain, true), known(&whole.damping_ratio, false)]
 }
 
-/// What the intervals hold of the inertias.
+/// Uncertainty of the inertias that the intervals contain.
 fn of_inertias(study: &Study) -> Option<String> {
     let AssembledModel { model, uncertainty, .. } = study.model.as_ref()?;
     let of = |which: ModelParameter| {
@@ -78,7 +78,7 @@ fn sine_tests(whole: &WholeModel) -> (Option<f64>, String) {
     (Some(mean), words)
 }
 
-/// Whether the model as a whole follows recordings that no part was estimated from.
+/// Knowledge of the whole model, from recordings that no part was estimated from.
 pub(super) fn replays(study: &Study) -> Known {
     let known = |grade, value: String, why| Known::new("", "what the bench does as a whole", grade, value, why);
     let unseen: Vec<_> = study.replays.iter().filter(|replay| !replay.seen_in_estimation).collect();

@@ -1,4 +1,4 @@
-//! What a result rests on, and who answers for it: limits, assumptions, a place for signatures.
+//! Foundation of a result, and the people who answer for it: limits, assumptions, a place for signatures.
 
 use page::{Block, Blocks, Prose};
 use rig::facts::{BenchFacts, BenchVariant, StatedInertia};

@@ -9,12 +9,12 @@ use crate::wording;
 /// Characters of a title at the top of each printed page.
 const LONGEST_TITLE: usize = 48;
 
-/// What stands at the top: the title that the bench file states, or the bench.
+/// Title at the top: the one that the bench file states, or the bench.
 pub(super) fn title(study: &Study) -> String {
     study.provenance.report.title.clone().unwrap_or_else(|| format!("{} – bench model", study.bench.name))
 }
 
-/// What is stated of the report, and always when and with what it was made.
+/// Statements on the report, and always when and with what it was made.
 pub(super) fn subtitle(study: &Study, origin: &Origin) -> Prose {
     let report = &study.provenance.report;
     let mut all = Prose::default();

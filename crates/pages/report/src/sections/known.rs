@@ -1,4 +1,4 @@
-//! What is known well, what is not, and why.
+//! Quantities that are known well, those that are not, and why.
 
 use study::{Analyses, Study};
 
@@ -22,7 +22,7 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
     section
 }
 
-/// What is known poorly, taken on trust, or not known, each with the last reason for it.
+/// Quantities that are known poorly, taken on trust, or not known, each with the last reason for it.
 pub(crate) fn not_known(study: &Study) -> Blocks {
     let all = known(study, None);
     let poor = all.iter().filter(|one| one.grade >= Grade::Poorly);
@@ -54,7 +54,7 @@ fn group(grade: Grade, all: &[Known]) -> Blocks {
     .into()
 }
 
-/// Whether two quantities are of one part and from the same data.
+/// Tells whether two quantities are of one part and from the same data.
 fn is_alike(a: &Known, b: &Known) -> bool {
     a.part == b.part && a.why.first() == b.why.first()
 }

@@ -13,7 +13,7 @@ use crate::wording::{capitalised, experiment, mode, number};
 /// As much of a replay is shown on the first page, s.
 const HEADLINE_S: f64 = 2.0;
 
-/// What a replay is.
+/// Description of a replay.
 pub(crate) const WHAT: &str = "The whole model runs on the recorded demand and on the engine torque reconstructed from N_e and \
                                T_shaft. Its response is compared with the measurement.";
 
@@ -123,7 +123,7 @@ fn where_it_errs_most(signal: &Validation) -> Validation {
     Validation { measured: cut(&signal.measured), modelled: cut(&signal.modelled), ..signal.clone() }
 }
 
-/// Whether the model has seen a recording.
+/// Role of a recording for the model: it has seen it or not.
 fn origin(replay: &Replay) -> &'static str {
     match replay.seen_in_estimation {
         true => "Part of the model was estimated from this recording.",
@@ -146,12 +146,12 @@ fn signal(signal: &Validation) -> Panel {
         .noted(format!("fit {}", number::fit(signal.fit_percent)))
 }
 
-/// What is left of the signal the model explains least.
+/// Residual of the signal that the model explains least.
 fn worst_residual(replay: &Replay) -> Option<Panel> {
     replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent)).map(left_over)
 }
 
-/// What a model leaves of a signal.
+/// Residual of a signal.
 fn left_over(signal: &Validation) -> Panel {
     let residual = vec![trace_layer("residual", Style::Residual, &difference(signal))];
     let panel = Panel::new(Axis::linear(&format!("{} − model", signal.quantity), &signal.unit), 80, residual);

@@ -75,7 +75,7 @@ fn replay(study: &Study) -> Blocks {
     worst(false).or_else(|| worst(true)).and_then(replays::headline).map(Blocks::from).unwrap_or_default()
 }
 
-/// What the colour of a level says.
+/// Colour of a level.
 pub(crate) fn tone(level: Level) -> Tone {
     match level {
         Level::Good => Tone::Good,

@@ -143,7 +143,7 @@ fn margins(margins: Option<&Margins>) -> Block {
     }
 }
 
-/// What each parameter does to what is computed from the model.
+/// Influence of each parameter on the results computed from the model.
 fn influences(whole: &WholeModel) -> Blocks {
     let rows = whole.influences.iter().flat_map(|influence| {
         influence.parameters.iter().enumerate().map(move |(place, one)| {

@@ -1,4 +1,4 @@
-//! What was assumed of a bench, the peaks of a prediction, and what a safety check looks at.
+//! Words for assumptions about a bench, the peaks of a prediction, and the quantities of a safety check.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use virtual_bench::Assumption;
 
 use super::number::significant_with_unit;
 
-/// What is assumed where nobody stated a value.
+/// Assumption where nobody stated a value.
 pub fn assumption(assumption: &Assumption) -> String {
     let number = |value: f64, unit: &str| significant_with_unit(value, 4, unit);
     match *assumption {
@@ -86,7 +86,7 @@ pub fn model_parameter(of: ModelParameter) -> (&'static str, &'static str, f64) 
     }
 }
 
-/// What a designed excitation drives to its limit, by its symbol.
+/// Quantity that a designed excitation drives to its limit, by its symbol.
 pub fn limited(of: LimitedQuantity) -> &'static str {
     match of {
         LimitedQuantity::ShaftTorque => "T_shaft",
@@ -96,7 +96,7 @@ pub fn limited(of: LimitedQuantity) -> &'static str {
     }
 }
 
-/// What a safety check looks at, in words, with its unit and SI per unit.
+/// Quantity of a safety check, in words, with its unit and SI per unit.
 pub fn quantity(of: Quantity) -> (&'static str, &'static str, f64) {
     match of {
         Quantity::ShaftTorque => ("peak |T_shaft|", "Nm", 1.0),

@@ -2,7 +2,7 @@
 
 use rig::experiment::{Choice, Sought};
 
-/// What is estimated.
+/// Result that is estimated.
 pub fn sought(sought: Sought) -> &'static str {
     match sought {
         Sought::SpeedController => "speed controller",

@@ -3,8 +3,8 @@
 use rig::ExperimentLabel;
 use rig::experiment::Test;
 
-/// What an experiment does (`BS_T_NT` → `engine torque switched between two ignition angles, …`); `None` for a test that is
-/// not one of the method's.
+/// Description of an experiment (`BS_T_NT` → `engine torque switched between two ignition angles, …`); `None` for a
+/// test that is not one of the method's.
 pub fn experiment(label: &ExperimentLabel) -> Option<&'static str> {
     match label.test {
         Test::Bs => {

@@ -21,7 +21,7 @@ pub fn remark(found: &Diagnostic) -> String {
     format!("{place}{} {}", finding(&found.finding), advice(&found.finding))
 }
 
-/// What was found, as a sentence.
+/// Finding as a sentence.
 pub fn finding(finding: &Finding) -> String {
     match finding {
         Finding::UnreadableRecording { error } => {
@@ -211,7 +211,7 @@ pub fn finding(finding: &Finding) -> String {
     }
 }
 
-/// What to do about a finding, as a sentence.
+/// Advice on a finding, as a sentence.
 pub fn advice(finding: &Finding) -> &'static str {
     match finding {
         Finding::UnreadableRecording { .. } => "Export the recording again and check that the copy is complete.",
@@ -425,7 +425,7 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
     )
 }
 
-/// What two routes were taken to.
+/// Quantity to which two routes were taken.
 pub fn twice_estimated(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::TorqueControlGain => "gain from T_d* to T_d,calc",

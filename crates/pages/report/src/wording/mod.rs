@@ -29,7 +29,7 @@ pub fn severity(severity: Severity) -> &'static str {
     }
 }
 
-/// What a severity means for the reader of a result.
+/// Meaning of a severity for the reader of a result.
 pub fn severity_meaning(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "something was left out, or a result must not be used",
@@ -70,7 +70,7 @@ pub fn role(role: Role) -> String {
     format!("{} {}", role_name(role), role.symbol())
 }
 
-/// What the two sides of the bench control.
+/// Control of the two sides of the bench.
 pub fn mode(mode: ControlMode) -> &'static str {
     match mode {
         ControlMode::Nt => "speed control (NT): the dynamometer holds speed, the engine torque",

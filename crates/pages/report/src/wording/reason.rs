@@ -8,7 +8,7 @@ use rig::results::Reason;
 use super::number::significant;
 use super::{experiment, join, part, role};
 
-/// What is needed, as a phrase that completes "needs …".
+/// Need, as a phrase that completes "needs …".
 pub fn need(reason: &Reason) -> String {
     let better = |file: &str, failure: &str| {
         format!("better data than {file}, where the estimate failed: {}", failure.trim_end_matches('.'))

@@ -1,4 +1,4 @@
-//! What is known, and how well.
+//! Known quantities, and how well they are known.
 
 use report::known::{Grade, Known, known};
 use rig::results::{Estimate, Outcome, Parameter, Quantity, Shaft};

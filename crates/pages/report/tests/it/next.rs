@@ -1,4 +1,4 @@
-//! What to record next, in words.
+//! Experiments to record next, in words.
 
 use design::safety::Safety;
 use report::next::{best, choices, recommendation};

@@ -17,7 +17,7 @@ Examples:
 
 Names: {test}_{T|N}_{NT|TN}. T or N is what is excited, torque or speed. NT: the dynamometer controls speed, the engine torque; TN: the reverse.";
 
-/// What is done with an experiment before it is run on the bench.
+/// Steps with an experiment before it is run on the bench.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExperimentCommand {
     /// List the experiments of the method with their parameters

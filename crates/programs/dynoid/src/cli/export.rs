@@ -56,7 +56,7 @@ pub(crate) struct ExportArguments {
     pub(crate) json: bool,
 }
 
-/// What a model is exported to.
+/// Targets to which a model is exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExportTarget {
     /// MATLAB and Octave
@@ -89,7 +89,8 @@ impl ExportTarget {
         }
     }
 
-    /// Whether its main file can have this name as it is. In the other targets it names what is in it, which takes fewer names.
+    /// Tells whether its main file can have this name as it is. In the other targets it names what is in it, which
+    /// takes fewer names.
     pub(crate) fn takes_name(self, name: &str) -> bool {
         match self {
             ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssp | ExportTarget::Ssv => true,

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
     use crate::cli::Cli;
 
-    /// What commands read, by the names of their arguments.
+    /// Inputs that commands read, by the names of their arguments.
     const INPUTS: [&str; 18] = [
         "bench",
         "engine_map",

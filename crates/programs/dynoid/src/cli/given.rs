@@ -1,4 +1,4 @@
-//! What most commands for a bench are given.
+//! Arguments of most commands for a bench.
 
 use std::path::PathBuf;
 

@@ -59,7 +59,7 @@ pub(in crate::commands) fn no_model(path: &Path, text: &str, wanted: &'static st
     CliError::NoModel { path: path.to_owned(), reason, wanted }
 }
 
-/// What every file of dynoid says first.
+/// First entry of every file of dynoid.
 #[derive(Deserialize)]
 struct Named {
     #[serde(rename = "format")]

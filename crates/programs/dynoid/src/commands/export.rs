@@ -128,7 +128,7 @@ struct Place {
     names: Names,
     /// The name of the first file, where the command line states it.
     file: Option<String>,
-    /// What the command line names, where it is neither a file nor a folder.
+    /// Device that the command line names, neither a file nor a folder.
     device: Option<PathBuf>,
 }
 

@@ -110,8 +110,8 @@ fn bench_name(files: &[InputFile]) -> String {
     named.unwrap_or_else(|| "My bench".to_owned())
 }
 
-/// What to list in the bench file, with the recordings that it stands for: for a folder a pattern of each kind of recording in it, a
-/// file by its name.
+/// Entries for the bench file, with the recordings that they stand for: for a folder a pattern of each kind of
+/// recording in it, a file by its name.
 fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<(String, Vec<PathBuf>)>, CliError> {
     let mut patterns = Vec::new();
     for argument in arguments {

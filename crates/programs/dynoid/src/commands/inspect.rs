@@ -10,7 +10,7 @@ use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile, Read};
 use crate::terminal::Terminal;
 
-/// What is shown of a file.
+/// Content of a file that is shown.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Shown {

@@ -18,7 +18,7 @@ pub(super) struct Rebuilt<'a> {
     pub(super) channels: Vec<(&'a str, &'a str, &'a [f64])>,
 }
 
-/// Whether a torque can be written there, before any work: by its ending, and that nothing that is read is lost.
+/// Checks before any work that a torque can be written there: by its ending, and that nothing that is read is lost.
 pub(super) fn check(out: Option<&Path>) -> Result<(), CliError> {
     let Some(out) = out else { return Ok(()) };
     FileFormat::of_output(out)?;

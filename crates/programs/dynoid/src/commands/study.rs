@@ -51,7 +51,7 @@ pub(crate) enum Extent {
     Full,
 }
 
-/// What a study writes beside its report and its data.
+/// Files that a study writes beside its report and its data.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted {
     pub(crate) extent: Extent,
@@ -242,7 +242,7 @@ impl Pages {
         }
     }
 
-    /// What is wanted beside the report for a browser: the full report, and all that is for paper.
+    /// Files that are wanted beside the report for a browser: the full report, and all that is for paper.
     fn files(&self, identity: &ReportIdentity, wanted: Wanted) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
         let pdf = |page: &Page, paper: Paper, on_one_page: bool| {
             let author = identity.author.clone().unwrap_or_default();

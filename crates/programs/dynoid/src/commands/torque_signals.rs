@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
     Ok(Outcome::of(signals.recordings.iter().any(shows) || signals.trust.is_some(), &refused))
 }
 
-/// Whether a recording gives any result.
+/// Tells whether a recording gives any result.
 fn shows(recording: &TorqueRecording) -> bool {
     let filter = recording.filter.as_ref().is_some_and(|outcome| outcome.estimated().is_some());
     let shaft = recording.shaft.as_ref().is_some_and(|outcome| outcome.estimated().is_some());

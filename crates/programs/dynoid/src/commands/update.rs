@@ -1,4 +1,5 @@
-//! What a bench file lacks, added to its text: every value, comment and line of a person stays where it is.
+//! Update of a bench file: what it lacks is added to its text, and every value, comment and line of a person stays
+//! where it is.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +32,7 @@ pub(super) fn updated(
     })
 }
 
-/// Whether a table holds all of another: lists may be longer.
+/// Tells whether a table holds all of another: lists may be longer.
 fn holds(now: &Table, stated: &Table) -> bool {
     let is_in = |(key, value): (&String, &toml::Value)| match (now.get(key), value) {
         (Some(toml::Value::Table(now)), toml::Value::Table(stated)) => holds(now, stated),
@@ -41,7 +42,7 @@ fn holds(now: &Table, stated: &Table) -> bool {
     stated.iter().all(is_in)
 }
 
-/// Whether a table has the channels and labels that were proposed, and patterns of recordings.
+/// Tells whether a table has the channels and labels that were proposed, and patterns of recordings.
 fn has_new(now: &Table, proposed: &Table, patterns: &[&str]) -> bool {
     let channels = |table: &Table| -> Vec<String> {
         let channels = table.get("channels").and_then(toml::Value::as_table);

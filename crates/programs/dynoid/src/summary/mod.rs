@@ -30,7 +30,7 @@ pub(crate) fn page(written: &Written) -> Page {
     page
 }
 
-/// What a study says about itself without its numbers, and where its files are.
+/// Judgement of a study without its numbers, and the places of its files.
 pub(crate) fn judgement(written: &Written) -> Vec<Block> {
     let mut blocks = report::brief::judgement(&written.study).blocks;
     blocks.extend(places(written));

@@ -30,7 +30,7 @@ pub(crate) struct Short<'a> {
     series: Option<&'a Path>,
     /// The bench model; none where the study has none.
     model: Option<&'a Path>,
-    /// What has changed since the study that was in the folder before; none where it had no model.
+    /// Changes since the study that was in the folder before; none where it had no model.
     earlier: Option<ShortEarlier<'a>>,
 }
 

@@ -11,7 +11,7 @@ pub(crate) struct Written {
     pub(crate) report: PathBuf,
     /// The report with all analyses, where they were wanted.
     pub(crate) full_report: Option<PathBuf>,
-    /// What was written for paper.
+    /// Files for paper.
     pub(crate) paper: Vec<PathBuf>,
     pub(crate) data: PathBuf,
     /// The measured and modelled series, where something was estimated.

@@ -1,4 +1,4 @@
-//! What users get wrong, and what the program says to it.
+//! Mistakes of users, and what the program says to them.
 
 use recording::encode_mdf4;
 

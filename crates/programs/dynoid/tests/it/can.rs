@@ -108,7 +108,7 @@ fn exported_run(raster_s: f64, change: impl Fn(f64, &mut f64, &mut f64)) -> Stri
     text
 }
 
-/// What a command printed, without the ends of its lines.
+/// Words that a command printed, without the ends of its lines.
 fn words(printed: &str) -> String {
     printed.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! What happens to recordings before and after an estimate: clocks, gaps, faults, and what is said of them.
+//! Recordings before and after an estimate: clocks, gaps, faults, and what is said of them.
 
 use faer::{Mat, mat};
 use lti::StateSpace;

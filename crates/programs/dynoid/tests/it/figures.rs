@@ -1,4 +1,4 @@
-//! What a reader of the report reads off its figures, in a browser.
+//! Readings of the report's figures by a reader, in a browser.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -104,7 +104,7 @@ fn browser() -> Option<PathBuf> {
     names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
 }
 
-/// What a script of a page writes into the element `read`.
+/// Value that a script of a page writes into the element `read`.
 fn read(browser: &Path, page: &Path, more: &[&str]) -> Value {
     let output = Command::new(browser)
         .args([

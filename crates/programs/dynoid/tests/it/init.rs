@@ -154,7 +154,7 @@ torque = "380 Nm"
     campaign.run(&both).assert_refused(2, &["--force"]);
 }
 
-/// What `init` writes names the program in its first line, and is a bench file all the same.
+/// A file that `init` wrote names the program in its first line, and is a bench file all the same.
 #[test]
 fn regress_a_bench_file_that_init_wrote_is_updated_and_replaced() {
     let campaign = Campaign::whole();

@@ -1,4 +1,4 @@
-//! What the commands say about models and data.
+//! Answers of the commands on models and data.
 
 use std::path::Path;
 

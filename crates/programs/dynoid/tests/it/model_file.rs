@@ -16,7 +16,7 @@ use rig::facts::Engine;
 use serde_json::Value;
 use toolbox_report::models::{Model, bode};
 
-/// What a computer has trouble with.
+/// Values that a computer has trouble with.
 const VALUES: [f64; 12] =
     [0.0, -1.0, 1e308, -1e308, 1e-308, -1e-300, 1e9, 1e-12, 0.9, 1e5, 1e-5, f64::MIN_POSITIVE * f64::EPSILON];
 /// Longest time that one command may take on a file of a few numbers.

@@ -21,7 +21,7 @@ struct Row {
     cells: Vec<String>,
 }
 
-/// What stands between the start of a tag and its end, one after the other.
+/// Texts between the start of a tag and its end, one after the other.
 fn between<'a>(page: &'a str, start: &'a str, end: &'a str) -> impl Iterator<Item = &'a str> {
     page.split(start).skip(1).filter_map(move |rest| rest.split(end).next())
 }
@@ -128,7 +128,8 @@ fn sentence<'a>(text: &'a str, start: &str) -> &'a str {
     &text[from..end]
 }
 
-/// What is not significant has an interval that contains zero, and what is found one that does not. Returns how many it compared.
+/// Checks that the interval of a term contains zero where it is not significant, and does not where it is found.
+/// Returns how many it compared.
 fn compare_verdicts(page: &str) -> usize {
     let number = |text: &str| -> f64 { text.trim().replace('−', "-").parse().unwrap_or_else(|_| panic!("`{text}`")) };
     let mut compared = 0;

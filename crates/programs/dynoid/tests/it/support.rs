@@ -10,7 +10,7 @@ use rig::experiment::ExperimentPlan;
 use tempfile::TempDir;
 use virtual_bench::simulate;
 
-/// What a run of the program left behind.
+/// Exit code and output of a run of the program.
 pub(crate) struct Ran {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,

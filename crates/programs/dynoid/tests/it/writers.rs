@@ -1,4 +1,4 @@
-//! What commands write, and what they must leave alone: every output of every command, by the commands' own help.
+//! Outputs of commands, and files that they must leave alone: every output of every command, by the commands' own help.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What is demanded in the experiments of a campaign.
+//! Demands in the experiments of a campaign.
 
 use std::f64::consts::TAU;
 

@@ -20,7 +20,7 @@ const WIEBE: (i32, f64) = (3, 6.908);
 /// The exhaust valve opens, and the pressure has fallen, rad.
 const EXHAUST_RAD: (f64, f64) = (3.0 * PI - 0.7, 3.0 * PI + 0.2);
 
-/// What a cylinder does at one angle.
+/// Terms of a cylinder at one angle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Point {
     /// Torque for the pressure of the charge, m³.

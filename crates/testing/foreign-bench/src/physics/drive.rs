@@ -12,7 +12,7 @@ pub(crate) struct Drive {
     /// Demands to come, each with its time.
     coming: VecDeque<(f64, f64)>,
     now_s: f64,
-    /// What the torque without ripple goes towards, Nm.
+    /// Torque without ripple towards which the drive goes, Nm.
     towards_nm: f64,
     torque_nm: f64,
 }

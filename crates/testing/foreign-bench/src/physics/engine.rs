@@ -11,7 +11,7 @@ const AMBIENT_PA: f64 = 1.0e5;
 /// Lowest and highest pressure of the charge, Pa.
 const CHARGE_PA: (f64, f64) = (2.5e4, 3.0e5);
 
-/// What the engine does at an angle and a speed.
+/// Torque and inertia of the engine at an angle and a speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {
     /// Torque of gas, friction and of pistons at constant speed, Nm.

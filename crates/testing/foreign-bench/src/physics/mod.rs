@@ -1,4 +1,4 @@
-//! What moves: engine, drive, shaft.
+//! Moving parts: engine, drive, shaft.
 
 mod cycle_table;
 mod drive;

@@ -17,7 +17,7 @@ pub(crate) struct State {
     pub(crate) angle_rad: f64,
     /// By how much the engine is ahead of the dynamometer, rad.
     pub(crate) twist_rad: f64,
-    /// What the load cell shows, before its delay, Nm.
+    /// Reading of the load cell, before its delay, Nm.
     pub(crate) cell_nm: f64,
     /// Its rate, Nm/s.
     pub(crate) cell_nm_per_s: f64,

@@ -79,7 +79,7 @@ fn bench_file(bench: &Bench, random: &mut Random) -> BenchFile {
     text.parse().unwrap()
 }
 
-/// What is judged.
+/// Quantities that are judged.
 const JUDGED: [Quantity; 9] = [
     Quantity::Stiffness,
     Quantity::Damping,
@@ -105,7 +105,7 @@ fn found(known: &Known, quantity: Quantity) -> Option<(f64, (f64, f64), f64)> {
     Some((parameter.value, parameter.interval, known.truth(quantity)))
 }
 
-/// Whether the interval of each quantity holds the truth; prints those that do not.
+/// Returns for each quantity whether its interval holds the truth; prints those that do not.
 fn held(seed: u64, known: &Known) -> Vec<Option<bool>> {
     let one = |quantity: &Quantity| {
         let (value, (low, high), truth) = found(known, *quantity)?;

@@ -1,4 +1,4 @@
-//! What both versions of a linear model's description have in common.
+//! Common parts of both versions of a linear model's description.
 
 use ident::{Label, ModelDocument};
 use units::Quantity;
@@ -12,7 +12,7 @@ use crate::names::Names;
 /// First reference of the inputs, as `linear_instance.c` has it; outputs and initial states follow.
 const FIRST: usize = 10;
 
-/// What a variable is for an importer.
+/// Role of a variable for an importer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Input,
@@ -44,14 +44,14 @@ impl Variable {
     }
 }
 
-/// What the FMU of a linear model says of itself.
+/// Content of the description of a linear model's FMU.
 pub(super) struct Description<'a> {
     pub(super) numbers: &'a LinearNumbers,
     pub(super) name: String,
     pub(super) tool: String,
     pub(super) token: &'a str,
     pub(super) variables: Vec<Variable>,
-    /// What the inputs and outputs are differences from, if from anything.
+    /// Levels from which the inputs and outputs are differences, if from any.
     pub(super) levels: Option<String>,
 }
 
@@ -168,7 +168,7 @@ fn exponents(quantity: Quantity) -> [i32; 6] {
     }
 }
 
-/// What a channel is a difference from, for its description.
+/// Level from which a channel is a difference, for its description.
 fn from_level(levels: Option<&Levels>, role: Role, place: usize, unit: &str) -> String {
     let of = |levels: &Levels| match role {
         Role::Input => levels.inputs.get(place).copied(),
@@ -214,7 +214,7 @@ fn unused(name: &str, taken: &[Variable]) -> String {
     numbered.into_iter().find(|name| is_free(name)).unwrap_or(plain)
 }
 
-/// What the parameter `draw` is.
+/// Description of the parameter `draw`.
 pub(super) const DRAW: &str = "0 the estimate, k the k-th draw of its covariance";
 
 /// Messages by their kind; the same in FMI 2.0 and 3.0.

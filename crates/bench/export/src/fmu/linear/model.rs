@@ -21,7 +21,7 @@ const DRAWN_NUMBERS: usize = 40_000;
 const FEWEST_DRAWS: usize = 20;
 /// Seed of the draws.
 const SEED: u64 = 1;
-/// What the runtime can hold.
+/// Most numbers that the runtime can hold.
 const MOST_NUMBERS: usize = 160_000;
 
 /// The matrices of a linear model, and of models that its covariance allows.

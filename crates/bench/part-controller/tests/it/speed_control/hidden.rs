@@ -98,7 +98,7 @@ impl Hidden {
         self.logged(experiment, &speed, first_nm)
     }
 
-    /// What is logged where the controller sees a speed and starts from a state of its integrator.
+    /// Logged signals where the controller sees a speed and starts from a state of its integrator.
     fn logged(&self, experiment: &Experiment, speed: &[f64], first_nm: f64) -> Experiment {
         let mut logged = experiment.clone();
         let clock = &experiment.signals[&Role::DynoSpeed];
@@ -145,7 +145,7 @@ impl Hidden {
         all
     }
 
-    /// What the integrator takes of its change at the limit.
+    /// Change that the integrator takes at the limit.
     fn change_nm(&self, change: f64, wanted: f64) -> f64 {
         let exceeds = wanted.abs() > self.limit_nm;
         match self.law {

@@ -13,7 +13,7 @@ use signal::excitation::Random;
 use units::RPM_RAD_S;
 use virtual_bench::{Numerics, simulate, simulate_hidden};
 
-/// What a component needs to be there.
+/// Sources that a component needs to be there.
 const SOURCES: usize = 4;
 const TURNING: usize = 0;
 const RIPPLE: usize = 1;
@@ -65,7 +65,7 @@ struct Component {
     needs: [bool; SOURCES],
 }
 
-/// What a name says of a line whose cause is known.
+/// Judgement of a line's name where its cause is known.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Judged {
     /// The true kind, the strongest of several.
@@ -181,7 +181,7 @@ impl Drawn {
         other
     }
 
-    /// Whether its speed stays about one value that can be chosen.
+    /// Tells whether its speed stays about one value that can be chosen.
     pub(crate) fn has_one_speed(&self) -> bool {
         matches!(self.plan.speed_rad_s, Waveform::Constant { .. } | Waveform::RandomBinary { .. })
     }
@@ -193,7 +193,7 @@ impl Drawn {
         }
     }
 
-    /// Whether a demand steps or ramps.
+    /// Tells whether a demand steps or ramps.
     fn is_slowly_driven(&self) -> bool {
         let is = |demand: &Waveform| matches!(demand, Waveform::Ramps { .. } | Waveform::Square { .. });
         is(&self.plan.speed_rad_s) || is(&self.plan.dyno_torque_nm)
@@ -481,7 +481,7 @@ impl Labelled {
         if close.is_empty() { scored(within(MODULATED_HZ)) } else { close }
     }
 
-    /// Whether a name says what a component is.
+    /// Tells whether a name says what a component is.
     fn names(&self, cause: &Cause, component: &Component, part: &PartLines) -> bool {
         let turns_hz = self.turns_hz(part);
         let bin_hz = 1.0 / (part.end_s - part.start_s);
@@ -508,7 +508,7 @@ impl Labelled {
         }
     }
 
-    /// Whether all that a line may come from lies within its resolution.
+    /// Tells whether all that a line may come from lies within its resolution.
     fn coincide(&self, between: &[Cause], part: &PartLines, signal: &SignalLines, line: &Line) -> bool {
         let rate_hz = 1.0 / signal.sample_time_s;
         let (turns_hz, spread_hz) = (self.turns_hz(part), self.spread_hz(part));

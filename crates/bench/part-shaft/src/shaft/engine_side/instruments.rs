@@ -1,4 +1,4 @@
-//! What the demand makes of the engine's side, as an orthonormal basis on which errors are projected.
+//! Effect of the demand on the engine's side, as an orthonormal basis on which errors are projected.
 
 use faer::Mat;
 use ident::IdentError;

@@ -93,7 +93,7 @@ pub(super) fn estimate(
 struct Search<'a> {
     equation: EngineEquation<'a>,
     sides: Sides,
-    /// What τ is beforehand, s.
+    /// Prior value of τ, s.
     half_firing_s: f64,
 }
 

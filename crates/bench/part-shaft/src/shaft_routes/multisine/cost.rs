@@ -3,7 +3,7 @@
 use ident::distributions::normal_quantile;
 use serde::Serialize;
 
-/// Whether what is left is noise.
+/// Test that the rest is noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CostTest {
     /// V at the minimum.
@@ -17,13 +17,13 @@ pub struct CostTest {
 }
 
 impl CostTest {
-    /// Whether the cost is no more than that of noise.
+    /// Tells whether the cost is no more than that of noise.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.achieved <= self.limits.1
     }
 
-    /// What a covariance from the scatter alone is multiplied by where the model lacks something.
+    /// Factor on a covariance from the scatter alone where the model lacks something.
     pub(super) fn inflation(&self) -> f64 {
         if self.passed() { 1.0 } else { self.achieved / self.expected }
     }

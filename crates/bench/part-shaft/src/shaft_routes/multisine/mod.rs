@@ -44,7 +44,7 @@ use engine::EngineSide;
 use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
 
-/// What is found of J_d.
+/// Treatment of J_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DynoInertia {

@@ -60,7 +60,7 @@ impl Shaft<'_> {
         row
     }
 
-    /// What turns the torque's transform into that of its mean over the gate.
+    /// Factor that turns the torque's transform into that of its mean over the gate.
     fn torque_factor(&self, s: Complex64, theta: &[f64]) -> Complex64 {
         let x = s * self.gate_s;
         let gate = if x.norm() < 1e-9 { Complex64::from(1.0) } else { (1.0 - (-x).exp()) / x };
@@ -138,7 +138,7 @@ impl Shaft<'_> {
         start
     }
 
-    /// What people read.
+    /// Parameters that people read, with their places.
     pub(super) fn read(&self) -> Vec<(Quantity, usize)> {
         let mut chosen = vec![(Quantity::Stiffness, STIFFNESS), (Quantity::Damping, DAMPING)];
         if self.prior.is_none_or(|(_, uncertainty)| uncertainty > 0.0) {

@@ -59,7 +59,7 @@ pub enum CatalogueError {
         lowest: f64,
         /// Largest possible.
         highest: f64,
-        /// What it does.
+        /// Effect of the parameter.
         meaning: &'static str,
     },
     /// Two values exclude each other.

@@ -23,7 +23,7 @@ pub use parameter::{Parameter, parameter};
 pub use settings::Settings;
 pub use template::Template;
 
-/// What can be set in a designed experiment, see `design::excitation_design`.
+/// Parameters of a designed experiment, see `design::excitation_design`.
 pub const OPTIMAL: &[Parameter] = templates::OPTIMAL;
 
 /// Every template, in the order of the method's table.

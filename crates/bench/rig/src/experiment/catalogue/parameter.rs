@@ -5,17 +5,17 @@ use serde::Serialize;
 /// A number that an experiment can be given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameter {
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub name: &'static str,
     /// Its unit; empty for counts.
     pub unit: &'static str,
-    /// What it is unless given.
+    /// Value unless given.
     pub default: f64,
     /// Smallest value.
     pub lowest: f64,
     /// Largest value.
     pub highest: f64,
-    /// What it does.
+    /// Effect of the parameter.
     pub meaning: &'static str,
 }
 

@@ -42,7 +42,7 @@ impl Settings {
         self.values.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)
     }
 
-    /// Whether a parameter was given a value.
+    /// Tells whether a parameter was given a value.
     pub fn is_given(&self, name: &str) -> bool {
         self.given.contains(&name)
     }

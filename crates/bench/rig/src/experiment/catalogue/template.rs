@@ -11,15 +11,15 @@ use crate::experiment::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan
 /// An experiment of the method, of which a plan is made by giving it numbers.
 #[derive(Debug, Clone)]
 pub struct Template {
-    /// What is done, first part of the label.
+    /// Test that is done, first part of the label.
     pub test: Test,
-    /// What is excited.
+    /// Quantity that is excited.
     pub excitation: Excitation,
     /// Who controls what.
     pub mode: ControlMode,
-    /// What is demanded.
+    /// Demands, in words.
     pub demands: &'static str,
-    /// What a recording of it gives.
+    /// Results of a recording of it.
     pub gives: &'static str,
     pub(super) duration_s: f64,
     pub(super) own: &'static [Parameter],

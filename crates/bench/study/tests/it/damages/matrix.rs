@@ -23,7 +23,7 @@ const TOLD: [Quantity; 3] = [Quantity::Stiffness, Quantity::Damping, Quantity::P
 /// The recordings of a drawn bench, by the start of their names; all of them.
 const WHICH: [&str; 5] = ["", "BS", "White", "Levels", "Ramp"];
 
-/// What of a study is wrong, with the half widths by which it is.
+/// Wrong values of a study, with the half widths by which they are off.
 fn wrong(bench: &RecordedBench, study: &Study) -> Vec<String> {
     let off = TOLD.iter().filter_map(|quantity| {
         let widths = bench.half_widths_off(found(study, *quantity)?);
@@ -32,7 +32,7 @@ fn wrong(bench: &RecordedBench, study: &Study) -> Vec<String> {
     off.collect()
 }
 
-/// What is done to a campaign, in steps that grow.
+/// Damage to a campaign, in steps that grow.
 struct Series {
     name: &'static str,
     which: &'static str,

@@ -1,4 +1,4 @@
-//! What can be done to recordings.
+//! Damages of recordings.
 
 use recording::{Channel, Raster, Recording};
 use signal::filter::Sos;
@@ -137,7 +137,7 @@ impl Brought {
     }
 }
 
-/// Whether something of this probability happens at a sample: uniform numbers from a hash.
+/// Tells whether something of this probability happens at a sample: uniform numbers from a hash.
 pub(super) fn happens(i: usize, probability: f64) -> bool {
     0.5 * (bench_testkit::recordings::noise(i, 9) + 1.0) < probability
 }

@@ -103,7 +103,7 @@ fn test_row(test: &TermTest) -> Vec<String> {
     ]
 }
 
-/// What bends the feed-forward, in every recording in which N_d* moves.
+/// Terms that bend the feed-forward, in every recording in which N_d* moves.
 pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
     let mut all = Blocks::default();
     for one in &found.feed_forward {
@@ -155,7 +155,7 @@ fn map(terms: &FeedForwardTerms) -> Blocks {
     plain_table(&["N_d*", "Feed-forward above the lowest", "Beyond straight"], rows)
 }
 
-/// What noise does to the estimate of a PI that is known.
+/// Effect of noise on the estimate of a PI that is known.
 pub(crate) fn pi_study(found: &NoiseTest) -> Blocks {
     let mut all = heading("Could noise be why a PI does not explain a recording?");
     all.push(sentence(&format!(

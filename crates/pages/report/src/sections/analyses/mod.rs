@@ -1,4 +1,5 @@
-//! What the analyses of the parts add to the report: the figures of their own pages, and the words that the command line has.
+//! Parts of the report from the analyses of the parts: the figures of their own pages, and the words that the command
+//! line has.
 
 mod controller;
 mod engine;

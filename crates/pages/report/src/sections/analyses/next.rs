@@ -1,4 +1,4 @@
-//! What to record next.
+//! Experiments to record next.
 
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 use study::{Candidate, NextError, NextExperiments};
@@ -16,7 +16,7 @@ pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Blocks {
     next_experiment(found)
 }
 
-/// What each further experiment would gain, the best first.
+/// Gain from each further experiment, the best first.
 pub(crate) fn next_experiment(found: &NextExperiments) -> Blocks {
     let mut all = sentence(&words::recommendation(found));
     all.push(sentence(

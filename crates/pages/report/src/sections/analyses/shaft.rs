@@ -12,7 +12,7 @@ use crate::wording::{self, number};
 const WHICH: &str = "The values of each recording come from its first part, and the rest judges them. A comparison of whole recordings \
     gives values that differ a little";
 
-/// What all recordings with a shaft show of it.
+/// Findings of all recordings with a shaft on it.
 pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
     let mut all = match found.recordings.len() {
         0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),
@@ -88,7 +88,7 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
     all
 }
 
-/// What two masses and a shaft are made of.
+/// Quantities that make up two masses and a shaft.
 const MASSES_AND_SHAFT: [Quantity; 4] =
     [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia];
 

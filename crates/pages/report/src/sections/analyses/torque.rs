@@ -62,8 +62,8 @@ fn delays(found: &TorqueSignals) -> Blocks {
     all
 }
 
-/// What is in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is, the
-/// figures say.
+/// Filter in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is,
+/// the figures say.
 fn by_recording(found: &TorqueSignals) -> Blocks {
     let filters = found.recordings.iter().filter_map(|recording| {
         let filter = match recording.filter.as_ref()? {

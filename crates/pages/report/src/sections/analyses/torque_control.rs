@@ -63,7 +63,7 @@ fn one(studied: &ModelComparison, recording: &ComparedRecording) -> Blocks {
     all
 }
 
-/// What moved T_d*, which part judges the other, and what ripple was taken out.
+/// Mover of T_d*, the part that judges the other, and the ripple that was taken out.
 fn stretches(recording: &ComparedRecording) -> String {
     let ends = [recording.estimation.end_s, recording.held_out.end_s].map(|s| number::significant(s, 4));
     let ripple = match recording.ripple_hz.as_slice() {
@@ -94,7 +94,7 @@ fn estimates(recording: &ComparedRecording) -> Blocks {
     plain_table(&heads, std::iter::once(first).chain(both))
 }
 
-/// What other rates and demands would show.
+/// Visibility at other rates and demands.
 fn visibility(of: &Visibility) -> Blocks {
     let mut all = heading(&format!("What {} of other rates and demands would show", number::duration(of.recording_s)));
     let row = |case: &VisibilityCase| {

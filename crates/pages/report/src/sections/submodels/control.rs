@@ -127,7 +127,7 @@ fn delay_places(places: &[DelayPlace]) -> String {
     }
 }
 
-/// What a delay below zero means, where one is.
+/// Meaning of a delay below zero, where one is.
 fn early(estimate: &Estimate) -> Blocks {
     let said = torque::early_delays(&estimate.parameters);
     said.iter().map(|text| Block::paragraph(format!("{text}."))).collect()

@@ -33,7 +33,7 @@ pub(crate) fn timing(study: &Study) -> Blocks {
     all
 }
 
-/// What is known of why a signal is late: the system's moving average, the load cell's own dynamics.
+/// Reasons known why a signal is late: the system's moving average, the load cell's own dynamics.
 fn details(delay: &SignalDelay) -> Blocks {
     let mut all = Blocks::default();
     if let Some(length) = delay.moving_average_length {

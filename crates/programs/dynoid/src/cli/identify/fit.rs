@@ -24,7 +24,7 @@ pub(crate) enum Initial {
     Zero,
 }
 
-/// Whether the level of the output is estimated with the model.
+/// Choice to estimate the level of the output with the model, or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Offset {
     /// A constant of the output of each recording is estimated too
@@ -50,7 +50,7 @@ pub(crate) struct OffsetArgument {
 }
 
 impl OffsetArgument {
-    /// Whether it is estimated.
+    /// Tells whether it is estimated.
     pub(crate) fn is_estimated(self, detrend: Detrend) -> bool {
         self.offset.map_or(detrend != Detrend::None, |offset| offset == Offset::Estimated)
     }

@@ -37,7 +37,7 @@ pub(crate) enum MeetDetrend {
     None,
 }
 
-/// What recordings are for a bench model.
+/// Arguments about the recordings for a bench model.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArguments {
     /// With a bench model: the bench file, which names the channels [default: that of the study, if it is beside the model

@@ -48,7 +48,7 @@ Examples:
 
 `dynoid fit … --out model.json` writes a model file.";
 
-/// What data show before a model is chosen.
+/// Views of data before a model is chosen.
 #[derive(Debug, Subcommand)]
 pub(crate) enum DataCommand {
     /// Estimate spectra of channels, and frequency responses between them
@@ -59,7 +59,7 @@ pub(crate) enum DataCommand {
     Order(OrderArguments),
 }
 
-/// What is done with model files.
+/// Uses of model files.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ModelCommand {
     /// Show frequency responses with confidence bands

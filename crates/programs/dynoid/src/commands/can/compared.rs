@@ -1,4 +1,4 @@
-//! What a judgement compares: the signals that its requirements use, and no others.
+//! Signals that a judgement compares: those that its requirements use, and no others.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub(super) struct Compared {
     pub(super) throttle: Option<Role>,
     /// The demand that shows when a cycle begins, if it was recorded.
     pub(super) demand: Option<Signal>,
-    /// What was left out of the recording and why, and what else is wrong with it, in words.
+    /// Left-out parts of the recording with the reasons, and its other faults, in words.
     pub(super) remarks: Vec<String>,
     /// Roles of the speed, the best first.
     speeds: &'static [Role],
@@ -139,7 +139,7 @@ fn label(test: &Test) -> ExperimentLabel {
     }
 }
 
-/// Whether a doubt says that something of the recording was left out, or must be known.
+/// Tells whether a doubt says that something of the recording was left out, or must be known.
 fn is_told(diagnostic: &Diagnostic) -> bool {
     diagnostic.severity >= Severity::Warning || matches!(diagnostic.finding, Finding::Spikes { .. })
 }

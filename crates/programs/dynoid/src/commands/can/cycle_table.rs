@@ -13,7 +13,7 @@ use crate::input;
 use crate::paths;
 use crate::terminal::Terminal;
 
-/// What a cell that marks motoring is read as: no torque in Nm or % is so large.
+/// Value read for a cell that marks motoring: no torque in Nm or % is so large.
 const MOTORED: f64 = -99_999.0;
 /// Words of such a cell.
 const MARKS: [&str; 4] = ["m", "motoring", "motored", "closed throttle"];

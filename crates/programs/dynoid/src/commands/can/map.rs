@@ -103,7 +103,7 @@ fn frequencies_hz() -> Vec<f64> {
     all
 }
 
-/// What is asked for with `--want`.
+/// Wishes of `--want`.
 fn wishes(arguments: &CanArguments) -> Result<Vec<Wanted>, CliError> {
     let usage = |error: capability::CapabilityError| CliError::Usage { what: format!("--want: {error}") };
     arguments.want.iter().map(|text| text.parse().map_err(usage)).collect()

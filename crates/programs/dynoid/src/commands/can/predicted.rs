@@ -79,7 +79,7 @@ pub(super) fn spread(bench: &Bench) -> BenchSpread<'_> {
     }
 }
 
-/// What a test asks for beyond what is known, with its words.
+/// Part of a test beyond what is known, with its words.
 pub(super) fn words_and_numbers(beyond: &Beyond) -> serde_json::Value {
     json!({"words": report::can::beyond(beyond), "numbers": beyond})
 }

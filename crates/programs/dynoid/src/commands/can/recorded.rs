@@ -75,7 +75,7 @@ fn role_of(compared: Option<Role>) -> Option<String> {
     compared.map(wording::role)
 }
 
-/// What limits in per cent refer to.
+/// Reference of limits in per cent.
 fn scales_of(arguments: &CanArguments, test: &Test) -> ScalesOf {
     let has_map = matches!(&test.what, What::Cycle { map: Some(_), .. });
     match (has_map, arguments.idle.is_some()) {
@@ -86,7 +86,7 @@ fn scales_of(arguments: &CanArguments, test: &Test) -> ScalesOf {
     }
 }
 
-/// What the test asks for.
+/// Reference that the test demands.
 fn reference(test: &Test) -> Reference {
     match &test.what {
         What::Cycle { reference, .. } => reference.clone(),
@@ -166,7 +166,7 @@ fn feedback(compared: &Compared, start_s: f64) -> Result<Feedback, String> {
     })
 }
 
-/// What the test asks for at a time on its own clock: speed and torque.
+/// Speed and torque that the test asks for at a time on its own clock.
 fn wanted_at(test: &Test, reference: &Reference, time_s: f64) -> (f64, f64) {
     match &test.what {
         What::Cycle { .. } => (reference.speed_at(time_s), reference.torque_at(time_s)),

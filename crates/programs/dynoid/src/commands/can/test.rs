@@ -24,7 +24,7 @@ pub(super) struct Test {
     usual_set: Option<&'static str>,
 }
 
-/// What a test consists of.
+/// Content of a test.
 pub(super) enum What {
     Cycle { reference: Reference, map: Option<EngineMap> },
     Plan { plan: Box<ExperimentPlan>, demands: Box<Demands> },

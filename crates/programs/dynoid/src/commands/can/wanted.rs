@@ -1,4 +1,4 @@
-//! What a test must meet.
+//! Requirements that a test must meet.
 
 use cycle::{Own, RequirementSet, Sensor, Signal, requirement};
 
@@ -6,7 +6,7 @@ use super::test::Test;
 use crate::cli::can::CanArguments;
 use crate::error::CliError;
 
-/// What a test must meet.
+/// Requirements that a test must meet.
 pub(super) struct Wanted {
     pub(super) sets: Vec<RequirementSet>,
     pub(super) own: Vec<Own>,
@@ -31,7 +31,7 @@ impl Wanted {
         Ok(Wanted { sets, own })
     }
 
-    /// Whether a requirement uses the speed, or the torque, that follows the demand.
+    /// Tells whether a requirement uses the speed, or the torque, that follows the demand.
     pub(super) fn uses(&self, signal: Signal) -> bool {
         let sensor = if signal == Signal::Speed { Sensor::Speed } else { Sensor::Torque };
         self.sets.iter().any(|set| set.uses(signal)) || self.own.iter().any(|own| own.sensor() == sensor)

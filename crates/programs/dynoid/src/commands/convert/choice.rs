@@ -10,7 +10,7 @@ use crate::input;
 pub(super) struct Choice {
     /// None where it has nothing of what was asked for.
     pub(super) selection: Option<Selection>,
-    /// What was asked for and is not in this one of several.
+    /// Part that was asked for and is not in this one of several.
     pub(super) without: Option<String>,
 }
 

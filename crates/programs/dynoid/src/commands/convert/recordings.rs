@@ -24,7 +24,7 @@ use toolbox_report::words::counted;
 /// Most notes that are shown of one file; all are in the JSON.
 const MOST_NOTES: usize = 12;
 
-/// What became of a recording.
+/// Outcome of a recording.
 #[derive(Debug, Serialize)]
 struct Written {
     file: String,
@@ -33,7 +33,7 @@ struct Written {
     out: String,
     rasters: Vec<RasterFacts>,
     channels: Vec<ChannelFacts>,
-    /// What was done on the way, and what was lost.
+    /// Steps on the way, and losses.
     notes: Vec<String>,
 }
 

@@ -54,7 +54,7 @@ fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Res
     encode_mdf4(&simulate(parameters, plan, seed).map_err(CliError::internal)?)
 }
 
-/// What the user of a real bench would state about it.
+/// Bench file that the user of a real bench would write.
 pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
     let is_recorded = |(role, _): &&(Role, &str)| !matches!(role, Role::FlangeTorque | Role::Throttle);
     BenchFile {

@@ -77,7 +77,7 @@ pub(super) fn rows(study: &Study, parameters: &BenchParameters) -> Vec<Row> {
     ]
 }
 
-/// Whether the interval contains the value, but for the rounding of computed numbers.
+/// Tells whether the interval contains the value, but for the rounding of computed numbers.
 fn contains((low, high): (f64, f64), value: f64) -> bool {
     let rounding = ROUNDING * value.abs();
     low - rounding <= value && value <= high + rounding
@@ -108,7 +108,7 @@ pub(super) fn table(rows: &[Row]) -> Table {
     table
 }
 
-/// What to make of the table.
+/// Remark on the table.
 pub(super) fn remark(rows: &[Row]) -> String {
     let judged = rows.iter().filter(|row| row.contains_truth.is_some()).count();
     let inside = rows.iter().filter(|row| row.contains_truth == Some(true)).count();

@@ -99,7 +99,7 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
     strangers.next().map(|entry| entry.path())
 }
 
-/// What the demo shows on a screen.
+/// Page of the demo on a screen.
 fn page(written: &Written, bench: &Path, rows: &[comparison::Row]) -> Page {
     let beside = |name: &str| shown(&written.report.with_file_name(name));
     let next = vec![

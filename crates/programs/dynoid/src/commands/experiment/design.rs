@@ -27,7 +27,7 @@ use crate::output::{OutputFolder, check_replaceable};
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
-/// What was predicted, or why nothing was.
+/// Prediction with its errors.
 struct Predicted {
     prediction: Prediction,
     /// Standard errors of the peaks; empty without a study.
@@ -166,7 +166,7 @@ fn predicted(
     Ok(Predicted { prediction, errors: errors.unwrap_or_default(), resonance_hz })
 }
 
-/// What the bench will do, as a recording.
+/// Predicted responses of the bench, as a recording.
 fn responses(bench: &Bench, plan: &ExperimentPlan, prediction: &Prediction) -> Recording {
     let response = &prediction.response;
     let name = |role: Role| {

@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &ListArguments, terminal: &mut Terminal) -> Result<
     Ok(Outcome::Done)
 }
 
-/// What is listed.
+/// List that is shown.
 struct Shown {
     templates: Vec<&'static Template>,
     shapes: Vec<Shape>,

@@ -92,12 +92,12 @@ fn limits(asked: &OptimalArguments, bench: &Bench, at: OperatingPoint) -> Result
 }
 
 impl Optimal {
-    /// What its files are called beside their label and speed: K_B.
+    /// Suffix of its files beside their label and speed: K_B.
     pub(super) fn suffix(&self) -> String {
         self.goals.iter().map(|goal| format!("_{goal}")).collect()
     }
 
-    /// What a report shows of it.
+    /// Part of it that a report shows.
     pub(super) fn shown(&self) -> Shown<'_> {
         Shown { excitation: &self.excitation, excited: self.excited, lines: &self.lines }
     }

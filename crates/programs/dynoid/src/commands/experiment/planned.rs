@@ -90,7 +90,7 @@ pub(in crate::commands) fn given(arguments: &PlanArguments) -> Result<Vec<(Strin
     Ok(given)
 }
 
-/// What to think of before this plan is run on this bench.
+/// Doubts about this plan on this bench, before it is run.
 pub(in crate::commands) fn doubts(plan: &ExperimentPlan, file: &BenchFile) -> Vec<String> {
     let mut doubts = Vec::new();
     if let Some((level_s, firing_s)) = plan.switches_within_a_firing(file.engine()) {

@@ -164,12 +164,12 @@ fn replayed(
     replay.map_err(|error| CliError::NotReplayed { reason: error.to_string() })
 }
 
-/// What is replayed where no stretch is asked for.
+/// Stretch that is replayed where none is asked for.
 #[derive(Clone, Copy)]
 enum Unasked {
     /// All of a recording.
     Whole,
-    /// What a study replays of it, so that both give the same numbers.
+    /// The stretch that a study replays of it, so that both give the same numbers.
     AsStudy,
 }
 

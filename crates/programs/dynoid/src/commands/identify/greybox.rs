@@ -39,7 +39,7 @@ fn check_channels(structure: &FormulaStructure, arguments: &GreyBoxArguments) ->
     }
 }
 
-/// Whether a structure has white noise on its outputs alone, so that outputs may be missing.
+/// Tells whether a structure has white noise on its outputs alone, so that outputs may be missing.
 pub(super) fn is_output_error(structure: &FormulaStructure) -> bool {
     let values: Vec<f64> = structure.parameters().iter().map(|p| p.value).collect();
     matches!(structure.noise(&values), GreyNoise::OutputError)
@@ -92,7 +92,7 @@ pub(super) fn warnings(arguments: &GreyBoxArguments, model: &AnyModel) -> Vec<&'
     all
 }
 
-/// Whether a pole is where an integrator has it.
+/// Tells whether a pole is where an integrator has it.
 fn integrates(model: &AnyModel) -> bool {
     let Ok(system) = model.system() else { return false };
     let Ok(poles) = system.poles() else { return false };

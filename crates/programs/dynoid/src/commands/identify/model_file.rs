@@ -104,7 +104,7 @@ pub(super) fn check_output(path: &Path) -> Result<(), CliError> {
     Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
 }
 
-/// What a model is called: the name of its file.
+/// Name of a model: that of its file.
 pub(in crate::commands) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

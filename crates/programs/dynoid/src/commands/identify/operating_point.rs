@@ -8,7 +8,7 @@ use super::data::{self, Loaded};
 use crate::cli::identify::MeetDetrend;
 use crate::error::CliError;
 
-/// What is taken off recordings that a model meets.
+/// Trend that is taken off recordings that a model meets.
 pub(super) fn trend(
     document: &ModelDocument,
     detrend: MeetDetrend,
@@ -28,7 +28,8 @@ fn of_model(document: &ModelDocument, sources: &[Source]) -> Result<Option<Trend
     of_data(document.trend.as_ref(), own, sources)
 }
 
-/// What was taken off a model's own data: of a recording among them its own lines, of any other the mean of their levels.
+/// Trend that was taken off a model's own data: of a recording among them its own lines, of any other the mean of their
+/// levels.
 pub(super) fn of_data(trend: Option<&Trend>, own: &[Source], sources: &[Source]) -> Result<Option<Trend>, IdentError> {
     let Some(trend) = trend else { return Ok(None) };
     let known = |source: &Source| own.iter().position(|own| own.sha256 == source.sha256);
@@ -47,7 +48,7 @@ fn mean_levels(all: &[Vec<Line>]) -> Vec<Line> {
     (0..channels).map(|k| Line::level(mean(k))).collect()
 }
 
-/// What was taken off, of which [`toolbox_report::operating_point::hint`] speaks.
+/// Levels taken off, of which [`toolbox_report::operating_point::hint`] speaks.
 pub(super) fn taken_off(detrend: MeetDetrend) -> TakenOff {
     match detrend {
         MeetDetrend::Model => TakenOff::OfModel,
@@ -101,7 +102,7 @@ fn level_of(recording: usize, fit: &Fit<AnyModel>, data: &Loaded) -> Vec<f64> {
     (0..data.data.outputs()).map(mean).collect()
 }
 
-/// What was taken off, with these levels of the outputs besides.
+/// Trend that was taken off, with these levels of the outputs besides.
 fn raised(trend: Option<&Trend>, levels: &[Vec<f64>], inputs: usize) -> Result<Trend, IdentError> {
     let rest = vec![Line::level(0.0); inputs];
     let of_inputs = |n: usize| trend.map_or_else(|| rest.clone(), |trend| trend.inputs(n).to_vec());

@@ -83,7 +83,7 @@ impl Asked {
         }
     }
 
-    /// Whether T_d* is demanded, and so no prediction.
+    /// Tells whether T_d* is demanded, and so no prediction.
     pub(crate) fn is_in_torque_control(&self) -> bool {
         self.plan().is_some_and(|(plan, _)| plan.label.mode == ControlMode::Tn)
     }

@@ -1,4 +1,4 @@
-//! What really happens in a test, by the definitions that the program states.
+//! True peaks of a test, by the definitions that the program states.
 
 use capability::LimitOf;
 use cycle::{Course, Feedback, Judged, Validation, validate};

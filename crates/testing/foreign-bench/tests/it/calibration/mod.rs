@@ -30,7 +30,7 @@ const NEAR: (f64, f64) = (0.97, 1.25);
 /// A yes counts from this share of the benches on.
 const SURE: f64 = 0.97;
 
-/// What one bench gives.
+/// Results of one bench.
 #[derive(Default)]
 struct Found {
     rows: Vec<Row>,

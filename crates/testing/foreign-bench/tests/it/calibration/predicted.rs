@@ -1,4 +1,4 @@
-//! What the program says of a test, from the study of the bench, as its commands ask.
+//! Predictions of the program for a test, from the study of the bench, as its commands ask.
 
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
@@ -83,7 +83,7 @@ impl<'a> Predictor<'a> {
         can(&inputs, &work::Context::new()).unwrap()
     }
 
-    /// What `experiment check` says; none of a cycle.
+    /// Answer of `experiment check`; none of a cycle.
     pub(crate) fn check(&self, asked: &Asked, limits: Limits, seed: u64) -> Option<SafetyCheck> {
         let (plan, demands) = asked.plan()?;
         let inputs = SafetyInputs {

@@ -15,7 +15,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// What is certain is a band without width: rounding must not count.
+    /// Tells whether the band holds the true value. A certain value is a band without width: rounding must not count.
     pub(crate) fn is_inside(&self) -> bool {
         let rounding = 1e-9 * self.happened.abs();
         (self.band.0 - rounding..=self.band.1 + rounding).contains(&self.happened)

@@ -20,7 +20,7 @@ pub(in crate::commands::identify) struct Files {
 
 struct File {
     file: InputFile,
-    /// What it is called in results.
+    /// Name in results.
     name: String,
     recording: Recording,
     sha256: String,
@@ -50,12 +50,12 @@ impl Files {
         Ok(Files { all, row_time_s: row_time_s.filter(|_| untimed) })
     }
 
-    /// Whether reading them with this time from row to row would give the same.
+    /// Tells whether reading them with this time from row to row would give the same.
     pub(in crate::commands::identify) fn serves(&self, row_time_s: f64) -> bool {
         self.row_time_s.is_none_or(|used_s| used_s == row_time_s)
     }
 
-    /// Whether one of them is text without a time column.
+    /// Tells whether one of them is text without a time column.
     pub(in crate::commands::identify) fn are_untimed(&self) -> bool {
         self.row_time_s.is_some()
     }
@@ -112,7 +112,7 @@ fn check_once(files: &[InputFile]) -> Result<(), CliError> {
     }
 }
 
-/// What recordings are called: by their file's name alone if no two files share it.
+/// Names of recordings: their file's name alone if no two files share it.
 fn short_names(files: &[InputFile]) -> Vec<String> {
     let short = |file: &InputFile| file.path.file_name().map(|n| n.to_string_lossy().into_owned());
     let names: Vec<Option<String>> = files.iter().map(short).collect();

@@ -68,7 +68,7 @@ fn missing_channels(data: &Dataset, gaps: Gaps) -> Vec<String> {
     missing.map(|(_, label)| format!("\"{}\"", label.name)).collect()
 }
 
-/// What became of one recording; nothing where it has no gap.
+/// Note on the gaps of one recording; nothing where it has none.
 fn note(before: &Dataset, parts: Option<&Dataset>, gaps: Gaps) -> Option<Note> {
     let channels = missing_channels(before, gaps);
     if channels.is_empty() {

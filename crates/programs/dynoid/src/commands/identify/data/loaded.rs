@@ -12,15 +12,15 @@ use crate::error::CliError;
 pub(in crate::commands::identify) struct Loaded {
     /// The data, trend taken off.
     pub(in crate::commands::identify) data: Dataset,
-    /// What the inputs do between the samples of their recordings.
+    /// Course of the inputs between the samples of their recordings.
     pub(in crate::commands::identify) between: Intersample,
-    /// What was taken off, per recording.
+    /// Trend that was taken off, per recording.
     pub(in crate::commands::identify) trend: Option<Trend>,
     /// The recordings they come from.
     pub(in crate::commands::identify) sources: Vec<Source>,
     /// Which of them each experiment is of, or is a part of.
     pub(in crate::commands::identify) recording: Vec<usize>,
-    /// What was done to the channels on the way.
+    /// Adjustments of the channels on the way.
     pub(in crate::commands::identify) adjustments: Vec<Adjustment>,
     /// The same in words, and what should be known of the channels.
     pub(in crate::commands::identify) notes: Vec<Note>,

@@ -1,4 +1,4 @@
-//! What should be known of data.
+//! Notes on data.
 
 use crate::terminal::Terminal;
 

@@ -61,7 +61,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     Ok(if estimated.verdict.explains_little() { Outcome::ExplainsLittle } else { Outcome::Done })
 }
 
-/// Whether unseen data rest elsewhere than those of the estimate.
+/// Hint where unseen data rest elsewhere than those of the estimate.
 fn hint_of(estimated: &Estimated, unseen: &Dataset) -> Option<String> {
     hint(&estimated.document, unseen, estimated.verdict.simulated()?, TakenOff::OfModel)
 }
@@ -72,7 +72,7 @@ fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
     check_plot(&arguments.result)
 }
 
-/// Whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.
+/// Tells whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.
 fn sees_through_missing_outputs(command: &FitCommand, structure: Option<&FormulaStructure>) -> bool {
     match command {
         FitCommand::Oe(_) | FitCommand::Tf(_) | FitCommand::Process(_) => true,
@@ -91,7 +91,7 @@ fn gaps(command: &FitCommand) -> Gaps {
     }
 }
 
-/// What the estimate rests on, and what it is judged by besides; both cut where the method cannot go on.
+/// Data that the estimate rests on, and those that judge it besides; both cut where the method cannot go on.
 fn data(
     command: &FitCommand,
     sees_through: bool,
