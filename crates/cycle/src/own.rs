@@ -108,7 +108,7 @@ pub struct Course<'a> {
     pub sample_time_s: f64,
     /// The demand, rad/s or Nm.
     pub demand: &'a [f64],
-    /// Response to the demand, in the same unit.
+    /// Response to the demand.
     pub value: &'a [f64],
     /// The demand with times of its own, on a clock that begins with the value, for phases; `None`: it changes between the samples.
     pub timed_demand: Option<Samples<'a>>,
