@@ -17,7 +17,7 @@ pub struct Excursion {
     pub duration_s: f64,
     /// Largest distance from the band, m/s.
     pub beyond_m_s: f64,
-    /// Whether it is short enough.
+    /// True if it is short enough.
     pub is_allowed: bool,
 }
 
@@ -95,7 +95,7 @@ pub struct ModeDeviation {
 }
 
 impl ModeDeviation {
-    /// Whether both are allowed.
+    /// Returns true if both are allowed.
     pub fn passes(&self) -> bool {
         self.speed_rad_s.abs() <= self.speed_limit_rad_s && self.torque_nm.abs() <= self.torque_limit_nm
     }

@@ -7,7 +7,7 @@ use crate::modes::Modes;
 use crate::reference::{Reference, Scales};
 use crate::text;
 
-/// What a cycle consists of.
+/// Kind of a cycle's content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Speed and torque of an engine in % at each second.
@@ -21,11 +21,11 @@ pub enum Kind {
 /// A cycle by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Builtin {
-    /// What it is called on the command line.
+    /// Its name on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// Its title.
     pub title: &'static str,
-    /// What it consists of.
+    /// Kind of its content.
     pub kind: Kind,
     /// The requirement set that usually judges it.
     pub requirement: &'static str,

@@ -79,7 +79,7 @@ impl EngineMap {
         self.speed_rad_s[self.speed_rad_s.len() - 1]
     }
 
-    /// Whether a motoring curve was measured.
+    /// Returns true if a motoring curve was measured.
     pub fn has_motoring(&self) -> bool {
         self.motoring_nm.is_some()
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with cycles, maps and requirements.
+//! Faults of cycles, maps and requirements.
 
 /// Why a cycle cannot be made, or a run of it cannot be judged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -33,7 +33,7 @@ pub enum CycleError {
     Map {
         /// The row, from 1 on.
         row: usize,
-        /// What is wrong, with the remedy.
+        /// The problem, with the remedy.
         problem: &'static str,
     },
     /// A cycle of a vehicle needs a vehicle.
@@ -55,7 +55,7 @@ pub enum CycleError {
         name: &'static str,
         /// The value.
         value: f64,
-        /// What is possible.
+        /// Values that are possible.
         possible: &'static str,
     },
     /// A feedback that ends, or begins, within the cycle.
@@ -95,7 +95,7 @@ pub enum CycleError {
     NotInTest {
         /// The requirement.
         text: String,
-        /// What the test lacks.
+        /// Property that the test lacks.
         problem: String,
     },
     /// A requirement of one's own that is not understood.
@@ -105,7 +105,7 @@ pub enum CycleError {
     Own {
         /// The text.
         text: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
 }

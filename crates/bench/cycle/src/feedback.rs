@@ -1,4 +1,4 @@
-//! What a bench did in a cycle, and its means over each second.
+//! Speed and torque of a bench in a cycle, and their means over each second.
 
 use crate::error::CycleError;
 use crate::reference::Reference;

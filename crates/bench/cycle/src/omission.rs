@@ -14,7 +14,7 @@ const SPEED_SHARE: f64 = 0.02;
 /// Speeds nearer to idle than this part of it are idle.
 const IDLE_SHARE: f64 = 1e-6;
 
-/// What a row that leaves the choice leaves out beside power.
+/// Part that a row with a choice leaves out beside power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Omitted {
@@ -77,17 +77,17 @@ impl Omission {
         usize::from(self.motoring) + usize::from(self.idle) + which(self.above) + which(self.below)
     }
 
-    /// Whether the point's speed stays in the regression.
+    /// Returns true if the point's speed stays in the regression.
     pub(crate) fn keeps_speed(&self, rows: Rows) -> bool {
         !(self.idle && rows.idle || self.leaves(rows, Omitted::Speed))
     }
 
-    /// Whether its torque stays.
+    /// Returns true if its torque stays.
     pub(crate) fn keeps_torque(&self, rows: Rows) -> bool {
         !(self.motoring && rows.motoring || self.leaves(rows, Omitted::Torque))
     }
 
-    /// Whether its power stays.
+    /// Returns true if its power stays.
     pub(crate) fn keeps_power(&self, rows: Rows) -> bool {
         self.keeps_speed(rows) && self.keeps_torque(rows)
     }

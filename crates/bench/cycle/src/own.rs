@@ -108,7 +108,7 @@ pub struct Course<'a> {
     pub sample_time_s: f64,
     /// The demand, rad/s or Nm.
     pub demand: &'a [f64],
-    /// What came of it.
+    /// Response to the demand.
     pub value: &'a [f64],
     /// The demand with times of its own, on a clock that begins with the value, for phases; `None`: it changes between the samples.
     pub timed_demand: Option<Samples<'a>>,
@@ -126,7 +126,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Whether the limit is kept.
+    /// Returns true if the limit is kept.
     pub fn passes(&self) -> bool {
         self.value <= self.limit
     }
@@ -158,7 +158,7 @@ impl Own {
         }
     }
 
-    /// What no run could meet, or every run would.
+    /// Reason why no run could meet the requirement, or every run would.
     fn impossible(&self) -> Option<&'static str> {
         let is_above_zero = |value: f64| value.is_finite() && value > 0.0;
         match *self {
@@ -177,7 +177,7 @@ impl Own {
         }
     }
 
-    /// Whether a course can be judged by it.
+    /// Checks that a course can be judged by it.
     ///
     /// # Errors
     /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a step, without a sine at the frequency.
@@ -255,7 +255,7 @@ impl Sensor {
         Sensor::TorqueDemand,
     ];
 
-    /// What it is called in a requirement.
+    /// Its name in a requirement.
     pub fn name(self) -> &'static str {
         match self {
             Sensor::Speed => "speed",
@@ -267,7 +267,7 @@ impl Sensor {
         }
     }
 
-    /// What it measures.
+    /// Signal that it measures.
     pub fn signal(self) -> Signal {
         match self {
             Sensor::Speed | Sensor::DynoSpeed | Sensor::EngineSpeed => Signal::Speed,
@@ -345,7 +345,7 @@ impl Course<'_> {
         }
     }
 
-    /// Whether the demand has enough at a frequency for a phase: a sine, or as much in many windows.
+    /// Returns true if the demand has enough at a frequency for a phase: a sine, or as much in many windows.
     fn shows_phase(&self, frequency_hz: f64) -> bool {
         let (low, high) = self.range();
         let moves = high - low > 1e-9 * high.abs().max(low.abs());

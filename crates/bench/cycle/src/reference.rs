@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What a cycle demands, straight between its points.
+/// Demand of a cycle, straight between its points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
     /// Time of the first value, s.
@@ -13,11 +13,11 @@ pub struct Reference {
     pub speed_rad_s: Vec<f64>,
     /// Torque at the engine's flywheel, Nm; negative where the engine is motored.
     pub torque_nm: Vec<f64>,
-    /// What limits in per cent refer to.
+    /// Values that limits in per cent refer to.
     pub scales: Scales,
 }
 
-/// What limits in per cent refer to.
+/// Values that limits in per cent refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
     /// Warm idle speed, rad/s.

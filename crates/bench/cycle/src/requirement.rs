@@ -48,7 +48,7 @@ pub enum Statistic {
     Work,
 }
 
-/// What a limit in per cent is a part of.
+/// Value that a limit in per cent is a part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Of {
@@ -119,27 +119,27 @@ pub struct BandTolerance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementSet {
-    /// What it is called on the command line.
+    /// Its name on the command line.
     pub name: String,
-    /// What it is.
+    /// Its title.
     pub title: String,
     /// Law and paragraph.
     pub paragraph: String,
     /// Year of the text that the figures are from.
     pub year: u32,
-    /// Whether the text itself was seen.
+    /// True if the text itself was seen.
     pub seen: bool,
-    /// What to know about the figures.
+    /// Note about the figures.
     #[serde(default)]
     pub note: String,
     /// Longest shift of the feedback, s.
     #[serde(default)]
     pub shift_s: f64,
-    /// Whether points may be left out.
+    /// True if points may be left out.
     #[serde(default)]
     pub omission: bool,
-    /// Whether the reference, too, is the mean over each second. It is then that of a demand straight between its points; otherwise
-    /// the value at the second.
+    /// True if the reference, too, is the mean over each second. It is then that of a demand straight between its
+    /// points; otherwise the value at the second.
     #[serde(default)]
     pub reference_means: bool,
     /// Decimals to which slopes and r² are rounded before they are compared; none: they are compared as they are. Limits in per cent are
@@ -152,7 +152,7 @@ pub struct RequirementSet {
     /// A reference that changes less than this part of its mean is judged by the standard error alone; 0: never.
     #[serde(default)]
     pub narrow_range: f64,
-    /// Whether seconds at standstill are left out.
+    /// True if seconds at standstill are left out.
     #[serde(default)]
     pub without_standstill: bool,
     /// Limits of the speed.
@@ -207,12 +207,13 @@ impl RequirementSet {
         }
     }
 
-    /// Whether a number of it depends on this signal: power, work and the rules of omission take both speed and torque.
+    /// Returns true if a number of it depends on this signal: power, work and the rules of omission take both speed and
+    /// torque.
     pub fn uses(&self, signal: Signal) -> bool {
         self.criterion(signal).is_some() || self.power.is_some() || self.work.is_some() || self.omission
     }
 
-    /// Whether it judges by regressions.
+    /// Returns true if it judges by regressions.
     pub fn has_regressions(&self) -> bool {
         Signal::ALL.into_iter().any(|signal| self.criterion(signal).is_some())
     }

@@ -61,7 +61,8 @@ pub struct Samples<'a> {
     pub sample_time_s: f64,
     /// The values.
     pub values: &'a [f64],
-    /// Whether a value holds from its time to the next. Otherwise the series changes somewhere in between, in the middle on average.
+    /// True if a value holds from its time to the next. Otherwise the series changes somewhere in between, in the
+    /// middle on average.
     pub is_held: bool,
 }
 

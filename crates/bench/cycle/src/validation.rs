@@ -1,4 +1,5 @@
-//! Whether a run of a cycle is valid: every shift and every choice of omissions is tried, and it is valid if one of them is.
+//! Validation of a run of a cycle: every shift and every choice of omissions is tried, and the run is valid if one of
+//! them is.
 
 use serde::Serialize;
 
@@ -27,7 +28,7 @@ pub struct Checked {
     pub low: Option<f64>,
     /// Largest that is allowed, SI.
     pub high: Option<f64>,
-    /// Whether the number keeps the limit.
+    /// True if the number keeps the limit.
     pub passes: bool,
     /// How far it is beyond, as a part of the room that the limit gives: 1 is at the limit, below is better.
     pub use_of_limit: f64,
@@ -36,7 +37,7 @@ pub struct Checked {
 /// How a run of a cycle is judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Validation {
-    /// Whether every limit is kept.
+    /// True if every limit is kept.
     pub passes: bool,
     /// How far the feedback was moved forward, s.
     pub shift_s: f64,
@@ -60,7 +61,7 @@ impl Validation {
         self.checked.iter().max_by(|a, b| a.use_of_limit.total_cmp(&b.use_of_limit))
     }
 
-    /// Whether fewer numbers are beyond their limits, or the worst of as many is less far beyond.
+    /// Returns true if fewer numbers are beyond their limits, or the worst of as many is less far beyond.
     fn is_less_bad_than(&self, other: &Validation) -> bool {
         let missed = |one: &Validation| one.checked.iter().filter(|checked| !checked.passes).count();
         let use_of = |one: &Validation| one.worst().map_or(f64::INFINITY, |worst| worst.use_of_limit);
@@ -197,7 +198,7 @@ impl Judge<'_> {
         (value * scale).round_ties_even() / scale
     }
 
-    /// Whether the reference speed hardly changes.
+    /// Returns true if the reference speed hardly changes.
     fn is_narrow(&self) -> bool {
         let speeds = &self.points.speed_reference_rad_s;
         let (low, high, sum) = speeds.iter().fold((f64::INFINITY, 0.0_f64, 0.0), |(low, high, sum), speed| {

@@ -18,7 +18,7 @@ const STEPS: usize = 100;
 pub struct Vehicle {
     /// Mass, kg.
     pub mass_kg: f64,
-    /// What turning parts add to it, kg.
+    /// Mass that turning parts add to it, kg.
     #[serde(default)]
     pub rotating_mass_kg: f64,
     /// Rolling resistance, N/N.
@@ -70,7 +70,7 @@ impl Driver {
     }
 }
 
-/// What came of it.
+/// Result of a vehicle's run through a cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleRun {
     /// Speed and torque of the engine each second.

@@ -24,7 +24,7 @@ pub(crate) fn pieces(text: &str) -> Vec<Piece<'_>> {
     all
 }
 
-/// What stands before the first fraction, over and under its line, and behind it.
+/// Text before the first fraction, over and under its line, and behind it.
 fn first_fraction(text: &str) -> Option<(&str, &str, &str, &str)> {
     let start = text.find('{')?;
     let over = braced(&text[start..])?;

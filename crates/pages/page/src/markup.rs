@@ -26,7 +26,7 @@ impl Markup {
         &self.0
     }
 
-    /// Whether there is nothing in it.
+    /// Returns true if there is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

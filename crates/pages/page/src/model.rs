@@ -13,7 +13,7 @@ use crate::tone::Tone;
 /// A page: a title, and blocks below it.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Page {
-    /// What the page is about.
+    /// Subject of the page.
     pub title: String,
     /// A line below the title; empty for none.
     pub subtitle: Prose,
@@ -36,7 +36,7 @@ pub enum Block {
         id: String,
         /// The heading.
         title: String,
-        /// What stands below it.
+        /// Blocks below the heading.
         blocks: Vec<Block>,
     },
     /// A heading inside a section.
@@ -86,16 +86,16 @@ pub enum Block {
         svg: String,
         /// The drawing in words.
         description: String,
-        /// What to see in it.
+        /// Caption that points out what to see in it.
         caption: Prose,
     },
-    /// What was found, and what to do about it.
+    /// A finding, and how to remedy it.
     Finding(Finding),
     /// A framed conclusion.
     Callout {
         /// How good the news is.
         tone: Tone,
-        /// What kind of statement it is.
+        /// Kind of the statement.
         kicker: String,
         /// The conclusion.
         title: String,
@@ -109,7 +109,7 @@ pub enum Block {
     },
     /// Details that are shown on request.
     Fold {
-        /// What is inside.
+        /// Summary of the content.
         summary: Prose,
         /// The details.
         blocks: Vec<Block>,
@@ -131,22 +131,22 @@ pub enum Weight {
 /// A number to be read at a glance.
 #[derive(Debug, Clone, Serialize)]
 pub struct Card {
-    /// What it is.
+    /// Name of the number.
     pub label: Prose,
     /// The number, or why there is none.
     pub value: Result<Quantity, Prose>,
 }
 
-/// What was found, and what to do about it.
+/// Finding, and how to remedy it.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
     /// How grave it is.
     pub tone: Tone,
     /// How grave it is, in a word.
     pub severity: String,
-    /// What was found.
+    /// The finding in words.
     pub text: Prose,
-    /// What to do about it.
+    /// Its remedy.
     pub remedy: Option<Prose>,
     /// Where it was found.
     pub places: Vec<String>,
@@ -196,7 +196,7 @@ impl Blocks {
         self.0.extend(more.into().0);
     }
 
-    /// Whether there is none.
+    /// Returns true if there is none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

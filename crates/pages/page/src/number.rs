@@ -3,7 +3,7 @@
 /// Slower than this whole revolutions a minute say too little.
 const SLOW_RPM: f64 = 5.0;
 
-/// What stands where a number is NaN or infinite.
+/// Text where a number is NaN or infinite.
 pub const NOT_KNOWN: &str = "not known";
 
 /// A value with an uncertainty, the latter to two significant digits and the value to the same place:

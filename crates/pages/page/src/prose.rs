@@ -104,7 +104,7 @@ impl Prose {
         self
     }
 
-    /// Whether there is nothing in it.
+    /// Returns true if there is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -180,7 +180,7 @@ pub(crate) fn next_symbol(text: &str) -> Option<(usize, usize)> {
     })
 }
 
-/// What joins letters to a file's name.
+/// Characters that join letters to a file's name.
 const JOINS: &str = "_-./\\";
 
 /// The length of an index: letters, digits and commas between them, unless a name goes on behind.

@@ -20,7 +20,7 @@ impl Unit {
     }
 }
 
-/// What is known of how far a value may be from the truth.
+/// Knowledge of how far a value may be from the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Uncertainty {

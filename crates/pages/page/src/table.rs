@@ -40,9 +40,9 @@ pub enum Content {
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// What it shows.
+    /// Content of the cell.
     pub content: Content,
-    /// What its colour says.
+    /// Meaning of its colour.
     pub tone: Tone,
 }
 
@@ -75,7 +75,7 @@ impl Cell {
         Cell { content: Content::Interval(quantity), tone: Tone::Plain }
     }
 
-    /// What a cell says, without markup.
+    /// Text of a cell, without markup.
     pub fn plain(&self) -> String {
         match &self.content {
             Content::Text(text) => text.plain(),
@@ -134,12 +134,12 @@ impl Table {
         self
     }
 
-    /// Whether it has no row.
+    /// Returns true if it has no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// Whether any column has a heading.
+    /// Returns true if any column has a heading.
     pub(crate) fn has_headings(&self) -> bool {
         self.columns.iter().any(|column| !column.heading.is_empty())
     }

@@ -1,8 +1,8 @@
-//! What the colour of a text says.
+//! Meaning of the colour of a text.
 
 use serde::Serialize;
 
-/// What a piece of text says by its colour, beside its words.
+/// Meaning of a piece of text by its colour, beside its words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {

@@ -11,7 +11,7 @@ use crate::figures::{Shown, comparison};
 
 /// A model and the recordings it met.
 pub struct Met {
-    /// What the model is called.
+    /// Name of the model.
     pub model: String,
     /// The recordings on its clock.
     pub data: Dataset,

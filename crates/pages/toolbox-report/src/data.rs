@@ -1,10 +1,10 @@
-//! What is said about data.
+//! Statements about data.
 
 use dataset::{Adjustment, Resampling};
 use ident::{Advice, Channel, Dataset, Intersample, Label, TrendShape};
 use page::decimal::{scientific, significant};
 
-/// What data are for, which bears on what should be known of them.
+/// Purpose of data, which bears on the facts to know about them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// A model is to be estimated from them, after this trend was taken off.
@@ -13,8 +13,8 @@ pub enum Purpose {
     Judgement,
 }
 
-/// What was done to a channel, and what would avoid it where the data are for an estimate, on a clock that was `given` or
-/// that of the method.
+/// Describes the change of a channel and, where the data are for an estimate, how to avoid it. The clock was `given` or
+/// is that of the method.
 pub fn adjustment(adjustment: &Adjustment, purpose: Purpose, given: bool) -> String {
     match adjustment {
         Adjustment::Jitter { channel, largest_s } => format!(
@@ -54,7 +54,7 @@ fn resampling(how: Resampling) -> &'static str {
     }
 }
 
-/// What spares a channel the filter.
+/// Remedy that spares a channel the filter.
 fn filter_remedy(given: bool) -> &'static str {
     if given {
         "; without --sample-time, fits to the simulated output (oe, tf, process, greybox) take the faster clock and filter nothing"
@@ -63,8 +63,8 @@ fn filter_remedy(given: bool) -> &'static str {
     }
 }
 
-/// Whether advice is news: offsets are none where they are taken off, missing samples have been counted already, and how
-/// well data suit an estimate is no matter where none is made.
+/// Returns true if advice is news. Offsets are none where they are taken off, and missing samples have been counted
+/// already. How well data suit an estimate is no matter where none is made.
 pub fn matters(advice: &Advice, purpose: Purpose) -> bool {
     match (advice, purpose) {
         (Advice::Missing { .. }, _) => false,
@@ -77,8 +77,8 @@ pub fn matters(advice: &Advice, purpose: Purpose) -> bool {
     }
 }
 
-/// Whether what was done to bring a channel onto the clock explains the advice: values between samples are found from those
-/// on either side, so that what is to come shows in them.
+/// Returns true if the adjustment of a channel to the clock explains the advice. Values between samples are found from
+/// those on either side, so that values to come show in them.
 pub fn is_explained(advice: &Advice, adjustments: &[Adjustment], data: &Dataset) -> bool {
     let (Advice::Feedback { input, output, .. } | Advice::Feedthrough { input, output, .. }) = advice else {
         return false;

@@ -9,7 +9,7 @@ pub(crate) fn figure(title: &str, x: Axis, panels: Vec<Panel>) -> Figure {
     Figure::new(title, x, panels).with_plain_text()
 }
 
-/// What a model makes of data on its own clock.
+/// Response of a model to data on its own clock.
 pub(crate) struct Shown<'a> {
     pub(crate) name: &'a str,
     pub(crate) data: &'a Dataset,

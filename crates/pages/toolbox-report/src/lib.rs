@@ -1,5 +1,5 @@
-//! What the commands for linear models show: a fit, a comparison, a spectrum and the like, each summed up as plain data, as
-//! a page and as JSON.
+//! Results of the commands for linear models: a fit, a comparison, a spectrum and the like, each summed up as plain
+//! data, as a page and as JSON.
 //!
 //! This crate may know the toolbox (`signal`, `lti`, `ident`, `dataset`), and nothing of benches, files and arguments. It
 //! returns [`page::Page`]s, which have no say in how they are shown.

@@ -1,9 +1,9 @@
-//! What bringing channels onto one clock did to them, in words.
+//! Effects on channels of bringing them onto one clock, in words.
 
 use dataset::{Adjustment, DatasetError, Resampling};
 use page::decimal::{scientific, significant};
 
-/// What was done to channels, one sentence for all to which the same was done.
+/// Adjustments of channels, one sentence for all with the same one.
 pub fn adjustments(adjustments: &[Adjustment]) -> Vec<String> {
     together(adjustments.iter().map(sentence))
 }

@@ -1,4 +1,4 @@
-//! Whether recordings rest where a model does.
+//! Comparison of the operating points of recordings and of a model.
 
 use ident::prediction::Response;
 use ident::{Dataset, Experiment, IdentError, ModelDocument, Trend, TrendScope, TrendShape};
@@ -8,10 +8,10 @@ const MOSTLY: f64 = 0.5;
 /// Size of that line beside the variation of the output, below which it does not matter.
 const MATTERS: f64 = 0.2;
 
-/// What was taken off recordings that a model meets.
+/// Trend that was taken off recordings that a model meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakenOff {
-    /// What was taken off the model's own data.
+    /// The trend of the model's own data.
     OfModel,
     /// The level or the trend of the recordings.
     Own,

@@ -14,14 +14,14 @@ use crate::figures::figure;
 pub struct Orders {
     /// The structures.
     pub table: OrderTable,
-    /// What was tried of na, nb and nk.
+    /// Ranges of na, nb and nk that were tried.
     pub ranges: [RangeInclusive<usize>; 3],
-    /// Whether they were ranked on data that none was fitted to, too.
+    /// True if they were ranked on data that none was fitted to, too.
     pub is_validated: bool,
 }
 
 impl Orders {
-    /// What each criterion likes best, and what to doubt of it.
+    /// Page of the structure that each criterion likes best, and the doubts about it.
     pub fn page(&self) -> Page {
         let (table, criteria) = (&self.table, self.criteria());
         let scanned = format!("{} structures on {} samples", table.structures().len(), table.samples());
@@ -61,7 +61,7 @@ impl Orders {
     }
 }
 
-/// What each criterion likes best.
+/// Structure that each criterion likes best.
 fn best(table: &OrderTable, criteria: &[(&str, Criterion)]) -> Table {
     let mut best = Table::new(&[
         ("best by", Align::Left),

@@ -15,7 +15,7 @@ pub const REGION: f64 = 0.99;
 /// Correlations below this are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// What the tests found on data.
+/// Page of the tests on data.
 pub fn page(report: &ResidualReport, data: &Dataset) -> Page {
     let mut blocks = findings(report, (data.input_labels(), data.output_labels()));
     blocks.extend(figures(report, data).into_iter().map(Block::figure));
@@ -30,7 +30,7 @@ pub fn json(report: &ResidualReport, data: &Dataset) -> Value {
     tests
 }
 
-/// What the tests found, output by output.
+/// Findings of the tests, output by output.
 pub(crate) fn findings(report: &ResidualReport, (inputs, outputs): (&[Label], &[Label])) -> Vec<Block> {
     let mut all = Vec::new();
     if report.samples < report.samples_given {

@@ -1,4 +1,4 @@
-//! What a model makes of recordings: simulated, or predicted some samples ahead.
+//! Response of a model to recordings: simulated, or predicted some samples ahead.
 
 use ident::validate::Judgement;
 use ident::{Dataset, Label};
@@ -12,7 +12,7 @@ use crate::figures::{Shown, comparison};
 /// The response of a model to recordings.
 #[derive(Clone, Copy)]
 pub struct Responded<'a> {
-    /// What the model is called.
+    /// Name of the model.
     pub model: &'a str,
     /// How it was made to respond: simulated, predicted.
     pub what: &'a str,

@@ -1,4 +1,4 @@
-//! What estimates have to say, in words.
+//! Statements about estimates, in words.
 
 use ident::{Doubt, Label, Termination};
 use lti::{Complex64, Mode};

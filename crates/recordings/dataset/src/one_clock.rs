@@ -19,7 +19,7 @@ const MOST_STATES: usize = 16;
 pub struct OnOneClock {
     /// The recording, with one raster.
     pub recording: Recording,
-    /// What was done to its channels.
+    /// Changes made to its channels.
     pub adjustments: Vec<Adjustment>,
     /// Channels that could not be brought onto the clock, as the reason.
     pub left_out: Vec<DatasetError>,
@@ -85,7 +85,7 @@ fn on_clock(
     timed.on_clock(file, clock, Part::Alone(between), log)
 }
 
-/// Whether the values are few different whole numbers.
+/// Returns true if the values are few different whole numbers.
 fn is_state(samples: &[f64]) -> bool {
     let mut seen: Vec<f64> = Vec::new();
     samples.iter().filter(|v| v.is_finite()).all(|value| {

@@ -1,4 +1,4 @@
-//! What may be asked of a dataset, and what was done to its channels.
+//! Options of a dataset, and the adjustments of its channels.
 
 use ident::Intersample;
 
@@ -21,7 +21,8 @@ pub struct DatasetOptions {
     pub to_s: Option<f64>,
     /// The clock of the data.
     pub clock: CommonClock,
-    /// What the inputs do between their own samples: this is how inputs that are slower than the clock are continued.
+    /// Behaviour of the inputs between their own samples: this is how inputs that are slower than the clock are
+    /// continued.
     pub intersample: Intersample,
 }
 
@@ -40,7 +41,7 @@ pub enum Resampling {
     BandLimited,
 }
 
-/// What was done to a channel on its way to the common clock.
+/// Change of a channel on its way to the common clock.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Adjustment {
     /// Values between its samples were found on straight lines, since its time stamps are not on a clock.

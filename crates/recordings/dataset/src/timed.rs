@@ -36,7 +36,7 @@ pub(super) struct Timed<'r> {
     pub(super) end_s: f64,
 }
 
-/// What a channel is to those that ask for it.
+/// Use of a channel.
 #[derive(Clone, Copy)]
 pub(super) enum Part {
     /// It answers: between its samples nothing is known of it.
@@ -122,7 +122,7 @@ impl<'r> Timed<'r> {
         Ok(Timed { channel, time_s, values, sample_time_s, longest_s, start_s, end_s })
     }
 
-    /// Whether the channel has to be filtered for this clock.
+    /// Returns true if the channel has to be filtered for this clock.
     pub(super) fn is_faster(&self, clock_s: f64) -> bool {
         self.sample_time_s < clock_s && (self.sample_time_s - clock_s).abs() > SAME_SHARE * clock_s
     }
@@ -205,7 +205,7 @@ impl<'r> Timed<'r> {
         }
     }
 
-    /// Whether the samples lie between the ticks of a clock of the same sample time.
+    /// Returns true if the samples lie between the ticks of a clock of the same sample time.
     fn is_beside(&self, clock: Clock) -> bool {
         let position = (self.start_s - clock.start_s) / clock.sample_time_s;
         (position - position.round()).abs() > BESIDE_SHARE

@@ -15,7 +15,7 @@ pub enum MdfError {
         offset: u64,
         /// How much.
         length: u64,
-        /// What the system says.
+        /// Message of the system.
         detail: String,
     },
     /// No MDF file.
@@ -45,7 +45,7 @@ pub enum MdfError {
     Damaged {
         /// Where.
         offset: u64,
-        /// What is wrong there.
+        /// Description of the damage.
         detail: String,
     },
     /// The file uses a feature that cannot be read.

@@ -132,7 +132,7 @@ impl Field {
         (self.bit + self.bits).div_ceil(8) as usize
     }
 
-    /// Whether its bits are a number of its coding.
+    /// Returns true if its bits are a number of its coding.
     pub(crate) fn is_valid(&self) -> bool {
         match self.coding {
             Coding::Unsigned | Coding::Signed => self.bit < 64 && (1..=64).contains(&self.bits) && self.width() <= 9,
@@ -308,7 +308,7 @@ pub(crate) fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + day_of_year - 719_468
 }
 
-/// Whether the numbers that a field can hold are only integers.
+/// Returns true if the numbers that a field can hold are only integers.
 pub(crate) fn is_integer(field: &Field) -> bool {
     matches!(field.coding, Coding::Unsigned | Coding::Signed)
 }

@@ -93,7 +93,7 @@ impl<S: Source> Mdf<S> {
         &self.parts.attachments
     }
 
-    /// What happened during the measurement.
+    /// Events during the measurement.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.parts.events
@@ -105,7 +105,7 @@ impl<S: Source> Mdf<S> {
         self.rounded.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect()
     }
 
-    /// What should be known about the file.
+    /// Findings that users of the file should know.
     #[must_use]
     pub fn findings(&self) -> &[Finding] {
         &self.parts.findings

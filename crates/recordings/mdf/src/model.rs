@@ -1,4 +1,4 @@
-//! What a file holds, as plain data.
+//! Contents of a file, as plain data.
 
 use std::fmt;
 use std::sync::Arc;
@@ -40,16 +40,16 @@ pub struct Group {
     pub(crate) records: Records,
 }
 
-/// What a group runs over.
+/// Master channel that a group runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Master {
     /// The channel, in this group or another one.
     pub address: Address,
-    /// What it counts.
+    /// Quantity that it counts.
     pub quantity: Quantity,
 }
 
-/// What a master channel counts.
+/// Quantity that a master channel counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Time in s.
@@ -80,11 +80,11 @@ pub struct Channel {
     pub unit: Arc<str>,
     /// Its comment; empty where the file gives none.
     pub comment: Arc<str>,
-    /// Whether it is the master of its group.
+    /// True if it is the master of its group.
     pub is_master: bool,
-    /// Whether it is an element of an array.
+    /// True if it is an element of an array.
     pub is_element: bool,
-    /// What its samples are.
+    /// Kind of its samples.
     pub kind: Kind,
     /// Why it cannot be read, if it cannot.
     pub obstacle: Option<Obstacle>,
@@ -95,7 +95,7 @@ pub struct Channel {
     pub(crate) all_invalid: bool,
 }
 
-/// What the samples of a channel are, conversion applied.
+/// Kind of the samples of a channel, conversion applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Numbers.
@@ -128,7 +128,7 @@ pub enum Obstacle {
     Array,
     /// A conversion that is not understood.
     Conversion {
-        /// What about it.
+        /// Part of the conversion that is not understood.
         detail: String,
     },
     /// Values of varying length whose data are missing.
@@ -231,7 +231,7 @@ pub struct Event {
     /// Code of its type: 0 recording, 1 recording interrupt, 2 acquisition interrupt, 3 start trigger, 4 stop trigger,
     /// 5 trigger, 6 marker.
     pub kind: u8,
-    /// What `at` is counted in.
+    /// Quantity that `at` is counted in.
     pub quantity: Option<Quantity>,
     /// When, in the unit of its quantity.
     pub at: f64,

@@ -1,11 +1,11 @@
-//! What the blocks of a file say, before any sample is read.
+//! Contents of the blocks of a file, before any sample is read.
 
 use std::sync::{Arc, OnceLock};
 
 use crate::stream::Stream;
 use crate::{Attachment, Event, Finding, Group, MdfError, StartTime};
 
-/// What the blocks of a file say.
+/// Contents of the blocks of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Parts {
     pub(crate) start_time: Option<StartTime>,

@@ -32,7 +32,7 @@ pub(crate) fn decoded(bytes: &[u8], encoding: Encoding) -> String {
     }
 }
 
-/// What an XML comment says in its `TX` element; text that is no XML, as it is.
+/// Text of the `TX` element of an XML comment; text that is no XML, as it is.
 pub(crate) fn comment(xml: &str) -> String {
     let Some(start) = xml.find("<TX") else {
         let is_xml = xml.trim_start().starts_with('<');

@@ -31,13 +31,13 @@ pub enum RecordingError {
         file: String,
         /// Where.
         offset: u64,
-        /// What the system says.
+        /// Message of the system.
         detail: String,
     },
-    /// What is to be written cannot be: a disk is full, a connection closed.
+    /// The output cannot be written: a disk is full, a connection closed.
     #[error("it cannot be written: {detail}")]
     Unwritable {
-        /// What the system says, as a kind.
+        /// Kind of the system's error.
         kind: std::io::ErrorKind,
         /// And in words.
         detail: String,
@@ -45,7 +45,7 @@ pub enum RecordingError {
     /// The time between rows that was passed in is none.
     #[error("a sample time of {given} s was given; it has to be a positive number")]
     RowDistance {
-        /// What was given, s.
+        /// Value that was given, s.
         given: String,
     },
     /// The MDF version is not known.
@@ -81,7 +81,7 @@ pub enum RecordingError {
         file: String,
         /// Where, if known.
         offset: Option<u64>,
-        /// What is wrong there.
+        /// Description of the damage.
         detail: String,
     },
     /// A group of HDF5 holds a soft link, in the layout in which it looks like a dataset.
@@ -100,7 +100,7 @@ pub enum RecordingError {
         file: String,
         /// The channel.
         channel: String,
-        /// What is wrong with it.
+        /// Description of the damage.
         detail: String,
     },
     /// The file uses a feature of its format that cannot be read.
@@ -140,7 +140,7 @@ pub enum RecordingError {
         line: u64,
         /// Column number, from 1.
         column: Option<usize>,
-        /// What is wrong there.
+        /// Problem of the line.
         problem: CsvProblem,
     },
     /// No column of a table is time.
@@ -181,12 +181,12 @@ pub enum RecordingError {
         format: String,
         /// Name of the channel or raster.
         name: String,
-        /// What about it.
+        /// Property that cannot be expressed.
         what: String,
     },
 }
 
-/// What is wrong in a line of a text file.
+/// Problem in a line of a text file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CsvProblem {

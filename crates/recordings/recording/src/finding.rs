@@ -1,4 +1,4 @@
-//! What a reader has to say about a file that could be read.
+//! Findings of a reader about a file that could be read.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -101,13 +101,13 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Whether it says how the time was read.
+    /// Returns true if it says how the time was read.
     #[must_use]
     pub fn is_about_time(&self) -> bool {
         matches!(self, Self::AssumedTimeUnit { .. } | Self::CountsSince1970 { .. } | Self::IgnoredTimeUnit { .. })
     }
 
-    /// Whether samples are, or may be, missing or cut off.
+    /// Returns true if samples are, or may be, missing or cut off.
     #[must_use]
     pub fn is_loss(&self) -> bool {
         matches!(
@@ -187,7 +187,7 @@ impl fmt::Display for Finding {
 pub enum SkipReason {
     /// It holds text, bytes, arrays, or dates.
     NotNumeric {
-        /// What it holds.
+        /// Its content.
         kind: String,
     },
     /// Its group has no time channel.
@@ -279,7 +279,7 @@ impl fmt::Display for SkipReason {
     }
 }
 
-/// Whether some of these, which were integers, may have been rounded: those below 2^53 are exact.
+/// Returns true if some of these, which were integers, may have been rounded: those below 2^53 are exact.
 pub(crate) fn are_rounded(integers: &[f64]) -> bool {
     integers.iter().any(|number| number.abs() >= 9_007_199_254_740_992.0)
 }

@@ -38,8 +38,8 @@ pub(crate) fn time_word(name: &str) -> Option<&'static str> {
     ((rest.is_empty() || numbered) && !(word == "t" && name.starts_with('T'))).then_some(word)
 }
 
-/// Whether a word of a name means time: `time_fast`, `DynoSpeed_time`, `Time 1ms raster`, `zeitLangsam`. A `t` is one as
-/// the first word. What ends in `_channel` says that it is no clock.
+/// Returns true if a word of a name means time: `time_fast`, `DynoSpeed_time`, `Time 1ms raster`, `zeitLangsam`. A `t`
+/// is one as the first word. A name that ends in `_channel` is no clock.
 pub(crate) fn mentions_time(name: &str) -> bool {
     if name.trim_end().ends_with("_channel") {
         return false;
@@ -118,7 +118,7 @@ fn without_number(cell: &str) -> &str {
     parts.map_or(cell, |(stem, _)| stem)
 }
 
-/// What brackets around a whole cell enclose.
+/// Text that brackets around a whole cell enclose.
 pub(crate) fn unbracketed(cell: &str) -> &str {
     let cell = cell.trim();
     let inner = |open, close| cell.strip_prefix(open)?.strip_suffix(close);

@@ -217,7 +217,7 @@ pub fn catalogue_from(name: &str, source: Arc<dyn Source>) -> Result<Catalogue, 
     Ok(catalogue)
 }
 
-/// What an MDF file holds beside its channels; nothing for other formats.
+/// Contents of an MDF file beside its channels; nothing for other formats.
 ///
 /// # Errors
 ///

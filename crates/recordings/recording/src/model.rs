@@ -13,7 +13,7 @@ pub const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
 /// A decoded measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
-    /// What the bytes were.
+    /// Format of the bytes.
     pub format: Format,
     /// The file's own comment.
     pub comment: Option<String>,
@@ -23,7 +23,7 @@ pub struct Recording {
     pub rasters: Vec<Raster>,
     /// The channels in the order of the file. Names are not necessarily unique.
     pub channels: Vec<Channel>,
-    /// What could not be taken over, or should be known about the file.
+    /// Losses of the reader, and facts to know about the file.
     pub findings: Vec<Finding>,
 }
 
@@ -101,10 +101,10 @@ pub struct Channel {
     pub samples: Vec<f64>,
 }
 
-/// What a file holds, without the samples.
+/// Inventory of a file, without the samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Catalogue {
-    /// What the bytes are.
+    /// Format of the bytes.
     pub format: Format,
     /// The file's own comment.
     pub comment: Option<String>,
@@ -114,7 +114,7 @@ pub struct Catalogue {
     pub rasters: Vec<RasterInfo>,
     /// The channels in the order of the file.
     pub channels: Vec<ChannelInfo>,
-    /// What could not be taken over, or should be known about the file.
+    /// Losses of the reader, and facts to know about the file.
     pub findings: Vec<Finding>,
 }
 
@@ -160,9 +160,9 @@ pub enum Format {
     },
     /// Text with delimiters.
     Csv {
-        /// What separates the columns.
+        /// Character that separates the columns.
         delimiter: char,
-        /// Whether numbers are written `1,5`.
+        /// True if numbers are written `1,5`.
         decimal_comma: bool,
     },
     /// MAT-file of MATLAB.
@@ -251,7 +251,7 @@ impl Selection {
         Self::Names(names.into_iter().map(Into::into).collect())
     }
 
-    /// Whether a channel of this name is among them.
+    /// Returns true if a channel of this name is among them.
     #[must_use]
     pub fn takes(&self, name: &str) -> bool {
         match self {
@@ -261,7 +261,7 @@ impl Selection {
         }
     }
 
-    /// Whether a channel is asked for by its very name, so that it has to be there.
+    /// Returns true if a channel is asked for by its very name, so that it has to be there.
     pub(crate) fn insists_on(&self, name: &str) -> bool {
         match self {
             Self::All => false,

@@ -35,7 +35,7 @@ pub enum UnitError {
     Ambiguous {
         /// The text.
         text: String,
-        /// What to write instead.
+        /// Units to write instead.
         instead: Vec<&'static str>,
     },
     /// The unit measures something else.
@@ -43,9 +43,9 @@ pub enum UnitError {
     OtherQuantity {
         /// The text.
         text: String,
-        /// What it measures.
+        /// Quantity that it measures.
         found: Quantity,
-        /// What is needed.
+        /// Quantity that is needed.
         expected: Quantity,
         /// A unit that would do.
         example: &'static str,
@@ -93,7 +93,8 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     }
 }
 
-/// Whether two texts may mean the same unit: they are spelt alike, one of them is empty, or both are known and equal.
+/// Returns true if two texts may mean the same unit: they are spelt alike, one of them is empty, or both are known and
+/// equal.
 pub fn may_be_same(one: &str, other: &str) -> bool {
     let (spelt, also) = (normalised(one), normalised(other));
     let equal = |a: Unit, b: Unit| (a.quantity, a.factor, a.offset) == (b.quantity, b.factor, b.offset);
@@ -187,7 +188,7 @@ fn number_length(text: &str) -> usize {
     ends.take_while(|&end| end <= 32).filter(|&end| is_plain_number(&text[..end])).last().unwrap_or(0)
 }
 
-/// Whether a text is a decimal number: `inf` and `nan`, which Rust also reads, are not.
+/// Returns true if a text is a decimal number: `inf` and `nan`, which Rust also reads, are not.
 fn is_plain_number(text: &str) -> bool {
     text.chars().all(|c| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E')) && text.parse::<f64>().is_ok()
 }

@@ -10,7 +10,7 @@ pub const RPM_RAD_S: f64 = TAU / 60.0;
 /// A unit of a known quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// What it measures.
+    /// Quantity that it measures.
     pub quantity: Quantity,
     /// SI value of one of it: value in SI = factor · value in the unit + offset.
     pub factor: f64,

@@ -1,4 +1,4 @@
-//! What tests take from outside the project: recordings and reference data, and a Python to compare with.
+//! Resources of tests from outside the project: recordings and reference data, and a Python to compare with.
 //!
 //! A test that cannot have them does not pass in silence: it is counted as skipped, and `cargo xtask check` prints how many
 //! were, and why.

@@ -1,4 +1,4 @@
-//! What every estimator must do, whatever its model: [`conform`] runs the whole list.
+//! Rules for every estimator, whatever its model: [`conform`] runs the whole list.
 //!
 //! An estimator is given as a function from data to a fit, with a true system that its model can describe. Models are
 //! compared by their impulse responses, so that the suite knows no parametrisation. Each rule returns what broke it.
@@ -35,7 +35,7 @@ pub struct Case<'a, Estimate> {
     pub noisy_tolerance: f64,
     /// How near results must come that should be equal: a search stops before the last digit.
     pub same_tolerance: f64,
-    /// Whether the model is as free in one system of units as in another; not so where numbers in it are known.
+    /// True if the model is as free in one system of units as in another; not so where numbers in it are known.
     pub any_units: bool,
 }
 
@@ -68,7 +68,7 @@ impl<'a, Estimate> Case<'a, Estimate> {
     }
 }
 
-/// What a rule says: nothing, or what broke it.
+/// Result of a rule: nothing, or what broke it.
 type Verdict = Result<(), String>;
 
 /// Runs every rule.
@@ -118,7 +118,7 @@ where
     broken
 }
 
-/// What a rule is called, and the rule.
+/// Name of a rule, and the rule.
 type Rule<'c, 'a, Estimate> = (&'static str, fn(&Suite<'c, 'a, Estimate>) -> Verdict);
 
 struct Suite<'c, 'a, Estimate> {

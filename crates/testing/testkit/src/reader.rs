@@ -1,16 +1,16 @@
-//! What every reader of measurement files must do, whatever the format: [`conform`] runs the whole list.
+//! Rules for every reader of measurement files, whatever the format: [`conform`] runs the whole list.
 //!
 //! A reader is given as a function from bytes to [`Content`], so that the suite knows no reader's types. The functions
 //! panic (as assertions do) with the input that broke the rule.
 
-/// What a reader made of its input.
+/// Content of the input as a reader gives it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Content {
     /// The time stamps of each clock.
     pub clocks: Vec<Vec<f64>>,
     /// The channels in order.
     pub channels: Vec<Signal>,
-    /// Whether the reader said that samples are or may be missing.
+    /// True if the reader said that samples are or may be missing.
     pub reports_loss: bool,
 }
 

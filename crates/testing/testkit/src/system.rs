@@ -119,8 +119,8 @@ pub fn white(samples: usize, inputs: usize, seed: u64) -> Mat<f64> {
     table
 }
 
-/// What a system gives: white inputs of variance one, and its own noise times `noise` (a factor on the deviation; zero for
-/// none), from rest.
+/// Response of a system: white inputs of variance one, and its own noise times `noise` (a factor on the deviation; zero
+/// for none), from rest.
 ///
 /// # Errors
 /// Those of the model's innovations form and of [`Dataset::new`].

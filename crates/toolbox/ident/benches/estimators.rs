@@ -1,4 +1,4 @@
-//! What the estimators take, and how near they come to the truth: `cargo xtask bench`.
+//! Times of the estimators, and their distances from the truth: `cargo xtask bench`.
 //!
 //! One input that is −1 or 1, held for three samples; white Gaussian noise of standard deviation 0.5; three outputs of the
 //! same input and noise, so that every structure has data that it can describe:
@@ -163,8 +163,8 @@ enum System {
 struct Task {
     name: &'static str,
     system: System,
-    /// What its error is: `g`, the norm of the error of the impulse response over the norm of the truth; `p`, the largest
-    /// error of a coefficient of the polynomials named.
+    /// Measure of the error: `g`, the norm of the error of the impulse response over the norm of the truth; `p`, the
+    /// largest error of a coefficient of the polynomials named.
     measure: &'static str,
     run: fn(&Dataset) -> Outcome<f64>,
 }

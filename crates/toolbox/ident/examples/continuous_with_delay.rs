@@ -1,4 +1,4 @@
-//! What are gain, time constant and dead time of a process, in continuous time and with confidence intervals?
+//! Estimates gain, time constant and dead time of a process, in continuous time and with confidence intervals.
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use ident::prelude::*;

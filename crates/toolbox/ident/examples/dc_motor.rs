@@ -1,4 +1,4 @@
-//! What are the inertia and the friction of a DC motor whose electrical constants are known?
+//! Estimates the inertia and the friction of a DC motor whose electrical constants are known.
 //!
 //! A grey box: the state matrices are formulas of physical parameters, and only two of these are estimated.
 #![allow(clippy::print_stdout, reason = "an example prints")]

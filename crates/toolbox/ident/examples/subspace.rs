@@ -1,4 +1,4 @@
-//! What is the order of a resonant structure, and where are its modes?
+//! Estimates the order of a resonant structure and its modes.
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use ident::Weighting;

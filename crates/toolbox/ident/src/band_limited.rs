@@ -52,7 +52,7 @@ pub(crate) fn with_courses(data: &Dataset, courses: &[(usize, f64)], at_rest: bo
     Ok(whole.unwrap_or_else(|| data.clone()).with_intersample(data.intersample()))
 }
 
-/// What makes the coefficients of an interval from the samples about it.
+/// Filter from the samples about an interval to the coefficients of the interval.
 struct Filter {
     /// The first sample, counted from that at the start of the interval.
     first: i64,

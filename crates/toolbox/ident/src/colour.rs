@@ -22,9 +22,9 @@ use crate::{IdentError, variance_course};
 const LAGS_PER_DECADE: f64 = 10.0;
 /// Residuals that every coefficient of the autoregression must have at least.
 const ROWS_PER_COEFFICIENT: usize = 10;
-/// What is left of a response when it counts as over.
+/// Part of a response below which it counts as over.
 const DECAYED: f64 = 1e-10;
-/// What is left of an autocovariance when it counts as over.
+/// Part of an autocovariance below which it counts as over.
 const MEMORY: f64 = 1e-4;
 /// Autocovariances that a count of independent rows takes in, at most.
 const REACH: usize = 10_000;
@@ -74,7 +74,7 @@ impl Colour {
         Colour { coefficients: Vec::new(), root: identity.clone(), moments: vec![identity], rows: 0, course: None }
     }
 
-    /// Whether the residuals look white, and as large at all times.
+    /// Returns true if the residuals look white, and as large at all times.
     pub(crate) fn is_white(&self) -> bool {
         self.coefficients.is_empty() && self.course.is_none()
     }

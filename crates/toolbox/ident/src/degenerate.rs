@@ -1,4 +1,4 @@
-//! What an estimate from degenerate data is to be doubted for.
+//! Doubts about an estimate from degenerate data.
 
 use faer::Mat;
 use numerics::linalg::{self, Cholesky};
@@ -6,7 +6,7 @@ use numerics::linalg::{self, Cholesky};
 use crate::equation::factor_of;
 use crate::{Dataset, Doubt, Fit, Triangle};
 
-/// What is left of an input, relative to its variation, where it counts as a combination of others.
+/// Unexplained part of an input, relative to its variation, below which it counts as a combination of others.
 const SAME_INPUT: f64 = 1e-11;
 /// As much is left of one that was written with six digits, as a part of its size with its mean; a larger part of its variation
 /// than the other is not rounding.

@@ -8,7 +8,7 @@ pub enum IdentError {
     /// Two things that belong together differ in length.
     #[error("{what}: {found} values where {expected} are needed")]
     Length {
-        /// What was measured.
+        /// Name of the quantity.
         what: &'static str,
         /// Values expected.
         expected: usize,
@@ -114,9 +114,9 @@ pub enum IdentError {
     /// A document of another kind.
     #[error("this is a document of \"{found}\", where \"{expected}\" is understood")]
     Document {
-        /// What it says it is.
+        /// Kind of document that the file states.
         found: String,
-        /// What can be read.
+        /// Kind of document that can be read.
         expected: String,
     },
     /// A model without an estimate, where its uncertainty is asked for.
@@ -129,7 +129,7 @@ pub enum IdentError {
         formula: String,
         /// Where reading stopped, in characters from one.
         position: usize,
-        /// What is allowed there.
+        /// Text that is allowed there.
         expected: &'static str,
     },
     /// A structure of formulas that does not hold together.
@@ -137,12 +137,12 @@ pub enum IdentError {
     FormulaStructure {
         /// The parameter or the entry.
         place: String,
-        /// What is wrong with it.
+        /// Fault of that part.
         fault: StructureFault,
     },
 }
 
-/// What is wrong with a part of a structure of formulas.
+/// Fault of a part of a structure of formulas.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StructureFault {

@@ -52,12 +52,12 @@ pub struct Excitation {
     /// The order up to which they are persistently exciting; zero where an input does not vary from zero or inputs are
     /// proportional to each other.
     pub order: usize,
-    /// Whether `order` is the highest that was looked for, so the true one may be higher.
+    /// True if `order` is the highest that was looked for, so the true one may be higher.
     pub at_least: bool,
     /// For orders from one on, the smallest singular value of the scaled regressor divided by √rows: one for white
     /// independent inputs. Standard errors grow with its inverse.
     pub levels: Vec<f64>,
-    /// What a level has to exceed.
+    /// Threshold that a level has to exceed.
     pub threshold: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Whether inputs follow what a model leaves of the outputs.
+//! Tests of whether inputs follow the residuals of a model.
 
 use faer::{Mat, MatRef};
 use numerics::vector::variation;
@@ -73,7 +73,7 @@ fn found_in(errors: &[Mat<f64>], data: &Dataset, direct: MatRef<'_, f64>) -> Vec
     found
 }
 
-/// Whether an input, by its place among the signals, follows the first signal.
+/// Returns true if an input, by its place among the signals, follows the first signal.
 fn follows(signals: &Signals<'_>, inputs: usize, input: usize, level: f64) -> bool {
     let past_and_present = Lagged::each(0, 1..=LAGS).chain((1..=inputs).flat_map(|k| Lagged::each(k, 0..=LAGS)));
     let future = Lagged::each(input, (1..=LAGS).map(|lead| -lead)).collect();
@@ -85,7 +85,8 @@ fn follows(signals: &Signals<'_>, inputs: usize, input: usize, level: f64) -> bo
         .all(|(explained, least)| explained.as_ref().is_some_and(|e| e.share > *least && e.p_value < level))
 }
 
-/// Whether an input, by its place among the signals, explains the first signal of the same sample beyond all others.
+/// Returns true if an input, by its place among the signals, explains the first signal of the same sample beyond all
+/// others.
 fn goes_with(signals: &Signals<'_>, inputs: usize, input: usize, level: f64) -> bool {
     let past = Lagged::each(0, 1..=LAGS).chain((1..=inputs).flat_map(|k| Lagged::each(k, 1..=LAGS)));
     let others = (1..=inputs).filter(|k| *k != input).map(|k| Lagged::new(k, 0));
@@ -94,7 +95,7 @@ fn goes_with(signals: &Signals<'_>, inputs: usize, input: usize, level: f64) -> 
     explained.is_some_and(|e| e.share > OF_RESIDUAL && e.p_value < level)
 }
 
-/// What some columns explain of a target beyond others.
+/// Part of a target that some columns explain beyond others.
 struct Explained {
     /// Of the target's variation.
     share: f64,

@@ -13,7 +13,7 @@ pub trait Parametric: Clone {
     /// θ, in a fixed order.
     fn parameters(&self) -> Vec<f64>;
 
-    /// What each parameter is called, in the same order.
+    /// Names of the parameters, in the same order.
     fn parameter_names(&self) -> Vec<String>;
 
     /// The same structure with other parameters.
@@ -77,7 +77,7 @@ pub struct Fit<M> {
     pub iterations: usize,
     /// Condition number of the scaled regressor or Jacobian.
     pub condition: f64,
-    /// What to doubt about the estimate.
+    /// Doubts about the estimate.
     pub doubts: Vec<Doubt>,
     /// How it was made; none for an estimate that was read from a model file.
     pub origin: Option<Origin>,
@@ -121,7 +121,7 @@ pub enum Doubt {
     },
     /// The model is not stable.
     Unstable,
-    /// What the model leaves is larger than the measured noise, on which alone the covariance rests: true errors are larger.
+    /// The residuals are larger than the measured noise, on which alone the covariance rests: true errors are larger.
     LargerThanNoise {
         /// The sum of squares over its expected value.
         #[serde(with = "maybe_infinite")]
@@ -165,7 +165,7 @@ pub enum Doubt {
     ExplainsLittle {
         /// Index of the output.
         output: usize,
-        /// Whether it is the simulation alone that does; else the prediction does too.
+        /// True if only the simulation leaves so much; otherwise the prediction does too.
         simulated: bool,
     },
     /// An input follows what the model leaves of an output, as under feedback, and the method takes inputs for independent of
@@ -196,8 +196,8 @@ pub enum Doubt {
         /// The strongest of them.
         strongest_hz: f64,
     },
-    /// What the model leaves of an output still follows the inputs: the structure is too simple, or the search ended in a
-    /// local minimum. Intervals and covariance contain nothing of this error.
+    /// The residuals of an output still follow the inputs: the structure is too simple, or the search ended in a local
+    /// minimum. Intervals and covariance contain nothing of this error.
     FollowsInputs {
         /// Index of the output.
         output: usize,
@@ -253,8 +253,9 @@ impl<M: Parametric> Fit<M> {
         (0..self.covariance.nrows()).map(error).collect()
     }
 
-    /// Whether a parameter ended at a bound that the errors would fall beyond. The data then do not show how far from the truth
-    /// it is. Its row of the covariance is zero: the covariance of the others holds with it at that value.
+    /// Returns true if a parameter ended at a bound that the errors would fall beyond. The data then do not show how
+    /// far from the truth it is. Its row of the covariance is zero: the covariance of the others holds with it at that
+    /// value.
     pub fn is_at_bound(&self, parameter: usize) -> bool {
         self.doubts.contains(&Doubt::AtBound { parameter })
     }

@@ -244,7 +244,7 @@ pub trait Equation {
     );
 }
 
-/// What is known of a parameter from elsewhere: value and standard uncertainty.
+/// Knowledge of a parameter from elsewhere: value and standard uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
     /// Position of the parameter.
@@ -264,7 +264,7 @@ pub struct ErrorsInVariables<'a, E> {
     window: Window,
     bins: &'a [usize],
     priors: &'a [Prior],
-    /// What the residual of each bin is multiplied by; all ones where empty.
+    /// Weights that multiply the residual of each bin; all ones where empty.
     weights: &'a [f64],
     /// Mean of the squared residuals, which priors are weighed against: one where the noise levels are right.
     scale: f64,

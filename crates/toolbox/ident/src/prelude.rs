@@ -1,4 +1,4 @@
-//! What most programs use: `use ident::prelude::*;`.
+//! Names that most programs use: `use ident::prelude::*;`.
 //!
 //! From data to a fitted model, a printed summary and a Bode plot as numbers:
 //! ```

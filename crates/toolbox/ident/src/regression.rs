@@ -217,7 +217,7 @@ fn lag_runs(columns: &[Lagged], signal: usize) -> Vec<(isize, isize)> {
     lags.chunk_by(|a, b| b - a == 1).filter_map(|run| Some((*run.first()?, *run.last()?))).collect()
 }
 
-/// Whether a sample is NaN; a chunk at a time, so that the inner loop has no branch.
+/// Returns true if a sample is NaN; checks a chunk at a time, so that the inner loop has no branch.
 fn has_missing(samples: &[f64]) -> bool {
     samples.chunks(CHUNK).any(|chunk| chunk.iter().fold(false, |found, v| found | v.is_nan()))
 }

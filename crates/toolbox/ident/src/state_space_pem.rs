@@ -51,9 +51,9 @@ pub struct StateSpacePem {
     pub order: StateOrder,
     /// Which errors are made small: `K` is free for those of the prediction, zero for those of the simulation.
     pub focus: Focus,
-    /// Whether `D` is estimated; otherwise it is zero.
+    /// True if `D` is estimated; otherwise it is zero.
     pub feedthrough: bool,
-    /// Whether every experiment starts from rest; otherwise initial states are estimated.
+    /// True if every experiment starts from rest; otherwise initial states are estimated.
     pub from_rest: bool,
     /// Where the search starts; at a subspace estimate where `None`.
     pub start: Option<StateSpaceModel>,

@@ -1,6 +1,6 @@
-//! What does not fit together in a structure, its options and its data.
+//! Conflicts between a structure, its options and its data.
 
-/// What does not fit together in a structure, its options and its data.
+/// Conflict between a structure, its options and its data.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StructureError {
@@ -42,7 +42,7 @@ pub enum StructureError {
     /// A number that is too small, such as an order of zero.
     #[error("{what}: {found}, where at least {least} {} needed", is_or_are(*.least))]
     TooFew {
-        /// What there are too few of.
+        /// Things of which there are too few.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -52,7 +52,7 @@ pub enum StructureError {
     /// A number that is too large.
     #[error("{what}: {found}, where at most {most} {} possible", is_or_are(*.most))]
     TooMany {
-        /// What there are too many of.
+        /// Things of which there are too many.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -85,7 +85,7 @@ pub enum StructureError {
         low_s: f64,
         /// The upper bound.
         high_s: f64,
-        /// Whether zero is refused.
+        /// True if zero is refused.
         positive: bool,
     },
     /// Bounds of a parameter that it cannot lie within.
@@ -97,7 +97,7 @@ pub enum StructureError {
         low: f64,
         /// The upper bound.
         high: f64,
-        /// What is wrong with them.
+        /// Fault of the bounds.
         fault: BoundsFault,
     },
     /// Lists that belong together differ in length.
@@ -250,7 +250,7 @@ pub enum StructureError {
     GivenUp,
 }
 
-/// What is wrong with bounds of a parameter.
+/// Fault of the bounds of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum BoundsFault {
     /// They are in the wrong order, or no numbers.
@@ -307,7 +307,7 @@ pub enum Count {
     AtLeast(usize),
 }
 
-/// What refined instrumental variables do not do.
+/// Limit of refined instrumental variables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RefinedLimit {
     /// Several inputs.
@@ -321,7 +321,7 @@ pub enum RefinedLimit {
     RestOrUnstable,
 }
 
-/// What has to be stable.
+/// Part that has to be stable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum UnstablePart {
     /// The model.

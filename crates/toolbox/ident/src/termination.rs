@@ -19,7 +19,7 @@ pub enum Termination {
 }
 
 impl Termination {
-    /// Whether the iteration reached a minimum.
+    /// Returns true if the iteration reached a minimum.
     pub fn converged(self) -> bool {
         !matches!(self, Termination::Edge | Termination::IterationLimit)
     }

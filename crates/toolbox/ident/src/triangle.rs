@@ -30,7 +30,7 @@ pub struct Triangle {
     block: Mat<f64>,
     filled: usize,
     rows: usize,
-    /// Whether every block so far could be folded by way of its Gram matrix.
+    /// True if every block so far could be folded by way of its Gram matrix.
     well_conditioned: bool,
 }
 

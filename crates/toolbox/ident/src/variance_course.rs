@@ -1,4 +1,4 @@
-//! Whether the size of errors changes over time, and how.
+//! Test of whether the size of errors changes over time, and the course of their variance.
 //!
 //! An interval or a test that takes errors for equally large is too sure where the errors are large while the data say most.
 //! The squares of errors whose size changes, slowly or in bursts, depend on those before them.
@@ -20,7 +20,7 @@ const FALSE_ALARM: f64 = 1e-3;
 /// Neighbours on either side over which squares are averaged.
 const REACH: usize = 10;
 
-/// Whether errors, of mean zero and NaN where there is none, change in size.
+/// Returns true if errors, of mean zero and NaN where there is none, change in size.
 pub(crate) fn changes(series: &[Vec<f64>]) -> bool {
     let squares = || series.iter().flatten().filter(|v| !v.is_nan()).map(|v| v * v);
     let count = squares().count() as f64;

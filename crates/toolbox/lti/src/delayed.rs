@@ -56,7 +56,7 @@ impl Lag {
         self.whole
     }
 
-    /// What is left beyond them, in 0 .. 1.
+    /// Fraction of a sample beyond them, in 0 .. 1.
     pub(crate) fn fraction(self) -> f64 {
         self.fraction
     }

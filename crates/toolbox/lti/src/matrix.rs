@@ -11,7 +11,7 @@ pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<Complex64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| Complex64::new(m[(i, j)], 0.0))
 }
 
-/// Whether a square matrix is singular to working precision.
+/// Returns true if a square matrix is singular to working precision.
 pub(crate) fn is_singular(m: MatRef<'_, f64>) -> Result<bool, LtiError> {
     let values = linalg::singular_values(m)?;
     let (Some(largest), Some(smallest)) = (values.first(), values.last()) else { return Ok(false) };
@@ -198,7 +198,7 @@ impl RowMajor {
     }
 }
 
-/// Whether a table of numbers is finite throughout.
+/// Checks that a table of numbers is finite throughout.
 pub(crate) fn check_matrix(what: &'static str, m: MatRef<'_, f64>) -> Result<(), LtiError> {
     check_finite(what, elements(m))
 }

@@ -150,7 +150,7 @@ impl ProcessModel {
         self.0.delay_s
     }
 
-    /// Whether `1/s` is in the model.
+    /// Returns true if `1/s` is in the model.
     #[must_use]
     pub fn integrates(&self) -> bool {
         self.0.integrates
@@ -171,8 +171,8 @@ impl ProcessModel {
         std::iter::once(parts.gain).chain(pair).chain(parts.lags_s.iter().copied()).chain(last).collect()
     }
 
-    /// What the [`parameters`](Self::parameters) are called: `K`, `Tw`, `zeta`, `Tp1` …, `Tz`, `Td`. Beside a pair, the
-    /// lag is `Tp3`.
+    /// Names of the [`parameters`](Self::parameters): `K`, `Tw`, `zeta`, `Tp1` …, `Tz`, `Td`. Beside a pair, the lag is
+    /// `Tp3`.
     #[must_use]
     pub fn parameter_names(&self) -> Vec<String> {
         let parts = &self.0;

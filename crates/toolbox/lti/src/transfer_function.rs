@@ -31,7 +31,7 @@ pub struct TransferFunction {
     sample_time_s: Option<f64>,
 }
 
-/// What is read before it is checked.
+/// Fields as read, before they are checked.
 #[derive(Deserialize)]
 struct Parts {
     num: Vec<f64>,

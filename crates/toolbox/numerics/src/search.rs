@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-/// What a golden section leaves of an interval.
+/// Part of an interval that a step of a golden section leaves.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 /// Part of its step to which a search for the highest of several maxima goes: rounding hides what is finer.
 const FINE: f64 = 8e-9;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What is no number, or infinite, has no rank.
+/// Rank of NaN and infinite values, which have none.
 const NONE: u32 = u32::MAX;
 
 /// A series with the place of each finite value in ascending order.

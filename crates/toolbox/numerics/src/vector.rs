@@ -2,7 +2,7 @@
 
 /// Independent partial sums of a scalar product: as many as fill the vector registers.
 const LANES: usize = 16;
-/// What rounding makes of a constant, in parts of its size.
+/// Deviation from a constant that rounding explains, in parts of its size.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The scalar product `Σ x_i y_i` over the length of the shorter slice.

@@ -1,4 +1,4 @@
-//! What time stamps say about the clock behind them: sample time, jitter, gaps, stamps that run backwards.
+//! Check of the clock behind time stamps: sample time, jitter, gaps, stamps that run backwards.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ pub struct Gap {
     pub missing: usize,
 }
 
-/// What was found in a series of time stamps.
+/// Result of the check of a series of time stamps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClockCheck {
     /// The sample time, in seconds: the mean of the regular intervals.
@@ -49,7 +49,7 @@ pub struct ClockCheck {
 }
 
 impl ClockCheck {
-    /// Whether the stamps rise, none is missing, and no interval departs from the sample time by more than this
+    /// Returns true if the stamps rise, none is missing, and no interval departs from the sample time by more than this
     /// fraction of it.
     #[must_use]
     pub fn is_uniform(&self, tolerance: f64) -> bool {

@@ -124,7 +124,7 @@ pub struct CorrelationDelay {
     pub delay_s: f64,
     /// The correlation coefficient at the peak, −1 to 1; negative where the signals oppose each other.
     pub coefficient: f64,
-    /// Whether the peak lies on the edge of the range searched: the true one may lie outside.
+    /// True if the peak lies on the edge of the range searched: the true one may lie outside.
     pub at_edge: bool,
 }
 

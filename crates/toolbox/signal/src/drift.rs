@@ -1,4 +1,4 @@
-//! Whether the clocks of two signals run apart, estimated from the signals themselves.
+//! Drift between the clocks of two signals, estimated from the signals themselves.
 
 use std::f64::consts::TAU;
 
@@ -234,8 +234,8 @@ impl Stretches {
         lines.fold((0.0, 0.0), |all, line| (all.0 + line.0, all.1 + line.1))
     }
 
-    /// Whether the signals are coherent beyond chance. γ² of unrelated ones is Beta(1, K−1) distributed, so that
-    /// −K ln(1 − γ²) has the mean and the standard deviation K/(K−1).
+    /// Returns true if the signals are coherent beyond chance. γ² of unrelated ones is Beta(1, K−1) distributed, so
+    /// that −K ln(1 − γ²) has the mean and the standard deviation K/(K−1).
     fn is_related(&self, rate: f64) -> bool {
         let lines = self.freq_hz.len() as f64 / HANN_LINES;
         let each = SEGMENTS as f64 / (SEGMENTS as f64 - 1.0);

@@ -1,4 +1,4 @@
-//! What a signal is taken to be beyond its ends.
+//! Continuation of a signal beyond its ends.
 
 /// `x` at any index: odd reflection about the end samples (`2·x[0] − x[k]` at `−k`), so that value and slope continue;
 /// beyond the reflected record the outermost reflected value holds. An empty `x` reads as zero.

@@ -452,13 +452,14 @@ pub struct Periodicity {
     pub period: usize,
     /// Whole periods recorded, at least two.
     pub periods: usize,
-    /// What does not repeat: half the mean squared change from one period to the next over the variance; zero for an exact
-    /// repetition, about the noise's share of the power with noise, one for nothing in common.
+    /// Part that does not repeat: half the mean squared change from one period to the next over the variance. It is
+    /// zero for an exact repetition, about the noise's share of the power with noise, and one for nothing in common.
     pub unrepeated: f64,
 }
 
-/// Whether a record, of an excitation as a rule, repeats after a whole number of samples, and after how many: the shortest
-/// period after which no more than `tolerance` (of the variance) fails to repeat; none where there is no such.
+/// Detects whether a record, of an excitation as a rule, repeats after a whole number of samples, and returns the
+/// period. This is the shortest one after which no more than `tolerance` (of the variance) fails to repeat; none where
+/// there is no such.
 ///
 /// Periods up to half the record are tried. A tolerance of 1e-6 suits commands, 0.1 noisy measurements. For every lag `p` the
 /// share `Σ (x[t+p] − x[t])² / (Σ x[t+p]² + Σ x[t]²)` is found from one correlation; smooth signals change little over

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{SignalError, check_range};
 use crate::runs;
 
-/// What counts as damage.
+/// Criteria of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct QualityOptions {
     /// Shortest run at the smallest or largest value that counts as clipped; at least two.
@@ -29,12 +29,12 @@ impl Default for QualityOptions {
     }
 }
 
-/// What was found; every range is of sample indices, half open, in order.
+/// Findings in a series; every range is of sample indices, half open, in order.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Quality {
     /// Runs of NaN or infinite samples.
     pub non_finite: Vec<Range<usize>>,
-    /// Whether all finite samples are equal (or there is none). Then nothing below is reported.
+    /// True if all finite samples are equal (or there is none). Then nothing below is reported.
     pub constant: bool,
     /// Runs at the smallest value. A signal held at levels (a command) shows them too: it is for the caller to know.
     pub clipped_low: Vec<Range<usize>>,
@@ -45,7 +45,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Whether nothing was found.
+    /// Returns true if nothing was found.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         !self.constant
@@ -154,7 +154,7 @@ fn sizes(count: usize, mut value: impl FnMut(usize) -> f64) -> impl Iterator<Ite
     (0..count).map(move |i| value(i).abs()).filter(|size| size.is_finite())
 }
 
-/// What the largest of so many Gaussian values stays below but with the probability of a false alarm.
+/// Bound that the largest of so many Gaussian values exceeds only with the probability of a false alarm.
 fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm: f64) -> f64 {
     let mut count = 0;
     let place = |all: usize| {
@@ -179,7 +179,7 @@ fn moved_around(x: &[f64], i: usize, reach: usize) -> f64 {
     select(&mut sizes, place).unwrap_or(0.0)
 }
 
-/// What was found without longer stretches, which are no spikes.
+/// Found samples without longer stretches, which are no spikes.
 fn no_longer_than(most: usize, found: &[usize]) -> Vec<usize> {
     let stretches = found.chunk_by(|a, b| b - a == 1);
     stretches.filter(|stretch| stretch.len() <= most).flatten().copied().collect()

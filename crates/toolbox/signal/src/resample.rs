@@ -150,7 +150,7 @@ pub fn resample_rational(x: &Signal, up: usize, down: usize) -> Result<Signal, S
     Signal::new(x.start_s, x.sample_time_s * down as f64 / up as f64, (0..length).map(value).collect())
 }
 
-/// What lies below the Nyquist frequency of the signal that holds each sample until the next, on the same clock.
+/// Content below the Nyquist frequency of the signal that holds each sample until the next, on the same clock.
 ///
 /// The held signal at `t` has there the mean of the band-limited signal through the samples over the sample time before
 /// `t`: half a sample later, and lower by `sin(ωT/2)/(ωT/2)`. This is what a low-pass filter has to be given before a held
@@ -171,8 +171,8 @@ pub fn band_of_held(x: &Signal) -> Result<Signal, SignalError> {
     averaged(x, &nodes)
 }
 
-/// What lies below the Nyquist frequency of the signal that runs straight from sample to sample, on the same clock: lower
-/// than the band-limited signal through the samples by `(sin(ωT/2)/(ωT/2))²`, and no later. See [`band_of_held`].
+/// Content below the Nyquist frequency of the signal that runs straight from sample to sample, on the same clock. It is
+/// lower than the band-limited signal through the samples by `(sin(ωT/2)/(ωT/2))²`, and no later. See [`band_of_held`].
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for an empty signal.

@@ -44,7 +44,7 @@ impl Signal {
         self.samples.len()
     }
 
-    /// Whether there is no sample.
+    /// Returns true if there is no sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()

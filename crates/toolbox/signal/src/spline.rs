@@ -95,7 +95,7 @@ fn natural_curvature(y: &[f64]) -> Vec<f64> {
 /// The row from which the ratios no longer change: they near 2 − √3 by a factor of (2 − √3)² a row.
 const SETTLED: usize = 20;
 
-/// What each row of the elimination is divided by, turned over: 1/(4 − the one before).
+/// Reciprocal divisor of each row of the elimination: 1/(4 − the one before).
 fn ratios() -> [f64; SETTLED + 1] {
     let mut ratios = [0.0; SETTLED + 1];
     for i in 1..=SETTLED {

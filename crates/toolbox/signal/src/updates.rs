@@ -117,7 +117,7 @@ fn straightened(x: &[f64]) -> Option<Stale> {
     (found > MANY_STRAIGHT * count && bends > MOVES * count).then_some(Stale { how: Staleness::Straightened, samples })
 }
 
-/// What rounding of the last digits leaves of a straight line.
+/// Departure from a straight line that rounding of the last digits explains.
 fn rounding(x: &[f64]) -> f64 {
     ROUNDING * x.iter().filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()))
 }

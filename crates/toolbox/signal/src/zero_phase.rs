@@ -18,7 +18,7 @@ const PHASES: f64 = 4096.0;
 /// Highest band as a part of the Nyquist frequency: the middle of the transition then lies on the latter.
 const NYQUIST_PART: f64 = 2.0 / (1.0 + STOP);
 
-/// What is wanted of the signal.
+/// Quantity that is wanted of the signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
     /// Its value.

@@ -64,7 +64,7 @@ fn exact_texts_are_read_with_their_units() {
     }
 }
 
-/// Whether a demand that is followed exactly can be judged.
+/// Checks that a demand that is followed exactly can be judged.
 fn checked(text: &str, demand: &[f64]) -> Result<(), String> {
     let course = Course { sample_time_s: 1e-3, demand, value: demand, timed_demand: None };
     text.parse::<Own>().unwrap().check(&course).map_err(|error| error.to_string())

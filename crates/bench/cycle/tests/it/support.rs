@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Data and functions that several tests share.
 
 use cycle::EngineMap;
 use units::RPM_RAD_S;

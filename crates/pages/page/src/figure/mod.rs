@@ -15,19 +15,19 @@ pub(crate) const MAX_POINTS: usize = 4000;
 /// Panels on one x-axis, with a title above and a caption below.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
-    /// What is shown.
+    /// Title of the figure.
     pub title: String,
-    /// What to see in it.
+    /// Caption that points out what to see in it.
     pub caption: String,
     /// The shared x-axis.
     pub x: Axis,
     /// Panels, top to bottom.
     pub panels: Vec<Panel>,
-    /// Whether a length means the same along both axes, as in a complex plane.
+    /// True if a length means the same along both axes, as in a complex plane.
     pub equal_axes: bool,
     /// The recording that is shown over time, whose figures a page zooms together; empty for none.
     pub recording: String,
-    /// Whether words such as `T_d` are symbols, to be set with an index; otherwise they are names.
+    /// True if words such as `T_d` are symbols, to be set with an index; otherwise they are names.
     pub symbols: bool,
 }
 
@@ -40,14 +40,14 @@ pub struct Panel {
     pub note: String,
     /// Height of the drawing area, CSS pixels.
     pub height: u32,
-    /// What is drawn, first at the bottom.
+    /// Layers of the drawing, first at the bottom.
     pub layers: Vec<Layer>,
 }
 
 /// An axis.
 #[derive(Debug, Clone, Serialize)]
 pub struct Axis {
-    /// What it shows.
+    /// Quantity that it shows.
     pub label: String,
     /// Its unit, empty for none.
     pub unit: String,
@@ -73,13 +73,13 @@ pub enum Scale {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Style {
-    /// What was measured.
+    /// A measurement.
     Measured,
-    /// What a model says, or the first of several.
+    /// A model, or the first of several.
     Modelled,
     /// A second model.
     Other,
-    /// What is left over, or a third model.
+    /// Residuals, or a third model.
     Residual,
     /// A fourth model.
     Fourth,

@@ -187,7 +187,7 @@ fn side(align: Align) -> Markup {
     Markup::raw(if align == Align::Right { " class=\"right\"" } else { "" })
 }
 
-/// What is short does not break across lines.
+/// Writes a cell; short text does not break across lines.
 fn cell(Cell { content, tone }: &Cell, Column { heading, align, .. }: &Column) -> Markup {
     let (text, is_short) = match content {
         Content::Text(text) => (prose(text), text.plain().chars().count() <= UNBROKEN),

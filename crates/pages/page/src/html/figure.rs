@@ -14,7 +14,7 @@ pub(super) const WIDE: f64 = 860.0;
 /// Width of a figure beside another one.
 pub(super) const NARROW: f64 = 440.0;
 
-/// What the style sheet has for all lines of a page.
+/// Attribute that the style sheet has for all lines of a page.
 const ROUND: &str = " stroke-linejoin=\"round\"";
 
 /// How many points of a line a page has at most.

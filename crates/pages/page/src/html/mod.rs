@@ -27,7 +27,7 @@ const STYLE: &str = concat!(
 const SAMPLES_ROOM: usize = 1_300_000;
 const PAGE_ROOM: usize = 2_850_000;
 
-/// What makes figures interactive; it stands once in a page, after them.
+/// Script that makes figures interactive; it is once in a page, after them.
 const SCRIPT: &str = concat!(
     include_str!("../../assets/scale.js"),
     include_str!("../../assets/view.js"),
@@ -72,7 +72,7 @@ pub fn html(page: &Page, generator: &str) -> String {
     .into_string()
 }
 
-/// What is below the title, with as many samples as have room.
+/// Content below the title, with as many samples as have room.
 fn body(page: &Page) -> Markup {
     let figures = page.figures();
     let drawn = most_points(&figures);
@@ -87,7 +87,7 @@ fn body(page: &Page) -> Markup {
     }
 }
 
-/// What each printed page has at its edges.
+/// Texts at the edges of each printed page.
 fn paper(running_head: &str) -> String {
     let is_plain = |c: &char| !matches!(c, '"' | '\\' | '<' | '>');
     let head: String = crate::safe(running_head).chars().filter(is_plain).collect();

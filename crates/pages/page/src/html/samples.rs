@@ -24,7 +24,7 @@ pub(super) struct Storage {
 
 /// How many times the samples of another figure one has that shows what a model leaves over.
 const COMPARED: usize = 3;
-/// What coarser values leave of the characters of samples, about.
+/// Share of the characters of samples that coarser values need, about.
 const SHARE_OF_COARSE: f64 = 0.8;
 /// Characters of a sample at the very least, to see early that too many are too many.
 const LEAST_CHARACTERS: f64 = 0.4;
@@ -47,7 +47,7 @@ struct Group {
     of: usize,
     /// First place and distance of samples, for those on a clock.
     clock: Option<[f64; 2]>,
-    /// Whether the number of each sample on the clock is written.
+    /// True if the number of each sample on the clock is written.
     numbered: bool,
     /// How the places were made whole numbers, for those on no clock.
     places: Option<Code>,
@@ -152,7 +152,7 @@ impl Storage {
     }
 }
 
-/// Whether a panel has what models leave over and nothing else.
+/// Returns true if a panel has the residuals of models and nothing else.
 fn shows_residuals(figure: &Figure) -> bool {
     figure.panels.iter().any(|panel| {
         let style = |layer: &Layer| match layer {

@@ -24,7 +24,7 @@ pub(super) struct Spot {
     pub(super) down: f32,
 }
 
-/// What a PDF is written of.
+/// Parts that a PDF is written from.
 pub(super) struct Parts<'d, 'f> {
     pub(super) title: &'d str,
     pub(super) options: &'d PdfOptions,

@@ -139,7 +139,7 @@ impl Layout<'_> {
     }
 }
 
-/// What stands above a drawing, the drawing, and what stands below it, on one page.
+/// Puts the strips above a drawing, the drawing, and those below it on one page.
 fn together(above: Vec<Strip>, shown: Strip, below: Vec<Strip>) -> Vec<Strip> {
     let mut all = above;
     all.push(shown);

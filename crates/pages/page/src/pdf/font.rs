@@ -47,7 +47,7 @@ impl Face {
     }
 }
 
-/// What stands for a character without a glyph.
+/// Replacement of a character without a glyph.
 const REPLACEMENT: char = '\u{fffd}';
 
 /// A font's characters and widths.
@@ -95,7 +95,7 @@ impl Fonts {
             .unwrap_or((Face::Regular, 0))
     }
 
-    /// Whether a font has a glyph for a character.
+    /// Returns true if a font has a glyph for a character.
     pub(super) fn has(&self, face: Face, c: char) -> bool {
         !is_hidden(c) && self.font(face).glyph(c).is_some()
     }

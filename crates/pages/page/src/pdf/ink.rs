@@ -1,4 +1,4 @@
-//! What the content of all pages shares: glyphs, degrees of opacity, pictures.
+//! Resources that the content of all pages shares: glyphs, degrees of opacity, pictures.
 
 use std::collections::BTreeSet;
 use std::rc::Rc;

@@ -39,7 +39,7 @@ const LEVELS: [Role; 6] = [Role::H1, Role::H2, Role::H3, Role::H4, Role::H5, Rol
 pub(super) struct Heading {
     pub(super) level: usize,
     pub(super) title: String,
-    /// What links call it.
+    /// Name that links use for it.
     pub(super) id: Option<String>,
 }
 
@@ -72,8 +72,8 @@ pub(super) struct Layout<'l> {
     pub(super) figures: usize,
 }
 
-/// Whether the end of a block is on a page with the start of the next: a remark belongs to what it follows, and a text to
-/// what they announce.
+/// Returns true if the end of a block is on a page with the start of the next. A remark belongs to the block before it,
+/// and a text to the block that it announces.
 fn belong_together(before: &Block, next: &Block) -> bool {
     match next {
         Block::Paragraph { weight: Weight::Note, .. } => true,

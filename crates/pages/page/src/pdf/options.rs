@@ -1,4 +1,4 @@
-//! What a PDF is made for, and why one cannot be made.
+//! Options of a PDF, and the reasons why one cannot be made.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ pub struct PdfOptions {
     pub author: String,
     /// When it was made.
     pub created: Option<Day>,
-    /// Whether all of it is to be on one page: it is then set smaller, down to half its size.
+    /// True if all of it is to be on one page: it is then set smaller, down to half its size.
     pub on_one_page: bool,
 }
 
@@ -53,9 +53,9 @@ pub enum PdfError {
     /// A drawing is no valid SVG.
     #[error("the drawing \"{what}\" cannot be read: {reason}")]
     Drawing {
-        /// What it shows.
+        /// Subject of the drawing.
         what: String,
-        /// What is wrong with it.
+        /// Fault of the drawing.
         reason: String,
     },
     /// A font that is built in cannot be used.

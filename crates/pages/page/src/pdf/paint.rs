@@ -24,7 +24,7 @@ pub(super) struct PaintedLink {
     pub(super) link: LinkArea,
 }
 
-/// What is at the edges of a page.
+/// Texts at the edges of a page.
 pub(super) struct Edges {
     pub(super) texts: Vec<(f32, f32, Fragment)>,
 }

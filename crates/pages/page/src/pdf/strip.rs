@@ -49,7 +49,7 @@ pub(super) struct LinkArea {
     pub(super) area: Area,
     pub(super) target: Rc<str>,
     pub(super) node: Node,
-    /// What it leads to, in words.
+    /// Its target in words.
     pub(super) words: String,
 }
 
@@ -59,13 +59,13 @@ pub(super) struct Strip {
     pub(super) height: f32,
     /// Free space above, unless it is the first of a page.
     pub(super) before: f32,
-    /// Whether the next strip is on the same page.
+    /// True if the next strip is on the same page.
     pub(super) is_kept: bool,
     pub(super) marks: Vec<Mark>,
     pub(super) links: Vec<LinkArea>,
     /// The heading in it, by its number.
     pub(super) heading: Option<usize>,
-    /// What is repeated above it if it begins a page.
+    /// Strip that is repeated above it if it begins a page.
     pub(super) repeated: Option<Rc<Strip>>,
 }
 

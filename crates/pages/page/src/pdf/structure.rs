@@ -9,7 +9,7 @@ pub(super) use pdf_writer::types::StructRole as Role;
 /// A node of the structure.
 pub(super) type Node = usize;
 
-/// What is below a node.
+/// Child of a node.
 #[derive(Debug, Clone, Copy)]
 enum Child {
     Node(Node),
@@ -25,7 +25,7 @@ struct Element {
     parent: Option<Node>,
     is_placed: bool,
     children: Vec<Child>,
-    /// What is shown, in words.
+    /// Description of the picture, in words.
     alternative: Option<String>,
     scope: Option<TableHeaderScope>,
     columns: i32,

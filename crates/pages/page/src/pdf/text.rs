@@ -56,7 +56,7 @@ pub(super) struct Style {
     pub(super) rise: f32,
     pub(super) colour: Colour,
     pub(super) is_slanted: bool,
-    /// Whether it has a frame.
+    /// True if it has a frame.
     pub(super) is_tag: bool,
 }
 

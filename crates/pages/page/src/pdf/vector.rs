@@ -12,7 +12,7 @@ use super::ink::Ink;
 use super::options::PdfError;
 use super::text::Colour;
 
-/// What HTML's style sheet says of drawings.
+/// Rules of HTML's style sheet for drawings.
 const STYLE: &str = include_str!("../../assets/drawing.css");
 /// The colours that the style sheet names.
 const COLOURS: [(&str, &str); 5] = [

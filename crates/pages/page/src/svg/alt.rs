@@ -14,7 +14,7 @@ pub(super) fn label(figure: &Figure) -> String {
     }
 }
 
-/// What is drawn over what, and from where to where each series goes.
+/// Describes the quantities over their axis, and from where to where each series goes.
 pub(super) fn description(figure: &Figure) -> String {
     let names: Vec<String> = figure.panels.iter().map(|panel| axis_name(&panel.y)).collect();
     format!("{} over {}. {}", names.join(", "), axis_name(&figure.x), ranges(figure))

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-/// What a path in tenths of a pixel needs to have its size.
+/// Attributes that give a path in tenths of a pixel its size.
 pub(super) const COARSE: &str = "data-scale=\"0.1\" transform=\"scale(.1)\"";
 
 /// The same for hundredths.
@@ -79,7 +79,7 @@ impl Line {
         self.narrow();
     }
 
-    /// Whether a straight line to there passes all points since the last one that is written.
+    /// Returns true if a straight line to there passes all points since the last one that is written.
     fn passes(&self, (x, y): Point) -> bool {
         match self.slopes {
             Some((low, high)) => {

@@ -1,4 +1,4 @@
-//! What part of the numbers a figure shows.
+//! Range of the numbers that a figure shows.
 
 use super::shared::is_log;
 use crate::figure::{Abscissa, Figure, Layer, Panel, Rounded};

@@ -62,7 +62,7 @@ fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
     }
 }
 
-/// Whether a line goes up and down so often that it fills an area.
+/// Returns true if a line goes up and down so often that it fills an area.
 fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
     let pixel = |y: &Rounded| frame.y.pixel(y.0);
     let travel = y.windows(2).map(|pair| (pixel(&pair[1]) - pixel(&pair[0])).abs()).filter(|way| way.is_finite());
@@ -124,7 +124,8 @@ impl MarkNames {
     }
 }
 
-/// What the page's script has to know of a layer: what it is, along which axes it moves unless along both, and the series it belongs to.
+/// Attributes of a layer for the page's script: its kind, the axes along which it moves unless along both, and the
+/// series it belongs to.
 fn attributes(layer: &Layer) -> String {
     let (kind, moves) = match layer {
         Layer::Line { .. } => ("line", "xy"),
@@ -304,7 +305,7 @@ fn shape(marker: Marker, px: f64, py: f64) -> String {
     }
 }
 
-/// What stands before a name in the legend, 18 wide.
+/// Draws the key before a name in the legend, 18 wide.
 pub(crate) fn key(out: &mut String, layer: &Layer, (x, y): (f64, f64)) {
     match layer {
         Layer::Markers { style, marker, .. } => path(out, &shape(*marker, x + 9.0, y - 4.0), *style, 1.7, ""),
@@ -417,7 +418,7 @@ fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: S
 /// A band thinner than this, in pixels, lies under its line.
 const HIDDEN: f64 = 2.5;
 
-/// Whether the larger part of a band cannot be seen beside its line.
+/// Returns true if the larger part of a band cannot be seen beside its line.
 pub(crate) fn is_hidden(layer: &Layer, frame: &Frame) -> bool {
     let Layer::Band { low, high, .. } = layer else { return false };
     let pairs = low.iter().zip(high);

@@ -115,14 +115,14 @@ pub(crate) fn around_panels(figure: &Figure) -> f64 {
     ABOVE_PANEL + (count - 1.0).max(0.0) * BETWEEN + FOOT
 }
 
-/// What a figure shows, for readers who do not see it. Its caption is text of its own.
+/// Description of a figure for readers who do not see it. Its caption is text of its own.
 pub(crate) fn alternative(figure: &Figure) -> String {
     let title = figure.title.trim_end_matches('.');
     let joint = if title.is_empty() { "" } else { ". " };
     format!("{title}{joint}{}", alt::description(figure))
 }
 
-/// What stands before a series' name, as an SVG element of its own.
+/// Key before a series' name, as an SVG element of its own.
 pub(crate) fn key(layer: &Layer) -> String {
     let mut body = String::new();
     layers::key(&mut body, layer, (0.0, 11.0));
@@ -368,7 +368,7 @@ fn label(out: &mut String, figure: &Figure, at: (f64, f64), anchor: &str, attrib
 }
 
 impl Layer {
-    /// What the layer is called in the legend.
+    /// Name of the layer in the legend.
     fn legend_name(&self) -> Option<&str> {
         match self {
             Layer::Line { name, .. }

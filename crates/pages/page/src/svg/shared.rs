@@ -1,4 +1,4 @@
-//! What all pieces of a drawing share: where a panel is, colours, texts and lines.
+//! Elements that all pieces of a drawing share: where a panel is, colours, texts and lines.
 
 use std::fmt::Write as _;
 
@@ -23,7 +23,7 @@ pub(super) struct Frame {
     pub(super) right: f64,
     pub(super) top: f64,
     pub(super) bottom: f64,
-    /// Whether the drawing is in a page, whose style sheet keeps strokes as wide as they are where a path is scaled.
+    /// True if the drawing is in a page, whose style sheet keeps strokes as wide as they are where a path is scaled.
     pub(super) in_page: bool,
 }
 
@@ -78,7 +78,7 @@ pub(super) fn line(out: &mut String, from: (f64, f64), to: (f64, f64), colour: &
     );
 }
 
-/// Whether values of an axis have to be positive.
+/// Returns true if values of an axis have to be positive.
 pub(super) fn is_log(axis: &Axis) -> bool {
     matches!(axis.scale, Scale::Log)
 }

@@ -1,4 +1,4 @@
-//! What a terminal can show: its width, its colours, and text without codes of its own.
+//! Abilities of a terminal: its width, its colours, and text without codes of its own.
 
 use unicode_width::UnicodeWidthChar;
 
@@ -9,9 +9,9 @@ use crate::tone::Tone;
 pub struct Screen {
     /// Columns of a line.
     pub width: usize,
-    /// Whether escape codes for colour may be used.
+    /// True if escape codes for colour may be used.
     pub colour: bool,
-    /// Whether tables must fit. Where nobody looks, as in a pipe, only their last column is broken into lines.
+    /// True if tables must fit. Where nobody looks, as in a pipe, only their last column is broken into lines.
     pub is_narrow: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Whether readers who see two primary colours only tell the series of a figure apart.
+//! Readers who see two primary colours only can distinguish the series of a figure.
 
 use page::{Axis, Figure, Layer, Page, Panel, Style, html, svg};
 

@@ -1,4 +1,4 @@
-//! What is in a drawing.
+//! Content of a drawing.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded, svg};
 

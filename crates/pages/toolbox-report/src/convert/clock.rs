@@ -15,21 +15,21 @@ pub enum Form {
     StateSpace,
 }
 
-/// What a model is to become.
+/// Form and clock that a model is to get.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
     /// Its form.
     pub form: Form,
     /// Its sample time, where it is to be another.
     pub sample_time_s: Option<f64>,
-    /// Whether it is to be continuous.
+    /// True if it is to be continuous.
     pub continuous: bool,
     /// The rule between continuous and discrete.
     pub rule: Discretisation,
 }
 
 impl Conversion {
-    /// Whether the model keeps its own clock.
+    /// Returns true if the model keeps its own clock.
     pub(super) fn keeps_clock(&self) -> bool {
         self.sample_time_s.is_none() && !self.continuous
     }

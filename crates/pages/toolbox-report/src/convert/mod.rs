@@ -81,7 +81,7 @@ impl Converted {
         Ok(document)
     }
 
-    /// What of the model its new form does not hold.
+    /// Parts of the model that its new form does not hold.
     ///
     /// # Errors
     /// Where a model has no innovations form.
@@ -135,7 +135,7 @@ impl Converted {
     }
 }
 
-/// What of a model its new form does not hold.
+/// Parts of a model that its new form does not hold.
 fn lost_between(source: &ModelDocument, converted: &ModelDocument) -> Result<Option<&'static str>, IdentError> {
     let models_noise = |document: &ModelDocument| -> Result<bool, IdentError> {
         let form = document.model.innovations(document.sample_time_s, document.intersample)?;

@@ -22,16 +22,16 @@ use others::Others;
 /// More data are read for intervals that could become shorter by this part.
 const WORTHWHILE: f64 = 0.2;
 
-/// What is known of data before their delays are looked for.
+/// Facts known about data before their delays are looked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {
-    /// What was done to bring the channels onto their clock.
+    /// Adjustments that brought the channels onto their clock.
     pub adjustments: &'a [Adjustment],
     /// The samples from one known output to the next, as the whole recordings have them; see [`spacing`].
     pub spacing: Option<usize>,
-    /// Whether that clock was asked for.
+    /// True if that clock was asked for.
     pub clock_is_given: bool,
-    /// Whether it was said what the inputs do between their samples.
+    /// True if it was stated how the inputs behave between their samples.
     pub between_is_given: bool,
 }
 
@@ -75,7 +75,7 @@ impl Delays {
         Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled, part_of: None })
     }
 
-    /// What each method says, what is claimed, and what to doubt.
+    /// Page of the result of each method, of the delays that are claimed, and of the doubts.
     pub fn page(&self) -> Page {
         let data = &self.data;
         let columns =

@@ -19,7 +19,7 @@ const RESTLESS: f64 = 0.5;
 /// Data, and what was done to bring them onto their clock.
 pub(super) type Clocked<'a> = (&'a Dataset, &'a [Adjustment]);
 
-/// What models say, and why nothing is claimed.
+/// Result of the models, and the reasons where no interval is claimed.
 pub(super) struct Modelled {
     found: Result<DelayModels, IdentError>,
     /// For each input, why no interval is given; none where one is.
@@ -50,7 +50,7 @@ impl Modelled {
         Modelled { found, unclaimed, span }
     }
 
-    /// Whether a delay of this input is claimed.
+    /// Returns true if a delay of this input is claimed.
     pub(super) fn is_claimed(&self, input: usize) -> bool {
         self.unclaimed[input].is_none()
     }
@@ -64,7 +64,7 @@ impl Modelled {
         Some(claimed.intervals.iter().map(|(low, high)| 1.0 - least / (high - low)).fold(0.0, f64::max))
     }
 
-    /// What the best model says of an input, in samples, claimed or not.
+    /// Interval of an input by the best model, in samples, claimed or not.
     pub(super) fn interval(&self, input: usize) -> Option<(f64, f64)> {
         self.found.as_ref().ok().map(|found| found.best().intervals[input])
     }
@@ -106,7 +106,7 @@ impl Modelled {
         }
     }
 
-    /// What is claimed of each input, or that nothing is.
+    /// Claim about each input, or that there is none.
     pub(super) fn claims(&self, data: &Dataset) -> Vec<Block> {
         let t = data.sample_time_s();
         let claim = |(input, label): (usize, &ident::Label)| {
@@ -178,7 +178,7 @@ impl Modelled {
         self.models().iter().map(one).collect()
     }
 
-    /// What was estimated beside the delays.
+    /// Notes about quantities that were estimated beside the delays.
     pub(super) fn notes(&self) -> Vec<String> {
         let ripple = |found: &DelayModels| found.best().ripple_hz.first().copied();
         let said = |hz: f64| {
@@ -228,7 +228,7 @@ fn unknown_between(data: &Dataset, input: usize) -> Option<String> {
     })
 }
 
-/// Whether an input changes with most samples.
+/// Returns true if an input changes with most samples.
 fn is_restless(data: &Dataset, input: usize) -> bool {
     let steps = || data.experiments().iter().flat_map(|e| e.input(input).windows(2));
     let moves = steps().filter(|w| w[0] != w[1]).count();

@@ -1,4 +1,4 @@
-//! What methods say that look for the delay alone.
+//! Results of the methods that look for the delay alone.
 
 use ident::delay::{
     ArxDelay, DelayCandidate, DelayEstimate, DelayRanking, FractionalDelay, ImpulseDelay, ImpulseResponseStart,
@@ -26,12 +26,12 @@ const WHITE: f64 = 0.99;
 
 type Fine = Option<Result<DelayEstimate, IdentError>>;
 
-/// What each method says.
+/// Results of these methods.
 pub(super) struct Others {
     /// Not there where the output is not known every so many samples.
     ranking: Option<DelayRanking>,
-    /// Whether the errors of the best ARX model look white, so that its comparison means what it says; none where that
-    /// is not known.
+    /// True if the errors of the best ARX model look white, so that its comparison can be relied on; none where that is
+    /// not known.
     is_white: Option<bool>,
     /// Not there where the inputs excite fewer orders than there are lags, as held ones may.
     starts: Result<Vec<ImpulseResponseStart>, IdentError>,
@@ -146,7 +146,7 @@ impl Others {
         }
     }
 
-    /// What the methods leave open for inputs of whose delay nothing is claimed.
+    /// Doubts that the methods leave about inputs of whose delay nothing is claimed.
     pub(super) fn doubts(&self, data: &Dataset, is_claimed: impl Fn(usize) -> bool) -> Vec<String> {
         // What is ahead of its input answers to no past one.
         let Some(ranking) = self.ranking.as_ref().filter(|_| self.ahead().is_none()) else { return Vec::new() };
@@ -255,7 +255,7 @@ fn coefficients(start: &ImpulseResponseStart) -> Vec<Layer> {
     [Some(zero), Some(dots), first].into_iter().flatten().collect()
 }
 
-/// Whether the errors of the best ARX model look white.
+/// Returns true if the errors of the best ARX model look white; none where the test cannot be made.
 fn is_white(data: &Dataset, arx: &ArxDelay, ranking: &DelayRanking) -> Option<bool> {
     let orders =
         ArxOrders { na: vec![vec![arx.na]], nb: vec![vec![arx.nb; data.inputs()]], nk: vec![ranking.delays.clone()] };

@@ -20,7 +20,7 @@ const MOSTLY: f64 = 50.0;
 
 /// How good a model is.
 pub struct Verdict {
-    /// What the estimate cost, by several criteria.
+    /// Cost of the estimate by several criteria.
     pub(super) criteria: Criteria,
     /// On the data of the estimate first, and then on others where there are any.
     pub(super) judged: Vec<Judged>,
@@ -37,7 +37,7 @@ pub(super) struct Judged {
     pub(super) simulated: Result<Judgement, IdentError>,
     /// By the mean over periods, where inputs repeat.
     pub(super) repeated: Vec<Repeated>,
-    /// Whether the model is not stable, so that its simulation says nothing of it.
+    /// True if the model is not stable, so that its simulation says nothing of it.
     pub(super) diverges: bool,
     /// Outputs whose simulation is off by a constant or a drift.
     pub(super) shifted: Vec<String>,
@@ -119,12 +119,12 @@ impl Verdict {
         self.judged.get(1).map_or(&[], |unseen| &unseen.little)
     }
 
-    /// Whether the model explains next to nothing of an output, of the estimation data or of unseen ones.
+    /// Returns true if the model explains next to nothing of an output, of the estimation data or of unseen ones.
     pub fn explains_little(&self) -> bool {
         self.judged.iter().any(|judged| !judged.little.is_empty())
     }
 
-    /// Whether the prediction explains most of every output of the estimation data.
+    /// Returns true if the prediction explains most of every output of the estimation data.
     pub(super) fn predicts(&self) -> bool {
         let predicted = self.judged.first().and_then(|own| own.predicted.as_ref().ok());
         predicted.is_some_and(|judged| judged.fit_percent.iter().flatten().all(|fit| *fit > MOSTLY))
@@ -140,7 +140,7 @@ impl Verdict {
         }
     }
 
-    /// What could not be judged, and why.
+    /// Judgements that could not be made, and why.
     pub fn failures(&self) -> Vec<String> {
         let mut all = Vec::new();
         for judged in &self.judged {
@@ -176,7 +176,7 @@ impl Verdict {
     }
 }
 
-/// Whether the outputs of an estimate depend on each other, so that their joint errors show nothing.
+/// Returns true if the outputs of an estimate depend on each other, so that their joint errors show nothing.
 pub(super) fn is_singular(fit: &Fit<AnyModel>) -> bool {
     fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::DependentOutputs { .. }))
 }

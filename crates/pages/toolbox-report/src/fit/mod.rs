@@ -22,7 +22,7 @@ use table::{INTERVAL, Known, estimate, estimates};
 
 pub use judged::Verdict;
 
-/// What an estimate was made of and came to.
+/// Estimate with its model, its verdict and the number of its experiments.
 pub struct Estimated {
     /// The model as a file holds it.
     pub document: ModelDocument,
@@ -238,7 +238,7 @@ impl Estimated {
         ))
     }
 
-    /// Whether the noise is modelled too; where not, the intervals allow for coloured residuals.
+    /// Returns true if the noise is modelled too; where not, the intervals allow for coloured residuals.
     fn has_noise_model(&self) -> bool {
         let document = &self.document;
         let innovations = self.fit.model.innovations(document.sample_time_s, document.intersample);

@@ -24,7 +24,7 @@ pub(super) struct Repeated {
     periods: usize,
     /// Of each output.
     fit_percent: Vec<f64>,
-    /// What the noise left in the mean of each output would let a perfect model reach.
+    /// Fit that a perfect model would reach with the noise left in the mean of each output.
     attainable_percent: Vec<f64>,
 }
 
@@ -84,7 +84,7 @@ impl Repeated {
         )
     }
 
-    /// Whether the model explains most of what the noise lets show in the mean period of an output.
+    /// Returns true if the model explains most of what the noise lets show in the mean period of an output.
     pub(super) fn explains(&self, output: usize) -> bool {
         self.fit_percent[output] >= self.attainable_percent[output] - MISSED
     }

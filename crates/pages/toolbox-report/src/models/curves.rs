@@ -14,7 +14,7 @@ use crate::words::growing_pole;
 pub struct Curves {
     pub(super) models: Vec<Model>,
     pub(super) curves: Vec<Curve>,
-    /// What they are drawn over.
+    /// Axis they are drawn over.
     pub(super) x: Axis,
     /// Confidence of the bands.
     pub(super) level: f64,
@@ -23,7 +23,7 @@ pub struct Curves {
 /// How much of a curve is put into words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// What sums it up.
+    /// A summary.
     Summary,
     /// Every point.
     Points,
@@ -38,7 +38,7 @@ pub(super) struct Curve {
     pub(super) summary: Vec<Fact>,
 }
 
-/// What a curve shows.
+/// Quantity that a curve shows.
 pub(super) struct Quantity {
     pub(super) axis: Axis,
     pub(super) values: Vec<f64>,

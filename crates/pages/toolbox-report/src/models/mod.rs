@@ -1,4 +1,4 @@
-//! What models are like: frequency responses, step responses, poles and zeros.
+//! Properties of models: frequency responses, step responses, poles and zeros.
 
 mod bode;
 mod curves;

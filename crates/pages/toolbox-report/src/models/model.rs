@@ -9,7 +9,7 @@ pub struct Model {
     pub(super) name: String,
     pub(super) document: ModelDocument,
     pub(super) fit: Option<Fit<AnyModel>>,
-    /// Whether its inputs are its own noise.
+    /// True if its inputs are its own noise.
     pub(super) is_noise: bool,
     /// Which loop its stability margins are of.
     pub(super) margins: LoopMargins,
@@ -71,12 +71,12 @@ impl Model {
         Model { margins, ..self }
     }
 
-    /// What it is called beside others.
+    /// Name of the model beside others.
     pub(super) fn title(&self) -> String {
         if self.is_noise { format!("{}, noise", self.name) } else { self.name.clone() }
     }
 
-    /// What its way from an input to an output is summed up by.
+    /// Features of its way from an input to an output.
     pub(super) fn features(&self, output: usize, input: usize) -> Features<'_, AnyModel> {
         match &self.fit {
             Some(fit) => Features::of_fit(fit, output, input),

@@ -13,7 +13,7 @@ pub(super) struct Coherence {
     freq_hz: Vec<f64>,
     value: Vec<f64>,
     band: Vec<[f64; 2]>,
-    /// What chance alone exceeds at one frequency of twenty.
+    /// Coherence that chance alone exceeds at one frequency of twenty.
     by_chance: f64,
 }
 
@@ -38,8 +38,8 @@ impl Coherence {
         }))
     }
 
-    /// Whether at the frequency next to this one the output follows the input no more than by chance; none beyond the
-    /// frequencies known.
+    /// Returns true if the output follows the input no more than by chance, at the known frequency next to this one;
+    /// none without known frequencies.
     pub(super) fn is_by_chance(&self, freq_hz: f64) -> Option<bool> {
         let next = self.freq_hz.partition_point(|f| *f < freq_hz);
         let value = self.value.get(next).or(self.value.last())?;

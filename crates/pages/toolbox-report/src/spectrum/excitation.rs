@@ -24,7 +24,7 @@ impl Excitation {
         Ok(Excitation { freq_hz: power.freq_hz, part: power.density.iter().map(|d| d / largest).collect() })
     }
 
-    /// Whether a response has a value at each of these frequencies.
+    /// True for each of these frequencies at which a response has a value.
     pub(super) fn known(&self, freq_hz: &[f64], coherence: Option<&Coherence>) -> Vec<bool> {
         let is_known = |f: &f64| {
             let part = self.part_at(*f);

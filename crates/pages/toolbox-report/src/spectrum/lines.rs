@@ -12,7 +12,7 @@ use super::confidence::LEVEL;
 use crate::blocks::{finding, line, name};
 use crate::words::counted;
 
-/// What the lines of a response rest on.
+/// Response at the lines, with the periods that it rests on.
 pub(super) struct Lines {
     response: Vec<Complex64>,
     variance: Vec<f64>,

@@ -46,9 +46,9 @@ pub struct Spectrum {
     coherence: Option<Coherence>,
     /// Of a response to inputs that repeat.
     lines: Option<Lines>,
-    /// Whether there is a value at each frequency; where there is none the input has next to no power.
+    /// True for each frequency with a value; where there is none the input has next to no power.
     known: Vec<bool>,
-    /// Whether inputs repeat and their periods are not averaged.
+    /// True if inputs repeat and their periods are not averaged.
     leaks: bool,
 }
 
@@ -118,7 +118,7 @@ impl SpectrumMethod {
     }
 }
 
-/// What is done where inputs repeat.
+/// Treatment of inputs that repeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Periods {
     /// Periods are found, and averaged.
@@ -135,7 +135,7 @@ pub struct SpectrumOptions {
     /// The method; without inputs it is Welch's, and where inputs repeat the mean over periods takes its place. None is the
     /// local polynomial method.
     pub method: Option<SpectrumMethod>,
-    /// What is done where inputs repeat.
+    /// Treatment of inputs that repeat.
     pub periods: Periods,
     /// Samples of a segment or of the lag window; an eighth of the record, 1024 at most, where none is given.
     pub window: Option<usize>,

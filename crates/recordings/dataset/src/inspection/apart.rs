@@ -1,4 +1,4 @@
-//! Whether the clocks of a recording run apart, by channels of one quantity on two of them.
+//! Drift between the clocks of a recording, by channels of one quantity on two of them.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub struct Apart {
     pub rate: f64,
     /// Standard error of the rate.
     pub standard_error: f64,
-    /// What that adds up to over the recording, s.
+    /// Difference that the rate adds up to over the recording, s.
     pub apart_s: f64,
 }
 

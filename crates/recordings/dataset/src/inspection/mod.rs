@@ -1,4 +1,4 @@
-//! What a recording holds: its clocks, its channels, and what is odd about them.
+//! Inventory of a recording: its clocks, its channels, and what is odd about them.
 
 mod apart;
 mod start_time;
@@ -16,13 +16,13 @@ pub use apart::Apart;
 /// A recording.
 #[derive(Debug, Serialize)]
 pub struct File {
-    /// What it is called.
+    /// Its name.
     pub file: String,
     /// Of all that the file holds; for it the whole file is read, so only where it is shown.
     pub sha256: Option<String>,
     /// The format and its version.
     pub format: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: Option<String>,
     /// When the measurement started.
     pub start: Option<String>,
@@ -30,21 +30,21 @@ pub struct File {
     pub label: Option<String>,
     /// Its clocks.
     pub rasters: Vec<Clock>,
-    /// What it holds beside its channels.
+    /// Contents beside its channels.
     #[serde(flatten)]
     pub extras: Beside,
-    /// What the reader has to say.
+    /// Findings of the reader.
     pub findings: Vec<String>,
 }
 
-/// What a recording lists, without its samples.
+/// Inventory of a recording without its samples.
 #[derive(Debug, Serialize)]
 pub struct Listing {
-    /// What it is called.
+    /// Its name.
     pub file: String,
     /// The format and its version.
     pub format: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: Option<String>,
     /// When the measurement started.
     pub start: Option<String>,
@@ -52,17 +52,17 @@ pub struct Listing {
     pub label: Option<String>,
     /// Its clocks.
     pub rasters: Vec<ListedRaster>,
-    /// What it holds beside its channels.
+    /// Contents beside its channels.
     #[serde(flatten)]
     pub extras: Beside,
-    /// What the reader has to say.
+    /// Findings of the reader.
     pub findings: Vec<String>,
 }
 
 /// A clock and its channels by name.
 #[derive(Debug, Serialize)]
 pub struct ListedRaster {
-    /// What it is called.
+    /// Its name.
     pub name: Option<String>,
     /// None where only reading all of them would say.
     pub samples: Option<usize>,
@@ -73,44 +73,44 @@ pub struct ListedRaster {
 /// A channel by name.
 #[derive(Debug, Serialize)]
 pub struct ListedChannel {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The unit as it is spelled.
     pub unit: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: String,
 }
 
-/// What a file holds beside its channels.
+/// Contents of a file beside its channels.
 #[derive(Debug, Serialize)]
 pub struct Beside {
     /// Files carried with the measurement.
     pub attachments: Vec<Attached>,
-    /// What happened during the measurement.
+    /// Events during the measurement.
     pub events: Vec<Happened>,
 }
 
 /// A file carried with the measurement.
 #[derive(Debug, Serialize)]
 pub struct Attached {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What kind of thing it is.
+    /// Its kind.
     pub kind: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: String,
     /// 0 where the file is only referred to.
     pub embedded_bytes: u64,
 }
 
-/// What happened during the measurement.
+/// Event during the measurement.
 #[derive(Debug, Serialize)]
 pub struct Happened {
-    /// What kind of thing it is.
+    /// Its kind.
     pub kind: &'static str,
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: String,
     /// Where on the axis of the measurement.
     pub at: f64,
@@ -121,7 +121,7 @@ pub struct Happened {
 /// One clock with its channels.
 #[derive(Debug, Serialize)]
 pub struct Clock {
-    /// What it is called.
+    /// Its name.
     pub name: Option<String>,
     /// How many samples it has.
     pub samples: usize,
@@ -161,11 +161,11 @@ pub struct LongestGap {
 /// A channel and its samples' values.
 #[derive(Debug, Serialize)]
 pub struct Values {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The unit as it is spelled.
     pub unit: String,
-    /// What was written with it.
+    /// Comment that was written with it.
     pub comment: String,
     /// The smallest value.
     pub minimum: Option<f64>,
@@ -175,7 +175,7 @@ pub struct Values {
     pub mean: Option<f64>,
     /// Values that are not a number.
     pub not_a_number: usize,
-    /// Whether all are the same.
+    /// True if all values are the same.
     pub is_constant: bool,
     /// Share of the samples in runs at the smallest value.
     pub share_at_minimum: f64,

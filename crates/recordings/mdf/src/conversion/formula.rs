@@ -30,7 +30,7 @@ impl Formula {
         parser.rest.trim_start().is_empty().then_some(Self { steps: parser.steps })
     }
 
-    /// What to say of a text that is not understood.
+    /// Description of a formula that is not understood.
     pub(crate) fn refused(text: &str) -> String {
         format!("the formula \"{}\"", text.escape_debug())
     }
@@ -72,7 +72,7 @@ struct Parser<'a> {
     rest: &'a str,
     steps: Vec<Step>,
     depth: usize,
-    /// Whether the variable is `X11`: asammdf 8 writes so each `X1` of a formula in MDF 3.
+    /// True if the variable is `X11`: asammdf 8 writes so each `X1` of a formula in MDF 3.
     is_doubled: Option<bool>,
 }
 

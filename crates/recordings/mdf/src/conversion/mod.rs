@@ -46,7 +46,7 @@ pub(crate) enum Conversion {
     Bits(Vec<(u64, Part)>),
 }
 
-/// What a table makes of a number.
+/// Result of a table for a number.
 #[derive(Debug, Clone)]
 pub(crate) enum Outcome {
     Text(Arc<str>),
@@ -64,7 +64,7 @@ pub(crate) struct Part {
     pub conversion: Arc<Conversion>,
 }
 
-/// What a conversion makes of its input.
+/// Kind of the output of a conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Yields {
     Numbers,
@@ -72,7 +72,7 @@ pub(crate) enum Yields {
 }
 
 impl Conversion {
-    /// What numbers become.
+    /// Kind of the output for numbers.
     pub(crate) fn of_numbers(&self) -> Yields {
         match self {
             Self::Texts(..) | Self::Bits(_) => Yields::Text,
@@ -80,7 +80,7 @@ impl Conversion {
         }
     }
 
-    /// What texts become.
+    /// Kind of the output for texts.
     pub(crate) fn of_text(&self) -> Yields {
         match self {
             Self::TextToNumber { .. } => Yields::Numbers,

@@ -8,7 +8,7 @@ use crate::conversion::Conversion;
 use crate::field::{Field, Planes, Records, Rows};
 use crate::stream::View;
 
-/// What is taken from each record.
+/// Part that is taken from each record.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Take {
     Number(Field),

@@ -13,7 +13,7 @@ pub(crate) struct Cursor<'a, S: ?Sized> {
     loader: Loader<'a, S>,
     /// The place in the stream of the window's first byte.
     start: u64,
-    /// What was given up is at the front of these, until more is read.
+    /// Bytes of the window, with those already given up at the front until more is read.
     bytes: Vec<u8>,
     given_up: usize,
 }

@@ -30,12 +30,12 @@ struct Wanted<'a> {
     answer: usize,
     channel: &'a Channel,
     raw: bool,
-    /// Whether integers were met that are not exact as numbers.
+    /// True if integers were met that are not exact as numbers.
     rounds: Arc<AtomicBool>,
 }
 
 impl Wanted<'_> {
-    /// What becomes of numbers as they are read.
+    /// Conversion of numbers as they are read; none where they stay as they are.
     fn early(&self) -> Option<Arc<Conversion>> {
         let conversion = &self.channel.conversion;
         let is_early = !self.raw && conversion.of_numbers() == Yields::Numbers;

@@ -13,7 +13,7 @@ const PARAMETERS: usize = 46;
 pub(super) struct Converted {
     pub(super) code: u16,
     pub(super) unit: Arc<str>,
-    /// What is not understood, where it is not.
+    /// The conversion, or a description of the part that is not understood.
     pub(super) conversion: Result<Conversion, String>,
 }
 

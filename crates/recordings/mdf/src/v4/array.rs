@@ -17,7 +17,7 @@ pub(super) struct Element {
 
 /// More elements are no array that one would look at channel by channel.
 const MOST: u64 = 1 << 16;
-/// What an element costs, in bytes of memory.
+/// Cost of an element, in bytes of memory.
 const COST: u64 = 512;
 /// The elements are stored with the first index running fastest.
 const IS_INVERSE: u32 = 1 << 6;

@@ -12,7 +12,7 @@ use crate::model::{Channel, Encoding, Kind, Obstacle, Place, Quantity, Records, 
 use crate::stream::Stream;
 use crate::{MdfError, Source};
 
-/// What the channels of a group share.
+/// Data that the channels of a group share.
 pub(super) struct Context<'c> {
     pub(super) records: &'c Records,
     /// Identifiers of the records of the data group, by the place of their channel group.
@@ -31,7 +31,7 @@ pub(super) struct Draft {
     quantity: Option<Quantity>,
 }
 
-/// What a channel stores in a record.
+/// Content of a channel in a record.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Raw {
     Number(Field),
@@ -274,7 +274,7 @@ fn storage(block: &Block, code: u8, raw: Raw, records: &Records) -> (Storage, Op
     }
 }
 
-/// What the samples are once they are converted.
+/// Kind of the samples once they are converted.
 pub(crate) fn samples(storage: &Storage, conversion: &Conversion) -> Kind {
     match storage {
         Storage::Number(_) | Storage::Index | Storage::None => match conversion.of_numbers() {
@@ -291,7 +291,7 @@ pub(crate) fn samples(storage: &Storage, conversion: &Conversion) -> Kind {
     }
 }
 
-/// What a master counts, from the type of its synchronisation.
+/// Quantity that a master counts, from the type of its synchronisation.
 pub(super) fn quantity(sync: u8) -> Option<Quantity> {
     match sync {
         1 => Some(Quantity::Time),

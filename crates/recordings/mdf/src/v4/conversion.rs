@@ -43,7 +43,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
         Ok(converted)
     }
 
-    /// What of a conversion is not understood.
+    /// Description of the part of a conversion that is not understood.
     fn refused(&mut self, block: &Block) -> Result<String, MdfError> {
         Ok(match u8_at(block.data(), 0) {
             3 => Formula::refused(&self.text(block.link(4))?),
@@ -166,7 +166,7 @@ fn number(outcome: &Outcome) -> Option<Arc<Conversion>> {
     }
 }
 
-/// Whether an outcome is a physical value, and not just the number stored for want of a text.
+/// Returns true if an outcome is a physical value, and not just the number stored for want of a text.
 fn is_scaled(outcome: &Outcome) -> bool {
     number(outcome).is_some_and(|conversion| !matches!(*conversion, Conversion::Identity))
 }

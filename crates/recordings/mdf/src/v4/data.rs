@@ -13,7 +13,7 @@ const PACKED_HEADER: u64 = 48;
 /// The longest header of a frame of Zstandard.
 const ZSTANDARD_HEADER: u64 = 18;
 
-/// What a link to data leads to.
+/// Data that a link leads to.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     pub(super) stream: Stream,

@@ -11,7 +11,7 @@ use crate::model::{Address, Group, Master, Records};
 use crate::parts::{Data, Parts};
 use crate::{MdfError, Source};
 
-/// What the block of a group says beyond [`Group`].
+/// Fields of the block of a group beyond [`Group`].
 #[derive(Debug)]
 pub(super) struct Raw {
     offset: u64,

@@ -32,7 +32,7 @@ fn files_in(folder: &Path, found: &mut Vec<PathBuf>) {
     found.sort();
 }
 
-/// What asammdf reads in a channel.
+/// Content of a channel as asammdf reads it.
 struct Expected {
     kind: u8,
     group: usize,

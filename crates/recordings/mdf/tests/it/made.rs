@@ -10,7 +10,7 @@ pub(crate) struct Made {
     pub(crate) hole: u64,
 }
 
-/// What a channel is; the rest is zero.
+/// Fields of a channel block; the rest is zero.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Cn {
     pub(crate) kind: u8,

@@ -99,7 +99,7 @@ fn started(reader: &Reader<'_>, messages: &Messages, plan: &Plan) -> Result<Opti
     })
 }
 
-/// What is known while messages are gone through.
+/// State of the passage through the messages.
 struct Work<'w> {
     reader: &'w Reader<'w>,
     messages: &'w Messages,

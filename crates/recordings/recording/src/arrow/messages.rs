@@ -28,7 +28,7 @@ pub(super) struct Messages {
     pub(super) schema: Schema,
     /// In their order.
     pub(super) places: Vec<Place>,
-    /// Whether the end is marked.
+    /// True if the end is marked.
     pub(super) is_ended: bool,
 }
 

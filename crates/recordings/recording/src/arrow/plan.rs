@@ -11,7 +11,7 @@ use crate::mat::start_time;
 use crate::required::require_names;
 use crate::{Catalogue, ChannelInfo, Finding, Format, RasterInfo, RecordingError, Selection, SkipReason, StartTime};
 
-/// What to read, and as what.
+/// Plan of the columns to read, and their uses.
 pub(super) struct Plan {
     /// The columns of the file that are read, in order.
     pub(super) columns: Vec<usize>,
@@ -25,7 +25,7 @@ pub(super) struct Plan {
 pub(super) struct Group {
     pub(super) clock: Option<(usize, Clock)>,
     pub(super) channels: Vec<Heading>,
-    /// Whether rows belong to the group by its first channel, not by its clock.
+    /// True if rows belong to the group by its first channel, not by its clock.
     pub(super) is_listed: bool,
     pub(super) name: Option<String>,
 }

@@ -26,7 +26,7 @@ pub(super) struct Table {
     rounded: BTreeSet<String>,
 }
 
-/// What a group has become.
+/// Values of a group that were read.
 struct Part {
     time_s: Vec<f64>,
     channels: Vec<Vec<f64>>,
@@ -34,7 +34,7 @@ struct Part {
     last: Option<(f64, f64)>,
 }
 
-/// What is wrong with a column.
+/// Fault of a column.
 pub(super) struct Fault {
     column: String,
     flaw: Flaw,

@@ -11,7 +11,7 @@ use arrow_array::types::{
 use arrow_array::{Array, PrimitiveArray};
 use arrow_schema::{DataType, TimeUnit};
 
-/// Whether a column of this type holds numbers; otherwise what it holds.
+/// Checks that a column of this type holds numbers; the error names its content otherwise.
 pub(super) fn is_numeric(kind: &DataType) -> Result<(), &'static str> {
     match kind {
         DataType::Dictionary(_, values) => is_numeric(values),
@@ -24,7 +24,7 @@ pub(super) fn is_numeric(kind: &DataType) -> Result<(), &'static str> {
     }
 }
 
-/// Whether a column of this type holds integers of more bits than a double keeps.
+/// Returns true if a column of this type holds integers of more bits than a double keeps.
 pub(super) fn is_wide(kind: &DataType) -> bool {
     match kind {
         DataType::Dictionary(_, values) => is_wide(values),

@@ -44,17 +44,17 @@ impl Track {
         self.times_s.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    /// Whether it rises from row to row, as a clock does.
+    /// Returns true if it rises from row to row, as a clock does.
     fn rises_always(&self) -> bool {
         !self.times_s.is_empty() && self.steps().all(|step| step > 0.0)
     }
 
-    /// Whether it never falls, and is not the same all the time.
+    /// Returns true if it never falls, and is not the same all the time.
     fn rises(&self) -> bool {
         self.rises_always() || (self.repeats() && self.span_s() > 0.0)
     }
 
-    /// Whether it never falls, and stays in places.
+    /// Returns true if it never falls, and stays in places.
     fn repeats(&self) -> bool {
         self.steps().all(|step| step >= 0.0) && self.steps().any(|step| step == 0.0)
     }
@@ -73,7 +73,7 @@ impl Track {
         self.steps().fold(least, f64::max)
     }
 
-    /// Whether both go on alike, wherever they count from.
+    /// Returns true if both go on alike, wherever they count from.
     fn runs_with(&self, other: &Self) -> bool {
         let tolerance = match (self.rises_always(), other.rises_always()) {
             (true, true) => {
@@ -94,13 +94,14 @@ impl Track {
         self.times_s.iter().zip(&other.times_s).map(move |(a, b)| (b - others) - (a - own))
     }
 
-    /// Whether both begin at about the same time.
+    /// Returns true if both begin at about the same time.
     fn begins_with(&self, other: &Self) -> bool {
         let reach = 2.0 * self.step_s().max(other.step_s());
         self.frame == other.frame && (self.start_s - other.start_s).abs() <= reach
     }
 
-    /// Whether the other is another reading of this clock: the same numbers, or numbers that count from elsewhere.
+    /// Returns true if the other is another reading of this clock: the same numbers, or numbers that count from
+    /// elsewhere.
     fn is_told_by(&self, other: &Self) -> bool {
         if !self.begins_with(other) {
             return self.runs_with(other);
@@ -108,7 +109,7 @@ impl Track {
         self.is_echoed_by(other)
     }
 
-    /// Whether the other has the same numbers.
+    /// Returns true if the other has the same numbers.
     fn is_echoed_by(&self, other: &Self) -> bool {
         let apart = (self.start_s - other.start_s).abs();
         self.frame == other.frame && self.differences(other).all(|difference| apart + difference.abs() <= self.same_s())
@@ -124,7 +125,7 @@ impl Track {
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Clocks {
     pub(super) columns: Vec<usize>,
-    /// What could have been the first.
+    /// Column that could have been the first.
     pub(super) passed_over: Option<usize>,
     /// Channels with the same numbers as the first clock, which have to go on so, up to `same_s`.
     pub(super) echoes: Vec<usize>,
@@ -171,11 +172,11 @@ pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clo
     Ok(clocks)
 }
 
-/// What stands around a candidate.
+/// Neighbours of a candidate.
 struct Place {
     is_after_channel: bool,
     is_before_channel: bool,
-    /// Whether a channel follows, maybe after other candidates.
+    /// True if a channel follows, maybe after other candidates.
     has_channels: bool,
 }
 

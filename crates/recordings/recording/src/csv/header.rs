@@ -20,7 +20,7 @@ const MAX_UNIT: usize = 10;
 /// Lines of a heading: names, units, comments.
 const MAX_HEADING: usize = 3;
 
-/// What stands above the samples.
+/// Content above the samples.
 pub(super) struct Header<'a> {
     pub(super) columns: Vec<Column>,
     /// Channels that have to go on as the first clock does.
@@ -49,7 +49,7 @@ pub(super) struct Column {
     pub(super) role: Role,
 }
 
-/// What a column is for.
+/// Use of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
     Samples,
@@ -292,7 +292,7 @@ impl<'a> Head<'a> {
         }
     }
 
-    /// What stands above the names.
+    /// Text above the names.
     fn comment(&self, names: usize) -> Option<String> {
         let text = |(_, row): &(Rows<'_>, Row<'_>)| row.filled().collect::<Vec<_>>().join(" ");
         let lines: Vec<String> = self.rows[..names].iter().map(text).filter(|l| !l.starts_with("sep=")).collect();
@@ -357,7 +357,7 @@ impl<'a> Head<'a> {
     }
 }
 
-/// Whether text is a unit, and no name: in brackets, with signs that names lack, or one that benches write.
+/// Returns true if text is a unit, and no name: in brackets, with signs that names lack, or one that benches write.
 fn is_unit(cell: &str) -> bool {
     let unit = unbracketed(cell);
     let is_common =
@@ -369,7 +369,7 @@ fn is_unit(cell: &str) -> bool {
     unit != cell || is_common || unit.contains(['/', '°', '%', '²', '·', '^']) || seconds(unit).is_some()
 }
 
-/// Whether a row below names may hold their units, and nothing else.
+/// Returns true if a row below names may hold their units, and nothing else.
 fn may_be_units(row: &Row<'_>) -> bool {
     row.filled().all(|cell| !is_number(cell) && cell.chars().count() <= MAX_UNIT && is_unit(cell))
 }
@@ -395,7 +395,7 @@ fn is_date_name(name: &str) -> bool {
     matches!(name.trim().to_lowercase().as_str(), "date" | "datum")
 }
 
-/// Whether the cell of the clock is a time, as it is in rows of samples.
+/// Returns true if the cell of the clock is a time, as it is in rows of samples.
 fn is_time(row: &Row<'_>, clock: usize) -> bool {
     let cell = row.text(clock);
     is_number(cell) || !matches!(Stamp::read(cell), Ok(None))
@@ -405,7 +405,8 @@ fn begins_with_number(row: &Row<'_>) -> bool {
     !row.is_comment() && row.filled().next().is_some_and(is_number)
 }
 
-/// Whether a row below the names holds units: it has one of time, or something as short, or nothing, in that column.
+/// Returns true if a row below the names holds units: it has one of time, or something as short, or nothing, in that
+/// column.
 fn is_unit_row(row: &Row<'_>, clock: usize) -> bool {
     let cell = row.text(clock);
     let unit = unbracketed(cell);

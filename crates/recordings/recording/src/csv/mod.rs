@@ -65,7 +65,7 @@ pub(crate) fn catalogue(name: &str, source: &dyn Source) -> Result<Catalogue, Re
 /// Text whose heading is read.
 struct Opened<'a> {
     pieces: Pieces<'a>,
-    /// What is read of it.
+    /// Text that has been read.
     text: String,
     table: Table<'a>,
     /// Where in it the samples begin, and in which line.
@@ -166,7 +166,7 @@ fn heading<'a>(
     }
 }
 
-/// Whether with this delimiter there is nothing like a heading with a time column, and samples below.
+/// Returns true if with this delimiter there is nothing like a heading with a time column, and samples below.
 fn is_no_table(header: &Result<Header<'_>, RecordingError>) -> bool {
     use CsvProblem::{NoData, NoHeader, NoTime};
     matches!(header, Err(RecordingError::Csv { problem: NoTime { .. } | NoHeader | NoData, .. }))

@@ -2,7 +2,7 @@
 
 use crate::CsvProblem;
 
-/// What a cell holds.
+/// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Number {
     Value(f64),
@@ -16,7 +16,7 @@ pub(super) enum Number {
 pub(super) struct Decimals {
     sign: Option<u8>,
     is_comma_taken: bool,
-    /// Whether some number shows that digits are not grouped in thousands.
+    /// True if some number shows that digits are not grouped in thousands.
     is_proven: bool,
     /// The first number that does not: line and column.
     doubtful: Option<(u64, usize, String)>,
@@ -124,7 +124,8 @@ fn parse_with(cell: &str, sign: u8) -> Option<f64> {
     }
 }
 
-/// Whether digits are in groups of three with this sign between them, so that it may be no decimal sign: `1,234`.
+/// Returns true if digits are in groups of three with this sign between them, so that it may be no decimal sign:
+/// `1,234`.
 pub(super) fn is_grouped(cell: &str, sign: char) -> bool {
     let mut groups = cell.trim_start_matches(['-', '+']).split(sign);
     let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
@@ -173,7 +174,7 @@ pub(super) fn is_error_word(cell: &str) -> bool {
     words.iter().any(|word| cell.eq_ignore_ascii_case(word))
 }
 
-/// Whether a cell is a number with either decimal sign.
+/// Returns true if a cell is a number with either decimal sign.
 pub(super) fn is_number(cell: &str) -> bool {
     matches!(Decimals::default().read(cell, 0, 0), Ok(Number::Value(_)) | Err(_))
 }

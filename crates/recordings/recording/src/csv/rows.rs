@@ -30,7 +30,7 @@ pub(super) struct Row<'a> {
     pub(super) cells: Vec<Cell<'a>>,
     /// Number of its first line, from 1.
     pub(super) line: u64,
-    /// Whether a line end follows.
+    /// True if a line end follows.
     pub(super) is_ended: bool,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Row<'a> {
         self.cells.iter().map(|cell| cell.text).filter(|text| !text.is_empty())
     }
 
-    /// Whether the line is a comment. Spreadsheets begin the names of their errors with the same sign.
+    /// Returns true if the line is a comment. Spreadsheets begin the names of their errors with the same sign.
     pub(super) fn is_comment(&self) -> bool {
         let first = self.text(0);
         first.starts_with('%') || (first.starts_with('#') && !super::number::is_error_word(first))

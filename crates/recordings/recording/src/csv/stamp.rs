@@ -5,7 +5,7 @@ use crate::CsvProblem;
 const SECOND: i64 = 1_000_000_000;
 pub(super) const DAY: i64 = 86_400 * SECOND;
 
-/// What a time stamp says beside the time of day.
+/// Content of a time stamp beside the time of day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Frame {
     /// Nothing: the day is not known.
@@ -24,7 +24,7 @@ pub(super) struct Stamp {
     pub(super) frame: Frame,
     /// Minutes by which the clock is ahead of UTC.
     pub(super) offset_min: Option<i32>,
-    /// Whether the fraction of the second follows a comma.
+    /// True if the fraction of the second follows a comma.
     pub(super) is_comma: bool,
 }
 

@@ -33,9 +33,9 @@ pub(super) struct Table<'a> {
 enum Sink {
     Samples {
         values: Vec<f64>,
-        /// Whether there was a number.
+        /// True if there was a number.
         is_numeric: bool,
-        /// Whether there was an integer that is too large to be exact.
+        /// True if there was an integer that is too large to be exact.
         is_rounded: bool,
     },
     Text,
@@ -137,7 +137,8 @@ impl<'a> Table<'a> {
         Err(RecordingError::Csv { file, line: *line, column: Some(column + 1), problem })
     }
 
-    /// Whether a line is a comment: where the first column is not the clock, a full line may be samples all the same.
+    /// Returns true if a line is a comment: where the first column is not the clock, a full line may be samples all the
+    /// same.
     fn is_comment(&self, row: &Row<'_>) -> bool {
         let is_clock_first = self.blocks.first().is_some_and(|block| block.clock == Some(0));
         row.is_comment() && (is_clock_first || row.cells.len() < self.columns.len())
@@ -204,7 +205,8 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// What read like the clock so far and goes on otherwise may be the clock of the columns behind it.
+    /// Refuses a column that read like the clock so far and goes on otherwise: it may be the clock of the columns
+    /// behind it.
     fn refuse_other_time(&self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
         let Block { columns, clock: Some(clock), time_s, .. } = &self.blocks[block] else { return Ok(()) };
         let time_s = time_s.last().copied().unwrap_or(f64::NAN);
@@ -306,7 +308,7 @@ fn next_number(last: Option<u64>, text: &str) -> Result<u64, CsvProblem> {
     number.ok_or(CsvProblem::NoName)
 }
 
-/// Whether a number is written without fraction and exponent.
+/// Returns true if a number is written without fraction and exponent.
 fn is_integer(text: &str) -> bool {
     text.trim().trim_start_matches(['-', '+']).bytes().all(|b| b.is_ascii_digit())
 }
@@ -317,7 +319,7 @@ fn exactly(mut samples: Vec<f64>) -> Vec<f64> {
     samples
 }
 
-/// What a table has become.
+/// Content of a table that was read.
 #[derive(Default)]
 pub(super) struct Content {
     pub(super) start_time: Option<StartTime>,

@@ -68,7 +68,7 @@ impl<'a> Pieces<'a> {
         self.lines
     }
 
-    /// What is to be said of how the text is stored.
+    /// Findings about how the text is stored.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let latin1 = (self.encoding == Encoding::Latin1).then_some(Finding::AssumedLatin1);
         let nulls = Finding::NulBytes { offset: self.end, count: self.nulls };
@@ -116,7 +116,7 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// What was cut and so many bytes more.
+    /// Reads so many bytes more, behind those that were cut.
     fn read(&mut self, length: u64) -> Result<Vec<u8>, RecordingError> {
         let length = length.min(self.end.saturating_sub(self.at));
         let mut read = std::mem::take(&mut self.cut);
@@ -125,7 +125,7 @@ impl<'a> Pieces<'a> {
         Ok(read)
     }
 
-    /// Whether the first `most` bytes are UTF-8, and how many lines begin in them, at most.
+    /// Finds whether the first `most` bytes are UTF-8, and how many lines begin in them, at most.
     fn survey(&mut self, most: u64) -> Result<(bool, usize), RecordingError> {
         let (mut is_utf8, mut feeds, mut returns) = (true, 0, 0);
         while !self.is_done() && self.at < most {
@@ -184,8 +184,8 @@ fn without_end(bytes: &[u8]) -> &[u8] {
     filled.strip_suffix(b"\x1A").unwrap_or(filled)
 }
 
-/// Whether a file that begins so may be text: no control characters other than white space, and a line end before
-/// bytes of NUL.
+/// Returns true if a file that begins so may be text: no control characters other than white space, and a line end
+/// before bytes of NUL.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
     match beginning(bytes) {
         (Encoding::Utf16 { .. }, 2) => true,
@@ -201,14 +201,14 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
     }
 }
 
-/// Whether a character is a control character other than white space.
+/// Returns true if a character is a control character other than white space.
 fn is_control(byte: u8) -> bool {
     byte.is_ascii_control() && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0C)
 }
 
-/// What may separate the cells, the likelier first: what a first line `sep=;` says, or else those of tab, semicolon, bar
-/// and comma that occur, outside quotes, in at least half of the last lines of the sample, above which there may be
-/// other text; blanks, where `may_be_blanks` and nothing else occurs.
+/// Delimiters that may separate the cells, the likelier first. A first line `sep=;` states one. Otherwise they are
+/// those of tab, semicolon, bar and comma that occur, outside quotes, in at least half of the last lines of the sample.
+/// Above these there may be other text. Blanks count where `may_be_blanks` and nothing else occurs.
 pub(super) fn delimiters(content: &str, may_be_blanks: bool) -> Vec<u8> {
     let stated = content.lines().next().and_then(|line| line.trim_matches('"').strip_prefix("sep=")).map(str::as_bytes);
     if let Some([stated @ (b';' | b',' | b'\t' | b'|')]) = stated {

@@ -56,9 +56,9 @@ pub fn encode_tsv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     write_tsv(recording, &mut bytes).map(|()| bytes)
 }
 
-/// Whether a heading of text can hold a channel's name and unit: the name is not empty, neither has control characters or
-/// blanks at its ends, and together they are not read as a date, a time of day or a clock, as a name with a word for time
-/// is that is in a unit of time or in none; with `_channel` at its end it fits.
+/// Returns true if a heading of text can hold a channel's name and unit. The name is not empty, and neither has control
+/// characters or blanks at its ends. Together they are not read as a date, a time of day or a clock. A name with a word
+/// for time is read as a clock if it is in a unit of time or in none; with `_channel` at its end it fits.
 #[must_use]
 pub fn fits_text(name: &str, unit: &str) -> bool {
     let plain = |text: &str| text.trim() == text && !text.chars().any(char::is_control);

@@ -1,4 +1,4 @@
-//! What the names of variables and fields mean, and the texts that describe an array beside them.
+//! Meaning of the names of variables and fields, and the texts that describe an array beside them.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ pub(super) type Factor = (f64, f64);
 /// Names that mean the clock, and nothing but the clock.
 const TIME: [&str; 8] = ["time", "t", "zeit", "timestamps", "timestamp", "zeitstempel", "tout", "samplinginstants"];
 
-/// Whether a name is one of a clock without number or unit. A capital `T` is a temperature or a torque.
+/// Returns true if a name is one of a clock without number or unit. A capital `T` is a temperature or a torque.
 pub(super) fn is_plain_time(name: &str) -> bool {
     name != "T" && TIME.contains(&name.to_lowercase().as_str())
 }
@@ -74,7 +74,7 @@ pub(super) struct Member {
 }
 
 impl Member {
-    /// Whether this is a variable or field, not a cell in one.
+    /// Returns true if this is a variable or field, not a cell in one.
     pub(super) fn is_whole(&self) -> bool {
         self.path.ends_with(&self.name)
     }
@@ -120,7 +120,7 @@ impl Members {
 /// The longest text that is taken for a name, unit or comment.
 const MAX_LABEL: usize = 256;
 
-/// What describes an array.
+/// Texts that describe an array.
 #[derive(Default)]
 pub(super) struct Labels {
     pub(super) names: Vec<String>,
@@ -169,7 +169,7 @@ impl Labels {
     }
 }
 
-/// Whether a text describes others beside it, and is no loss where it is not taken over.
+/// Returns true if a text describes others beside it, and is no loss where it is not taken over.
 pub(super) fn describes(members: &Members, name: &str, has_one_array: bool) -> bool {
     let lower = name.to_lowercase();
     let has = |names: &[&str]| members.named(names).is_some();

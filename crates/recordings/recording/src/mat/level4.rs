@@ -14,7 +14,7 @@ const MAX_NAME: usize = 128;
 /// The header of a matrix.
 struct Header {
     big: bool,
-    /// What a number is stored as: 0 to 5.
+    /// Code of the type that a number is stored as: 0 to 5.
     number: u32,
     /// 0 numbers, 1 text, 2 sparse.
     content: u32,
@@ -56,7 +56,7 @@ impl Header {
         numbers.checked_mul(self.width())?.checked_add(self.name)
     }
 
-    /// What the matrix is, whose content begins at `at`.
+    /// Value of the matrix whose content begins at `at`.
     fn value(&self, file: &str, source: &dyn Source, at: u64) -> Result<Value, RecordingError> {
         match self.content {
             2 => return Ok(Value::unsupported("a sparse matrix; save it as a full one")),
@@ -119,7 +119,7 @@ fn name(content: &[u8]) -> Option<&str> {
     std::str::from_utf8(name).ok().filter(|_| named)
 }
 
-/// Whether content starts like a file of level 4, which has no mark of its own.
+/// Returns true if content starts like a file of level 4, which has no mark of its own.
 pub(super) fn starts(bytes: &[u8]) -> bool {
     let header = Header::read(bytes);
     header.is_some_and(|h| bytes.get(HEADER..HEADER + h.name).is_some_and(|content| name(content).is_some()))

@@ -34,7 +34,8 @@ const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
 /// The most numbers in the list of a file, which holds texts.
 const LISTED: usize = 1 << 16;
 
-/// Whether the numbers of a file with this header are stored with the high byte first; `None` for another format.
+/// Returns true if the numbers of a file with this header are stored with the high byte first; `None` for another
+/// format.
 pub(super) fn is_big_endian(header: &[u8]) -> Option<bool> {
     match header.get(126..HEADER)? {
         b"IM" => Some(false),
@@ -188,7 +189,7 @@ fn name(content: &[u8]) -> Result<String, Fault> {
     Ok(String::from_utf8(name).unwrap_or_else(|e| e.into_bytes().iter().map(|&b| char::from(b)).collect()))
 }
 
-/// Whether this is the type of integers of 64 bits.
+/// Returns true if this is the type of integers of 64 bits.
 fn is_wide(kind: u32) -> bool {
     matches!(kind, 12 | 13)
 }
@@ -215,7 +216,7 @@ fn characters(kind: u32, content: &[u8], big: bool) -> Result<Vec<char>, Fault> 
     })
 }
 
-/// What may still be read of a file, so that a small one cannot fill the memory.
+/// Limits on further reading of a file, so that a small one cannot fill the memory.
 struct Budget {
     /// Cells, fields and lines of text.
     parts: usize,

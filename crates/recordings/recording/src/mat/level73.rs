@@ -89,7 +89,7 @@ impl hdf5_pure::Source for Bytes {
     }
 }
 
-/// What may still be read of a file, so that a small one cannot fill the memory.
+/// Reader with limits on further reading, so that a small file cannot fill the memory.
 struct Reader<'a> {
     parts: usize,
     numbers: usize,
@@ -122,7 +122,7 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    /// Whether another part may be read.
+    /// Counts another part, and checks that it may be read.
     fn take_part(&mut self, depth: usize) -> Result<(), String> {
         self.parts = self.parts.checked_sub(1).ok_or("it has too many cells and fields")?;
         if depth > MAX_DEPTH {
@@ -167,7 +167,7 @@ impl Reader<'_> {
         Ok(Value::Struct(Struct { fields, elements }))
     }
 
-    /// What the references in a dataset lead to.
+    /// Values that the references in a dataset lead to.
     fn cells(&mut self, dataset: &Dataset, depth: usize) -> Result<Vec<Value>, String> {
         self.count(dataset)?;
         let mut values = Vec::new();
@@ -178,7 +178,7 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// What a reference leads to.
+    /// Value that a reference leads to.
     fn object(&mut self, object: &Object, depth: usize) -> Result<Value, String> {
         match object {
             Object::Group(group) => self.group(group, IN_CELL, depth),
@@ -354,25 +354,25 @@ fn is_complex(members: &[(String, DType)]) -> bool {
     matches!(names.as_slice(), ["real", "imag"] | ["r", "i"])
 }
 
-/// Whether a dataset holds truth values as h5py and PyTables write them: an enumeration of bytes.
+/// Returns true if a dataset holds truth values as h5py and PyTables write them: an enumeration of bytes.
 fn is_boolean(dataset: &Dataset) -> bool {
     let Ok(Datatype::Enumeration { members, .. }) = dataset.datatype() else { return false };
     let members: Vec<_> = members.iter().map(|member| (member.name.as_str(), member.value.as_slice())).collect();
     members == [("FALSE", &[0_u8][..]), ("TRUE", &[1])]
 }
 
-/// Whether a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
+/// Returns true if a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
 fn is_half(dataset: &Dataset) -> bool {
     is_float(dataset, 2, (10, 5, 15))
 }
 
-/// Whether a dataset holds floats of 64 bits (IEEE 754 binary64), the low byte first.
+/// Returns true if a dataset holds floats of 64 bits (IEEE 754 binary64), the low byte first.
 fn is_double(dataset: &Dataset) -> bool {
     is_float(dataset, 8, (52, 11, 1023))
 }
 
-/// Whether a dataset holds floats of so many bytes, the low one first, with this place, size and bias of the exponent above the
-/// mantissa.
+/// Returns true if a dataset holds floats of so many bytes, the low one first. The exponent above the mantissa has this
+/// place, size and bias.
 fn is_float(dataset: &Dataset, bytes: u32, exponent: (u8, u8, u32)) -> bool {
     let Ok(Datatype::FloatingPoint { size, byte_order: DatatypeByteOrder::LittleEndian, layout }) = dataset.datatype()
     else {

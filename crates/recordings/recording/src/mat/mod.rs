@@ -25,13 +25,13 @@ use wanted::Wanted;
 use work::Context;
 pub use write::{encode_mat5, write_mat5};
 
-/// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
+/// First bytes of an HDF5 file; one of level 7.3 has them after a header like that of level 5.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// Bytes that show the level.
 const HEAD: u64 = 256;
 
-/// Whether content is a MAT-file, of a level that can be read or not.
+/// Returns true if content is a MAT-file, of a level that can be read or not.
 pub(crate) fn is_mat(bytes: &[u8]) -> bool {
     is_level5(bytes) || bytes.starts_with(b"MATLAB 5.0 MAT-file") || bytes.starts_with(HDF5) || level4::starts(bytes)
 }

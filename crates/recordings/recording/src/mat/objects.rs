@@ -15,7 +15,7 @@ use crate::{SkipReason, StartTime};
 /// Contents before those that properties refer to.
 const FIRST: usize = 2;
 
-/// Whether objects of this class are read, times only as clocks.
+/// Returns true if objects of this class are read, times only as clocks.
 pub(super) fn is_read(class: &str) -> bool {
     matches!(class, "table" | "timetable") || is_time(class)
 }
@@ -98,7 +98,7 @@ pub(super) struct Objects<'a> {
     links: Links,
     /// The content of this number.
     content: Box<dyn FnMut(usize) -> Result<Value, String> + 'a>,
-    /// What time stamps with a date count from.
+    /// Origin of time stamps with a date.
     origin: Option<Origin>,
 }
 
@@ -308,7 +308,7 @@ fn longer_names<'v>(value: &'v Value, flag: &str, names: &str) -> Option<&'v Val
     field(value, names).ok().filter(|_| is_used)
 }
 
-/// What connects objects with their classes, properties and contents: a header, names, and four tables. Entries of all
+/// Connections of objects with their classes, properties and contents: a header, names, and four tables. Entries of all
 /// tables are counted from 1, after one that is empty.
 struct Links {
     bytes: Vec<u8>,

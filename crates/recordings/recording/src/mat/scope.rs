@@ -31,7 +31,7 @@ pub(super) struct Plan {
     counted: BTreeMap<usize, usize>,
     pub(super) channels: Vec<Channel>,
     skipped: Vec<(String, SkipReason)>,
-    /// What was not asked for.
+    /// Names that were not asked for.
     pub(super) unread: Vec<String>,
     pub(super) findings: Vec<Finding>,
 }
@@ -338,8 +338,8 @@ fn clock_length(member: &Member) -> Option<usize> {
     (named && array.is_vector() && finite && first < last && array.values.is_sorted()).then_some(array.values.len())
 }
 
-/// Whether a clock by name is none by its numbers: `t1` may be a temperature, and is where a period is stated beside it
-/// that its steps are not, in whatever unit.
+/// Returns true if a clock by name is none by its numbers. `t1` may be a temperature. It is one if its steps are not
+/// the period stated beside it, in whatever unit.
 fn is_belied(members: &Members, member: &Member, stated: Option<&(String, f64)>) -> bool {
     let (Value::Numbers(array), Some((_, period_s))) = (&member.value, stated) else { return false };
     let is_sure = is_plain_time(&member.name) || time_word(&member.name) != Some("t");

@@ -1,4 +1,4 @@
-//! What a variable holds.
+//! Value of a variable.
 
 use crate::SkipReason;
 use crate::finding::are_rounded;
@@ -121,7 +121,7 @@ impl Array {
         Some(Self { rows, columns, values, is_wide })
     }
 
-    /// Whether integers in it were too large to be exact.
+    /// Returns true if integers in it were too large to be exact.
     pub(super) fn is_rounded(&self) -> bool {
         self.is_wide && are_rounded(&self.values)
     }

@@ -1,13 +1,13 @@
-//! What is in a file.
+//! Contents of a file.
 
 use super::value::Value;
 use crate::StartTime;
 
-/// What is in a file.
+/// Contents of a file.
 #[derive(Default)]
 pub(super) struct Variables {
     /// The variables in the order of the file, with their names.
     pub(super) list: Vec<(String, Value)>,
-    /// What time stamps with a date count from.
+    /// Origin of time stamps with a date.
     pub(super) start_time: Option<StartTime>,
 }

@@ -21,7 +21,7 @@ pub(super) enum Need {
     Nothing,
 }
 
-/// What is asked for.
+/// Request to the reader.
 pub(super) struct Wanted<'a> {
     pub(super) selection: &'a Selection,
     /// Channels are listed, not read.
@@ -38,7 +38,7 @@ impl<'a> Wanted<'a> {
     /// Everything, whatever is selected.
     pub(super) const ALL: Wanted<'static> = Wanted { selection: &Selection::All, is_list: false, listed: None };
 
-    /// What it takes to list all channels.
+    /// Request for a list of all channels.
     pub(super) const LIST: Wanted<'static> = Wanted { selection: &Selection::All, is_list: true, listed: None };
 
     /// The same of all channels.
@@ -66,7 +66,7 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// Whether anything in the struct or object at `path` may be selected.
+    /// Returns true if anything in the struct or object at `path` may be selected.
     pub(super) fn reaches_into(&self, path: &str) -> bool {
         let is_within = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('.'));
         match self.selection {
@@ -76,7 +76,7 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// Whether an array, or a row or column of it, is selected.
+    /// Returns true if an array, or a row or column of it, is selected.
     fn asks_for(&self, path: &str, is_vector: bool) -> bool {
         let is_part = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('('));
         match self.selection {

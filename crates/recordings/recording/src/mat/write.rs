@@ -210,7 +210,7 @@ fn matrix(class: u32, [rows, columns]: [usize; 2], name: &str, body: &[u8]) -> R
     element(14, &content)
 }
 
-/// What a column vector of `count` doubles begins with.
+/// Bytes before the numbers of a column vector of `count` doubles.
 fn vector(name: &str, count: usize) -> Result<Vec<u8>, RecordingError> {
     // Eight bytes a number leave nothing to be filled up.
     let size = |bytes: usize| u32::try_from(bytes).map_err(|_| cannot(name, "the size"));

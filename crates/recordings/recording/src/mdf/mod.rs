@@ -14,16 +14,16 @@ use plan::Assembly;
 pub(crate) use plan::some_text;
 pub use write::{encode_mdf4, write_mdf4};
 
-/// What a file holds beside its channels.
+/// Contents of a file beside its channels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extras {
     /// Files carried with the measurement, or referred to.
     pub attachments: Vec<Attachment>,
-    /// What happened during the measurement.
+    /// Events during the measurement.
     pub events: Vec<Event>,
 }
 
-/// Whether the first bytes are those of an MDF file.
+/// Returns true if the first bytes are those of an MDF file.
 pub(crate) fn is_mdf(bytes: &[u8]) -> bool {
     bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ")
 }
@@ -70,7 +70,7 @@ pub(crate) fn extras<S: Source>(name: &str, source: S) -> Result<Extras, Recordi
     Ok(Extras { attachments: file.attachments().to_vec(), events: file.events().to_vec() })
 }
 
-/// What is to be said about the file, then what about its groups and channels.
+/// Findings about the file, then those about its groups and channels.
 fn with_findings<S: Source>(file: &Mdf<S>, of_groups: Vec<Finding>) -> Vec<Finding> {
     let mut findings = Vec::new();
     if file.findings().contains(&::mdf::Finding::NotFinalised) {

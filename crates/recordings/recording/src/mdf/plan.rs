@@ -28,7 +28,7 @@ pub(super) struct Group<'f> {
     pub(super) channels: Vec<Item<'f>>,
 }
 
-/// What gives a group its time.
+/// Source of the time of a group.
 #[derive(Clone, Copy)]
 enum Clock {
     Master(Address),
@@ -268,7 +268,7 @@ pub(super) fn list<S: Source>(name: &str, file: &Mdf<S>, groups: &[Group<'_>]) -
 }
 
 impl Group<'_> {
-    /// What is to be said of its clock, which has become a raster of so many samples.
+    /// Findings about its clock, which has become a raster of so many samples.
     fn findings(&self, raster: usize, found: u64) -> impl Iterator<Item = Finding> + use<> {
         let count = self.announced.and_then(|announced| match announced.cmp(&found) {
             Ordering::Equal => None,

@@ -383,7 +383,7 @@ fn exact_announced_sizes_are_not_believed_mat5() {
 }
 
 proptest::proptest! {
-    /// What is deflated is hit too: some bytes of the variables are replaced before they are deflated.
+    /// Deflated content is hit too: some bytes of the variables are replaced before they are deflated.
     #[test]
     fn prop_damaged_content_does_no_harm_mat5(
         hits in proptest::collection::vec((8_usize..4500, proptest::prelude::any::<u8>()), 1..6)

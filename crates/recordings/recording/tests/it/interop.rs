@@ -1,4 +1,4 @@
-//! What we write is read by others value for value, and what they write by us: `interop.py` is the other side.
+//! Files that we write are read by others value for value, and theirs by us: `interop.py` is the other side.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

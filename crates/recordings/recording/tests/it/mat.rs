@@ -375,7 +375,7 @@ fn exact_selected_columns_of_tables_are_read() {
     }
 }
 
-/// What connects objects and contents is not believed: what else the file holds is read.
+/// The links between objects and contents are not believed: the rest of the file is read.
 #[test]
 fn exact_damaged_objects_leave_the_other_variables() {
     let whole = read(TABLES73);

@@ -1,4 +1,4 @@
-//! What is written is read back, number for number.
+//! Files that were written are read back, number for number.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

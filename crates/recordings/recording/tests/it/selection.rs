@@ -113,7 +113,7 @@ fn exact_lists_are_made_without_the_samples() {
     }
 }
 
-/// What is written goes out piece by piece.
+/// Files are written piece by piece.
 #[test]
 fn exact_files_are_written_in_pieces() {
     struct Most(std::io::Cursor<Vec<u8>>, usize);

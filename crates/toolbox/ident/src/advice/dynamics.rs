@@ -43,10 +43,10 @@ const UNIT_ROOT: f64 = -2.86;
 /// that long has a time constant of 0.72 records.
 const STILL_RISING: f64 = 1.0 / 3.0;
 
-/// What one output shows, input by input.
+/// Evidence about the dynamics of one output, input by input.
 pub(super) struct Dynamics {
     pub(super) channels: Vec<ChannelDynamics>,
-    /// What `ahead` and `present` stay below by chance.
+    /// Thresholds that `ahead` and `present` exceed by chance only rarely.
     pub(super) threshold_ahead: f64,
     pub(super) threshold_present: f64,
 }
@@ -58,7 +58,7 @@ pub(super) struct ChannelDynamics {
     pub(super) present: f64,
     /// Samples from 10 % to 90 % of the step response, where the input matters and the response settles.
     pub(super) rise_samples: Option<f64>,
-    /// Whether the output integrates the input, as far as the data show.
+    /// True if the output integrates the input, as far as the data show.
     pub(super) integrates: bool,
 }
 
@@ -112,8 +112,8 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
     })
 }
 
-/// Whether values of an input `lags` samples before still help to explain an output beside as long a past as the data ask for, by
-/// Akaike's criterion; negative lags are values to come.
+/// Returns true if values of an input `lags` samples before help to explain an output beside its longer past. Akaike's
+/// criterion chooses the length of that past; negative lags are values to come.
 ///
 /// # Source
 /// Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal systems*, J. Econometrics 21, 1983; Ljung
@@ -127,7 +127,7 @@ pub(super) fn matters_beside_longer_past(data: &Dataset, (input, output): (usize
 /// The values of an input that are still to come.
 pub(super) const TO_COME: [isize; 5] = [-1, -2, -3, -4, -5];
 
-/// What further values of an input explain of an output beside a past of some length.
+/// Part of an output that further values of an input explain, beside a past of some length.
 struct Beside {
     /// Of the regression without them.
     criterion: f64,
@@ -188,7 +188,7 @@ fn causal_regression(factor: &Mat<f64>, count: usize, samples: usize) -> Option<
     solve_factor(&factor_of(factor, &columns), samples).ok()
 }
 
-/// Whether the sum of the coefficients of past outputs may be one: the test of Dickey and Fuller.
+/// Returns true if the sum of the coefficients of past outputs may be one: the test of Dickey and Fuller.
 fn may_have_unit_root(regression: &LinearFit, past: usize) -> bool {
     let excess = regression.parameters[..past].iter().sum::<f64>() - 1.0;
     let own = regression.unscaled_covariance.submatrix(0, 0, past, past);
@@ -210,7 +210,7 @@ fn step_response(parameters: &[f64], past: usize, (input, first_present): (usize
     step
 }
 
-/// Whether a good part of a step response comes in its second half.
+/// Returns true if a good part of a step response comes in its second half.
 fn still_rises(step: &[f64]) -> bool {
     let Some(end) = step.last() else { return false };
     let middle = step[step.len() / 2];

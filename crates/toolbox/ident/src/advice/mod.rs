@@ -146,7 +146,7 @@ pub enum Advice {
         output: usize,
         /// χ² statistic of the inputs to come.
         statistic: f64,
-        /// What it stays below in 99.9 % of cases without feedback.
+        /// Threshold that the statistic stays below in 99.9 % of cases without feedback.
         threshold: f64,
     },
     /// The input of an instant bears on the output of the same instant: use `nk = 0`. Under feedback without delay this
@@ -158,7 +158,7 @@ pub enum Advice {
         output: usize,
         /// χ² statistic of the simultaneous input.
         statistic: f64,
-        /// What it stays below in 99.9 % of cases without feedthrough.
+        /// Threshold that the statistic stays below in 99.9 % of cases without feedthrough.
         threshold: f64,
     },
     /// The step response takes very many samples to rise: models in the shift operator are badly conditioned. Resample, or
@@ -265,7 +265,7 @@ impl fmt::Display for Advice {
     }
 }
 
-/// What an input is made of, in words.
+/// Describes an input as a combination of others, in words.
 fn combination(input: usize, of: &[(usize, f64)], level: f64) -> String {
     let is_one = |weight: f64| (weight - 1.0).abs() < SAME;
     let besides = if level == 0.0 { "" } else { " but for a constant" };
@@ -334,7 +334,7 @@ pub fn advise(data: &Dataset) -> Vec<Advice> {
     found
 }
 
-/// What a channel shows by itself; whether it does not vary.
+/// Adds the advice that a channel gives by itself; returns true if the channel does not vary.
 fn channel_advice(data: &Dataset, channel: Channel, found: &mut Vec<Advice>) -> bool {
     let of = data.samples();
     let mut known = Vec::with_capacity(of);
@@ -399,7 +399,7 @@ fn dependence_advice(varying: &Dataset, inputs: &[usize], found: &mut Vec<Advice
     all.iter().map(|c| c.input).collect()
 }
 
-/// What the inputs show together, those left aside that depend on others.
+/// Adds the advice that the inputs give together, without those that depend on others.
 fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), found: &mut Vec<Advice>) {
     let free: Vec<usize> = (0..inputs.len()).filter(|k| !dependent.contains(k)).collect();
     let outputs: Vec<usize> = (0..centred.outputs()).collect();
@@ -420,8 +420,8 @@ fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), fo
     }
 }
 
-/// Whether an input repeats period by period without noise. Under feedback it cannot, for the noise does not repeat; but its
-/// future is known from its past, and a regression with too short a past uses that.
+/// Returns true if an input repeats period by period without noise. Under feedback it cannot, for the noise does not
+/// repeat. Its future is known from its past, and a regression with too short a past uses that.
 pub(crate) fn repeats_exactly(data: &Dataset, input: usize) -> bool {
     data.experiments().iter().all(|experiment| {
         let u = experiment.input(input);
@@ -476,7 +476,7 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
     }
 }
 
-/// Whether neighbours away from the extremes are often equal, as in a command that is held.
+/// Returns true if neighbours away from the extremes are often equal, as in a command that is held.
 fn is_held(x: &[f64]) -> bool {
     let (low, high) = extremes(x);
     let inner = |w: &&[f64]| w[0] > low && w[0] < high;
@@ -485,8 +485,9 @@ fn is_held(x: &[f64]) -> bool {
     equal as f64 > HELD * count as f64
 }
 
-/// Whether a signal switches between two levels, as a binary excitation does: it is hardly ever between them, and not for
-/// longer than a switch takes. What a linear system answers does not switch; an output that does is cut off.
+/// Returns true if a signal switches between two levels, as a binary excitation does. It is hardly ever between them,
+/// and not for longer than a switch takes. The response of a linear system does not switch; an output that does is cut
+/// off.
 fn switches(x: &[f64]) -> bool {
     let (low, high) = extremes(x);
     let is_inner = |v: &f64| *v > low && *v < high;

@@ -12,7 +12,7 @@ use crate::{Doubt, Fit, IdentError, Termination};
 /// Condition number above which the parameters can hardly be separated.
 pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
-/// What is taken for granted about the equation errors.
+/// Assumption about the equation errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Noise {
     /// White.

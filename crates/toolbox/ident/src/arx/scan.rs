@@ -66,7 +66,7 @@ pub struct ScannedStructure {
     pub criteria: Criteria,
 }
 
-/// What to choose a structure by.
+/// Criterion for the choice of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// Final prediction error.

@@ -1,4 +1,4 @@
-//! What a channel of a continuous model has to give.
+//! Interface of a channel of a continuous model.
 
 use lti::{LtiError, TransferFunction};
 
@@ -15,7 +15,7 @@ pub struct Degrees {
 
 /// The way from one input to one output of a [`ContinuousModel`](crate::ContinuousModel), with parameters of its own.
 pub trait ContinuousChannel: Parametric + Sync {
-    /// What the structure has room for.
+    /// Degrees of the structure.
     fn degrees(&self) -> Degrees;
 
     /// Which parameter is the delay in seconds, where there is one.

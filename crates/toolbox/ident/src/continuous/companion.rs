@@ -51,7 +51,7 @@ impl Companion {
         self.a.len()
     }
 
-    /// Whether every pole but those at zero lies in the left half-plane.
+    /// Returns true if every pole but those at zero lies in the left half-plane.
     pub(crate) fn is_stable(&self) -> Result<bool, LtiError> {
         let polynomial: Vec<f64> = std::iter::once(1.0).chain(self.a.iter().rev().copied()).collect();
         let last = polynomial.iter().rposition(|c| *c != 0.0).unwrap_or(0);

@@ -63,9 +63,9 @@ pub(crate) struct OutputFit<C> {
     pub(crate) bounds: Vec<Bounds>,
     /// Of the parameters whose profiles were looked at, such as delays.
     pub(crate) ends: Vec<Ends>,
-    /// Whether no profile has shown smaller errors of other parameters.
+    /// True if no profile has shown smaller errors of other parameters.
     pub(crate) is_least: bool,
-    /// Whether the errors are smallest here; otherwise the estimate is of another kind.
+    /// True if the errors are smallest here; otherwise the estimate is of another kind.
     pub(crate) is_searched: bool,
 }
 
@@ -97,7 +97,7 @@ pub(crate) fn quantile<C: ContinuousChannel>(part: &OutputFit<C>) -> f64 {
     student_t_quantile(0.5 + 0.5 * LEVEL, part.degrees_of_freedom)
 }
 
-/// What the estimates of all outputs come to.
+/// Combination of the estimates of all outputs.
 pub(crate) struct Combined {
     /// The errors of each output over all records, NaN where it is not measured.
     pub(crate) series: Vec<Vec<f64>>,
@@ -212,7 +212,8 @@ fn refined<C: ContinuousChannel>(
     found.map_or_else(|_| theta.to_vec(), |lowest| lowest.parameters)
 }
 
-/// What a few steps make of each starting model on the liveliest part of the data, best first; a single one as it is.
+/// Improves each starting model by a few steps on the liveliest part of the data, best first; a single one stays as it
+/// is.
 fn try_starts<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],

@@ -1,4 +1,4 @@
-//! Whether what a model leaves of an output still follows the inputs.
+//! Test of whether the residuals of an output still follow the inputs.
 
 use super::channel::{ContinuousChannel, Degrees};
 use super::estimate::OutputFit;

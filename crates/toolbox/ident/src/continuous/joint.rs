@@ -155,7 +155,7 @@ impl Instants {
         self.rows.iter().all(|rows| self.complete as f64 >= SHARED * *rows as f64) && self.complete > 0
     }
 
-    /// What makes the errors of each set white.
+    /// Matrices that make the errors of each set white.
     fn weights(&self, moments: &Mat<f64>, floor: &[f64]) -> Result<Vec<Mat<f64>>, IdentError> {
         let raised = |i: usize, j: usize| moments[(i, j)] + if i == j { floor[i] } else { 0.0 };
         let of = |pattern: &Vec<usize>| {

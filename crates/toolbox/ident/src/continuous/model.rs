@@ -25,7 +25,7 @@ pub struct RationalChannel {
     delay_s: f64,
 }
 
-/// What is read before it is checked.
+/// Fields of a channel as read, before they are checked.
 #[derive(Deserialize)]
 struct RationalParts {
     num: Vec<f64>,

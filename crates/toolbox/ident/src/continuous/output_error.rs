@@ -18,7 +18,7 @@ use super::sampled::Sampled;
 use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
 
-/// What is assumed of the time before a record.
+/// Assumptions about the time before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Nuisance {
     /// Initial states are estimated; otherwise the system is at rest and the input zero before the record.
@@ -45,7 +45,7 @@ pub(super) struct Ready {
     slopes: Option<Slopes>,
 }
 
-/// What derivatives are made of.
+/// Parts that derivatives are made of.
 struct Slopes {
     cascade: Sampled,
     /// Derivatives of numerator, denominator and delay (rows) by the channel's own parameters.

@@ -1,4 +1,4 @@
-//! What the inputs were before a record.
+//! Values of the inputs before a record.
 //!
 //! Behind a delay the first rows of a record answer to inputs before it. An input that rests at first is taken to have rested
 //! before too: otherwise the rows that the longest delay reaches say nothing, and with them goes the step of a short test.
@@ -23,7 +23,7 @@ const RESTING: f64 = 0.05;
 const MANY_MOVES: f64 = 20.0;
 const FEW_ROWS: f64 = 0.05;
 
-/// What is left of an input's scatter behind the first rows counts as nothing below this part.
+/// Part of an input's scatter behind the first rows below which it counts as nothing.
 const UNMOVED: f64 = 0.01;
 
 /// Errors below this part of the output are rounding.
@@ -69,8 +69,8 @@ pub(crate) fn begun<C: ContinuousChannel>(
     Ok((held, parts))
 }
 
-/// Whether all inputs rest at the first samples, or do not move behind the first rows, so that nothing else can be assumed.
-/// Where inputs move all the time the first rows are spared, and nothing has to be assumed.
+/// Returns true if all inputs rest at the first samples, or do not move behind the first rows, so that nothing else can
+/// be assumed. Where inputs move all the time the first rows are spared, and nothing has to be assumed.
 fn may_rest(data: &Dataset, first: usize) -> bool {
     let rows = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
     let can_be_spared = first as f64 <= FEW_ROWS * rows as f64;
@@ -101,8 +101,9 @@ fn scatter(u: &[f64]) -> f64 {
     u.iter().map(|v| (v - mean).powi(2)).sum()
 }
 
-/// Whether the first rows fit in worse with the others than chance explains: by the F-test of leaving them out, which is that
-/// of inputs of any course before the record, with as many independent rows as the colour of the errors leaves.
+/// Returns true if the first rows fit in worse with the others than chance explains: by the F-test of leaving them out.
+/// This is the test of inputs of any course before the record. It counts as many independent rows as the colour of the
+/// errors leaves.
 fn is_refuted<C: ContinuousChannel>(
     ground: &Ground<'_>,
     output: usize,

@@ -43,7 +43,7 @@ const PROFILES: usize = 4;
 /// A profile that lies this much lower than the estimate has found a better one, as a part of what an interval allows.
 const BETTER: f64 = 0.01;
 
-/// What a profile shows.
+/// Result of a profile.
 enum Shown {
     Ends(Vec<Ends>),
     /// Parameters with smaller errors than those of the estimate.

@@ -1,4 +1,4 @@
-//! What one output of one experiment gives to the search.
+//! Data of one output of one experiment for the search.
 
 use crate::band_limited::Ground;
 use crate::structure_error::{Count, StructureError};
@@ -9,9 +9,9 @@ use crate::{Dataset, IdentError};
 pub(crate) struct Beginning {
     /// The first row that counts.
     pub(crate) first: usize,
-    /// Whether inputs before the record are what they are at its first sample; otherwise they are zero.
+    /// True if inputs before the record have their values at its first sample; otherwise they are zero.
     pub(crate) is_held: bool,
-    /// Whether the outputs refute that, and no estimate can do without it.
+    /// True if the outputs refute that, and no estimate can do without it.
     pub(crate) is_refuted: bool,
 }
 
@@ -20,7 +20,7 @@ pub(crate) struct Beginning {
 pub(crate) struct Course<'a> {
     /// One column of samples, or the coefficients of its course between them.
     pub(crate) columns: Vec<&'a [f64]>,
-    /// What it is before the record.
+    /// Value before the record.
     pub(crate) before: f64,
 }
 

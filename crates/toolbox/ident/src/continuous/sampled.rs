@@ -17,7 +17,7 @@ const WHOLE: f64 = 1e-9;
 /// Longest delay, in samples.
 const MAX_SAMPLES: f64 = 1e9;
 
-/// What is left of a free response counts as nothing from this part of its largest value on: far below rounding, whatever the
+/// Part of the largest value of a free response below which it counts as nothing: far below rounding, whatever the
 /// states that it is written in.
 const DECAYED: f64 = 1e-30;
 
@@ -274,7 +274,7 @@ fn by_rows(m: &Mat<f64>) -> Vec<f64> {
     (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
 }
 
-/// What makes the coefficients in `τ − by` of those of a polynomial in `τ`.
+/// Matrix from the coefficients of a polynomial in `τ` to those in `τ − by`.
 fn shifted(by: f64) -> Mat<f64> {
     let mut m = Mat::zeros(COEFFICIENTS, COEFFICIENTS);
     for j in 0..COEFFICIENTS {

@@ -22,7 +22,7 @@ use crate::{IdentError, Intersample, Triangle};
 /// Singular values below this part of the largest take no part in a starting value.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// What is to be started.
+/// Structure for which starting values are sought.
 #[derive(Debug, Clone)]
 pub(crate) struct Structure<'a> {
     /// Degree of the numerator from each input.

@@ -97,7 +97,7 @@ fn refine(structure: &Structure<'_>, records: &[Record<'_>], best: &mut Candidat
 /// Instrumental variables after as many rounds as they needed.
 pub(crate) struct Settled {
     pub(crate) candidate: Candidate,
-    /// Whether further rounds would change nothing.
+    /// True if further rounds would change nothing.
     has_settled: bool,
 }
 
@@ -123,7 +123,7 @@ pub(crate) fn settle(structure: &Structure<'_>, records: &[Record<'_>]) -> Resul
     Ok(Settled { candidate, has_settled: false })
 }
 
-/// What is left of the output, initial states and offset taken off, with the poles mirrored to where they are stable.
+/// Judges an estimate by the output it leaves, initial states and offset taken off, with unstable poles mirrored.
 fn judge(structure: &Structure<'_>, records: &[Record<'_>], estimate: Estimate) -> Result<Candidate, IdentError> {
     let length = records.iter().map(|r| r.output.len()).max().unwrap_or(1).max(1);
     let mut a = vec![0.0; structure.integrators];
@@ -136,7 +136,7 @@ fn judge(structure: &Structure<'_>, records: &[Record<'_>], estimate: Estimate) 
 
 /// A starting value sampled once for all records.
 struct SampledEstimate {
-    /// What goes into the states of each channel, and `c` and `d` of what comes out.
+    /// Sampled states of each channel, and `c` and `d` of its output.
     channels: Vec<(Sampled, Vec<f64>, f64)>,
     /// The poles by themselves.
     free: (Sampled, Vec<f64>),

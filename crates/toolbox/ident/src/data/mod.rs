@@ -18,7 +18,7 @@ use faer::{Mat, MatRef};
 
 use crate::IdentError;
 
-/// What the inputs do between samples.
+/// Behaviour of the inputs between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Intersample {
@@ -31,7 +31,7 @@ pub enum Intersample {
     BandLimited,
 }
 
-/// What a channel is called. Carried along, never interpreted.
+/// Name and unit of a channel. Carried along, never interpreted.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Label {
     /// Its name.
@@ -60,7 +60,7 @@ pub enum Channel {
 /// One uninterrupted record. Rows are time, columns are channels; NaN marks a missing sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
-    /// What it is called.
+    /// Name of the experiment.
     pub name: String,
     /// Instant of the first row, in seconds.
     pub start_s: f64,
@@ -77,7 +77,7 @@ impl Experiment {
         self.outputs.nrows()
     }
 
-    /// Whether there is no row.
+    /// Returns true if there is no row.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -95,7 +95,7 @@ impl Experiment {
         column(self.outputs.as_ref(), index)
     }
 
-    /// Whether any sample is missing.
+    /// Returns true if any sample is missing.
     #[must_use]
     pub fn has_missing(&self) -> bool {
         let missing = |m: &Mat<f64>| (0..m.ncols()).any(|j| column(m.as_ref(), j).iter().any(|v| v.is_nan()));
@@ -193,7 +193,7 @@ impl Dataset {
         self.sample_time_s
     }
 
-    /// What the inputs do between samples.
+    /// Behaviour of the inputs between samples.
     #[must_use]
     pub fn intersample(&self) -> Intersample {
         self.intersample

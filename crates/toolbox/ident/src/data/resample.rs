@@ -128,7 +128,7 @@ fn columns(count: usize, column: impl Fn(usize) -> Result<Vec<f64>, IdentError>)
     Ok(faer::Mat::from_fn(all.first().map_or(0, Vec::len), count, |i, j| all[j][i]))
 }
 
-/// What lies below the Nyquist frequency of an input that does this between its samples, at the samples.
+/// Content of an input below the Nyquist frequency, at the samples, for its behaviour between them.
 fn band_of(x: &[f64], intersample: Intersample) -> Result<Vec<f64>, IdentError> {
     if x.is_empty() {
         return Ok(Vec::new());

@@ -19,9 +19,9 @@ const LONG_STRETCH: usize = 10_000;
 /// Data to estimate on and data to judge on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Split {
-    /// What comes first in time.
+    /// Part that comes first in time.
     pub estimation: Dataset,
-    /// What comes after it.
+    /// Part that comes after it.
     pub validation: Dataset,
 }
 

@@ -30,7 +30,7 @@ impl Line {
     }
 }
 
-/// What of a channel counts as its trend.
+/// Part of a channel that counts as its trend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrendShape {
@@ -40,7 +40,7 @@ pub enum TrendShape {
     Line,
 }
 
-/// Whether experiments share a trend.
+/// Experiments that share a trend: each alone, or all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrendScope {
@@ -121,7 +121,7 @@ impl Trend {
         Ok(Trend { inputs, outputs })
     }
 
-    /// Whether every experiment has a line for each of so many inputs and outputs.
+    /// Checks that every experiment has a line for each of so many inputs and outputs.
     pub(crate) fn check_channels(&self, inputs: usize, outputs: usize) -> Result<(), IdentError> {
         super::check_count("experiments of the trend", self.outputs.len(), self.inputs.len())?;
         self.inputs.iter().try_for_each(|lines| super::check_count("inputs of the trend", inputs, lines.len()))?;

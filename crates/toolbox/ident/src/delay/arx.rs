@@ -69,7 +69,7 @@ pub struct DelayRanking {
     pub delays: Vec<usize>,
     /// Root of the weighted mean of squared distances from the best delay; below a tenth where there is no rival.
     pub standard_errors: Vec<f64>,
-    /// What was compared, the best first.
+    /// Delays that were compared, the best first.
     pub candidates: Vec<DelayCandidate>,
     /// Rows every model was fitted on.
     pub samples: usize,

@@ -97,7 +97,7 @@ impl FractionalDelay {
         Ok(regression.factor()[(parameters, parameters)].powi(2) / regression.rows as f64)
     }
 
-    /// Whether the errors look white: with others the model, and the delay with it, is biased.
+    /// Returns true if the errors look white: with others the model, and the delay with it, is biased.
     fn leaves_white_errors(&self, data: &Dataset, whole: f64, fraction: f64) -> Result<bool, IdentError> {
         let delayed = data.delay_input(0, fraction + AHEAD as f64)?;
         let (signals, columns) = (signals(&delayed)?, self.columns(whole));

@@ -50,7 +50,7 @@ pub struct CorrelationPeak {
     pub delay: DelayEstimate,
     /// The coefficient of correlation there, −1 to 1.
     pub coefficient: f64,
-    /// Whether the peak is at the longest delay looked at: the true one may lie beyond.
+    /// True if the peak is at the longest delay looked at: the true one may lie beyond.
     pub at_edge: bool,
 }
 

@@ -70,8 +70,8 @@ struct Line {
     weight: f64,
 }
 
-/// Whether the phases lie on the line `−ωτ` within their errors: their variance is `1/(2nw)` for a weight `w` and `n` averages.
-/// Only where the coherence is significant: elsewhere phases lie anywhere, and say nothing of a line.
+/// Returns true if the phases lie on the line `−ωτ` within their errors: their variance is `1/(2nw)` for a weight `w`
+/// and `n` averages. Only where the coherence is significant: elsewhere phases lie anywhere, and say nothing of a line.
 fn is_straight(lines: &[Line], averages: f64, tau: f64) -> bool {
     let averages = OVERLAPPING * averages;
     let chance = 1.0 - CHANCE.powf(1.0 / (averages - 1.0).max(1.0));

@@ -1,4 +1,4 @@
-//! What a model file says of the estimate.
+//! Record of the estimate in a model file.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Whether both are of one recording and have an instant in common.
+    /// Returns true if both are of one recording and have an instant in common.
     #[must_use]
     pub fn overlaps(&self, other: &Source) -> bool {
         self.sha256 == other.sha256 && self.from_s <= other.to_s && other.from_s <= self.to_s
@@ -37,7 +37,7 @@ pub struct EstimateRecord {
     pub method: String,
     /// The data.
     pub sources: Vec<Source>,
-    /// What each parameter is called, in the order of the covariance.
+    /// Names of the parameters, in the order of the covariance.
     pub parameter_names: Vec<String>,
     /// Their values.
     pub parameters: Vec<f64>,
@@ -61,7 +61,7 @@ pub struct EstimateRecord {
     pub iterations: usize,
     /// Condition number of the scaled regressor or Jacobian; none where it is not known.
     pub condition: Option<f64>,
-    /// What to doubt.
+    /// Doubts about the estimate.
     pub doubts: Vec<Doubt>,
 }
 

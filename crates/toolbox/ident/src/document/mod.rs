@@ -12,12 +12,12 @@ pub use model::AnyModel;
 use crate::structure_error::StructureError;
 use crate::{Fit, IdentError, Intersample, Label, Trend};
 
-/// What the `format` field of a document says.
+/// Text of the `format` field of a document.
 const FORMAT: &str = "dynoid model";
 /// The version of documents written here, and the only one read.
 const VERSION: u32 = 1;
 
-/// What a document is: the part that stays the same in every version.
+/// Header of a document: the part that stays the same in every version.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct DocumentHeader {
     /// The kind of document.
@@ -27,13 +27,13 @@ pub struct DocumentHeader {
 }
 
 impl DocumentHeader {
-    /// Whether this is the `format` of a model file.
+    /// Returns true if this is the `format` of a model file.
     #[must_use]
     pub fn is_format(format: &str) -> bool {
         format == FORMAT
     }
 
-    /// Whether a document that begins so is understood here.
+    /// Checks that a document that begins so is understood here.
     ///
     /// # Errors
     /// [`IdentError::Document`] for another kind, [`IdentError::DocumentVersion`] for another version.
@@ -59,9 +59,9 @@ pub struct ModelDocument {
     pub outputs: Vec<Label>,
     /// The sample time of the data, or of a discrete model, in seconds.
     pub sample_time_s: f64,
-    /// What the inputs do between samples.
+    /// Behaviour of the inputs between samples.
     pub intersample: Intersample,
-    /// What was taken off the data: the model holds about it.
+    /// Trend that was taken off the data: the model holds about it.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub trend: Option<Trend>,
     /// The model.
@@ -87,7 +87,7 @@ impl ModelDocument {
         }
     }
 
-    /// Whether this is a document of the kind and version that is understood here.
+    /// Checks that this is a document of the kind and version that is understood here.
     ///
     /// # Errors
     /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel; those of [`Self::fit`] where there is

@@ -279,8 +279,8 @@ fn check(lines: Vec<Line>, averages: Option<usize>) -> Result<Lines, IdentError>
 }
 
 impl Lines {
-    /// What sample variances in place of true ones multiply the expected cost, its variance a line, and the covariance of
-    /// the parameters by: `|e|²/σ̂²` is distributed as F(2, 2ν), ν being the averages less one.
+    /// Factors of sample variances in place of true ones: on the expected cost, its variance a line, and the covariance
+    /// of the parameters. `|e|²/σ̂²` is distributed as F(2, 2ν), ν being the averages less one.
     pub(crate) fn inflation(&self) -> (f64, f64, f64) {
         let Some(averages) = self.averages else {
             return (1.0, 1.0, 1.0);

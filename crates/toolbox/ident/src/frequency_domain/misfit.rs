@@ -111,7 +111,7 @@ impl CostTest {
         CostTest { cost, expected, lower: limit(0.5 - 0.5 * LEVEL), upper: limit(0.5 + 0.5 * LEVEL) }
     }
 
-    /// Whether the cost lies between the limits.
+    /// Returns true if the cost lies between the limits.
     #[must_use]
     pub fn passed(&self) -> bool {
         (self.lower..=self.upper).contains(&self.cost)
@@ -126,7 +126,7 @@ impl CostTest {
 pub struct SpectralFit<M> {
     /// The model and its covariance.
     pub fit: Fit<M>,
-    /// Whether what is left is noise.
+    /// Test of whether the residuals are noise.
     pub cost: CostTest,
     /// `(Y − G U)/σ` at each frequency.
     pub residuals: Vec<Complex64>,

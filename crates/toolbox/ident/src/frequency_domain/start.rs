@@ -100,7 +100,7 @@ fn cost(lines: &Lines, found: &Start) -> f64 {
     lines.lines.iter().enumerate().map(misfit).sum()
 }
 
-/// Whether every pole is in the left half-plane, or within the unit circle.
+/// Returns true if every pole is in the left half-plane, or within the unit circle.
 pub(crate) fn is_stable(den: &Basis, a: &[f64], discrete: bool) -> bool {
     let mut descending = vec![0.0; a.len()];
     for (p, value) in den.coefficients.iter().zip(a) {

@@ -48,7 +48,7 @@ enum Step {
     Two(Two),
 }
 
-/// What is done to one operand.
+/// Operation on one operand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum One {
     Negate,
@@ -56,7 +56,7 @@ enum One {
     Exponential,
 }
 
-/// What is done to two operands.
+/// Operation on two operands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Two {
     Add,
@@ -91,7 +91,7 @@ impl Formula {
         stack[0]
     }
 
-    /// Whether a parameter may be called this.
+    /// Returns true if a parameter may have this name.
     pub(super) fn is_name(text: &str) -> bool {
         text.chars().next().is_some_and(begins_name) && text.chars().all(in_name) && !RESERVED.contains(&text)
     }

@@ -10,7 +10,7 @@ use lti::{LtiError, StateSpace};
 use super::{Formula, GreyBoxModel, GreyNoise, GreyParameter, Structure};
 use crate::{IdentError, Parametric, StructureFault};
 
-/// What a [`FormulaStructure`] is made of.
+/// Parts of a [`FormulaStructure`].
 ///
 /// `ẋ = A x + B u(t − delay)`, or `x(t+1) = A x(t) + B u(t) + K e(t)` with a sample time; `y = C x + D u + e`.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -42,7 +42,7 @@ const UNDETERMINED: f64 = 1e9;
 pub struct GreyBox<S> {
     /// The structure.
     pub structure: S,
-    /// What is known of the state at the first sample of each experiment.
+    /// Knowledge of the state at the first sample of each experiment.
     pub initial_state: InitialState,
     /// Further starting points against local minima: drawn within the bounds of each free parameter where both are
     /// finite, otherwise from a tenth to ten times its start.
@@ -56,7 +56,7 @@ pub struct GreyBox<S> {
 /// Iterations from each starting point before the best is followed to its end.
 const TRIAL_ITERATIONS: usize = 12;
 
-/// What the method is called.
+/// Name of the method.
 const METHOD: &str = "prediction error";
 
 impl<S: Structure> GreyBox<S> {

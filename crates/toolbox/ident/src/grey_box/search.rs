@@ -20,7 +20,7 @@ pub(super) struct Parameters<S> {
     pub(super) model: GreyBoxModel<S>,
     about: Vec<GreyParameter>,
     free: Vec<usize>,
-    /// Whether the data have the courses of band-limited inputs.
+    /// True if the data have the courses of band-limited inputs.
     courses: bool,
 }
 

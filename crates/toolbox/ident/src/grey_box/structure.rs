@@ -1,4 +1,4 @@
-//! What a grey-box model is made of: its structure and its parameters.
+//! Parts of a grey-box model: its structure and its parameters.
 
 use faer::Mat;
 use lti::{LtiError, StateSpace};
@@ -8,13 +8,13 @@ use crate::Bounds;
 /// One parameter of a grey-box model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GreyParameter {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Its value: where the search starts, and what a fixed one stays at.
     pub value: f64,
-    /// Whether it is not estimated.
+    /// True if it is not estimated.
     pub fixed: bool,
-    /// What it is kept within.
+    /// Bounds it is kept within.
     pub bounds: Bounds,
     /// Mean and standard deviation of what is known of it beforehand, a normal distribution.
     pub prior: Option<(f64, f64)>,
@@ -46,7 +46,7 @@ impl GreyParameter {
     }
 }
 
-/// What disturbs a grey-box model.
+/// Noise of a grey-box model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GreyNoise {
     /// White noise on the outputs alone: `K = 0`.
@@ -121,7 +121,7 @@ pub enum Entry {
     Bounded {
         /// Where the search starts.
         start: f64,
-        /// What it is kept within.
+        /// Bounds of the value.
         bounds: Bounds,
     },
 }

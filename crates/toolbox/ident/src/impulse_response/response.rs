@@ -11,7 +11,7 @@ pub struct ImpulseFit {
     /// The responses as a model whose only polynomials are `B`. With a prior, its covariance is that of the posterior,
     /// outputs taken as independent, and its degrees of freedom count effective parameters.
     pub fit: Fit<PolynomialModel>,
-    /// What the kernels were tuned to: one row an output, one column an input; empty without a kernel.
+    /// Tuned parameters of the kernels: one row an output, one column an input; empty without a kernel.
     pub hyperparameters: Vec<Vec<Hyperparameters>>,
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Instrumented<'a> {
     filtered: Vec<Vec<Vec<f64>>>,
     /// Signals of one filter.
     set: usize,
-    /// Whether equations have filters of their own.
+    /// True if equations have filters of their own.
     several: bool,
     given: bool,
 }

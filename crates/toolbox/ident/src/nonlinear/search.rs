@@ -26,12 +26,12 @@ pub(super) struct Search<'a, O> {
     /// Largest column norms of the Jacobian met so far (Moré's scaling).
     scale: Vec<f64>,
     damping: f64,
-    /// Whether there was no model where a step led, and none has gone nearly undamped since.
+    /// True if there was no model where a step led, and no step has gone nearly undamped since.
     stopped: bool,
     iterations: usize,
 }
 
-/// What one attempted step led to.
+/// Outcome of one attempted step.
 enum Attempt {
     Accepted { relative_step: f64, relative_decrease: f64 },
     Rejected { predicted_decrease: f64, relative_step: f64 },
@@ -118,7 +118,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         }
     }
 
-    /// What a step with next to no damping would lower the cost by, as a fraction, were the residuals linear.
+    /// Decrease of the cost by a step with next to no damping, as a fraction, were the residuals linear.
     fn promised_decrease(&self, free: &[usize], factor: &Mat<f64>) -> f64 {
         let n = factor.ncols() - 1;
         let cost = (0..factor.nrows()).map(|i| factor[(i, n)].powi(2)).sum::<f64>();

@@ -65,7 +65,7 @@ impl Form {
         }
     }
 
-    /// Whether the noise is on the outputs alone, so that measurements say nothing about the state.
+    /// Returns true if the noise is on the outputs alone, so that measurements say nothing about the state.
     pub(crate) fn is_output_error(&self) -> bool {
         self.gain.is_zero()
     }

@@ -200,7 +200,7 @@ impl<'a> Gain<'a> {
         }
     }
 
-    /// Whether the gain is `K`: nothing is missing, and the state is known.
+    /// Returns true if the gain is `K`: nothing is missing, and the state is known.
     pub(crate) fn is_settled(&self) -> bool {
         self.settled
     }

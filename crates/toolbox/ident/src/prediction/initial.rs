@@ -134,7 +134,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Whether no column has shown anything for as long as it may take a state to reach an output.
+    /// Returns true if no column has shown anything for as long as it may take a state to reach an output.
     fn forgotten(&mut self, t: usize) -> bool {
         let mut quiet = true;
         for (shown, peak) in self.shown.iter().zip(&mut self.peaks) {

@@ -1,4 +1,4 @@
-//! What a model says of data: simulation, k-step prediction, residuals, and the initial state they start from.
+//! Application of a model to data: simulation, k-step prediction, residuals, and the initial state they start from.
 //!
 //! Every model is taken in innovations form, so all of it is written once. Band-limited inputs of a model in continuous time
 //! are followed between the samples; within 32 samples of an end they rest on a mirrored record.

@@ -39,7 +39,7 @@ const BATCHES: usize = 30;
 /// One equation at its estimate.
 pub(super) struct Equation<'a> {
     pub(super) theta: Vec<f64>,
-    /// What its covariance rests on.
+    /// Searches that its covariance rests on.
     pub(super) stages: Vec<Stage<'a>>,
     pub(super) lowest: Lowest,
     /// Prediction errors of every experiment, NaN where there are none.
@@ -48,11 +48,11 @@ pub(super) struct Equation<'a> {
     pub(super) states: Vec<Vec<f64>>,
     /// Numbers estimated for initial states.
     pub(super) state_parameters: usize,
-    /// Whether `C`, `F`, and the poles that `A` and `D` give are all in the unit circle.
+    /// True if `C`, `F`, and the poles that `A` and `D` give are all in the unit circle.
     pub(super) stable: bool,
 }
 
-/// What every search of one equation has in common.
+/// Settings that all searches of one equation share.
 struct Task<'a> {
     orders: &'a Orders,
     estimate_states: bool,
@@ -447,7 +447,7 @@ impl Task<'_> {
     }
 }
 
-/// What one unit of each coefficient held, at these places, does to all.
+/// Effect of one unit of each coefficient held, at these places, on all.
 fn influence(lowest: &Lowest, place: &[usize]) -> Mat<f64> {
     let n = lowest.parameters.len();
     let jacobian = lowest.factor.get(.., ..n);

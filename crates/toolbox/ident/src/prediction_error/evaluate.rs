@@ -55,7 +55,7 @@ impl<'a> Evaluator<'a> {
         Evaluator { largest_radius: 1.0 + WIDER * (self.largest_radius - 1.0), ..self }
     }
 
-    /// Whether a root of `F` at θ lies where growth is no longer let through.
+    /// Returns true if a root of `F` at θ lies where growth is no longer let through.
     pub(super) fn is_at_the_edge(&self, theta: &[f64]) -> bool {
         let nearly = 1.0 + NEARLY * (self.largest_radius - 1.0);
         Polynomials::new(self.orders, theta).f.iter().any(|f| !is_stable(f, nearly))
@@ -66,7 +66,7 @@ impl<'a> Evaluator<'a> {
         &self.states
     }
 
-    /// Whether the filters of the predictor and of its gradient are stable at θ.
+    /// Returns true if the filters of the predictor and of its gradient are stable at θ.
     pub(super) fn is_stable(&self, theta: &[f64]) -> bool {
         let p = Polynomials::new(self.orders, theta);
         let (_, c) = p.filter(self.aim);
@@ -169,7 +169,7 @@ impl<'a> Evaluator<'a> {
         segments.iter().zip(&states).map(|(segment, state)| self.explained(segment, state, &p)).collect()
     }
 
-    /// What the directions of the initial state explain of each column of J in one segment.
+    /// Part of each column of J in one segment that the directions of the initial state explain.
     fn explained(&mut self, segment: &Segment<'_>, state: &[f64], p: &Polynomials<'_>) -> Result<Mat<f64>, IdentError> {
         let count = self.state_count();
         let mut triangle = Triangle::new(self.columns.len());

@@ -70,15 +70,15 @@ impl HighOrderArx {
         gram
     }
 
-    /// Whether the long model is long enough: its last third of coefficients explains no more than chance.
+    /// Returns true if the long model is long enough: its last third of coefficients explains no more than chance.
     pub(super) fn is_settled(&self) -> bool {
         let shorter = 2 * self.order / 3;
         let gain = (self.left[shorter] - self.left[self.order]) / self.variance();
         gain <= chi_squared_quantile(1.0 - CHANCE, ((self.order - shorter) * self.channels) as f64)
     }
 
-    /// Whether a model with so many free coefficients that leaves this sum of squares in so many residuals is as good
-    /// as the long one, but for chance.
+    /// Returns true if a model is as good as the long one, but for chance. The model has so many free coefficients and
+    /// leaves this sum of squares in so many residuals.
     pub(super) fn is_met(&self, cost: f64, residuals: usize, free: usize) -> bool {
         let more = (self.order * self.channels).saturating_sub(free).max(1) as f64;
         let rows = self.rows as f64;

@@ -18,7 +18,7 @@ use crate::{Dataset, IdentError};
 /// Combinations of the outputs whose errors have less than this part of the variance have none.
 const DEPENDENT: f64 = 1e-10;
 
-/// What the errors of an estimate are like.
+/// Properties of the errors of an estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Errors {
     /// White.
@@ -42,7 +42,7 @@ pub(super) struct Stage<'a> {
     pub(super) cost: f64,
     pub(super) freedom: f64,
     pub(super) errors: Errors,
-    /// What one unit of each coefficient does to all of the equation's.
+    /// Effect of one unit of each coefficient on all of the equation's.
     pub(super) share: Mat<f64>,
 }
 

@@ -36,7 +36,7 @@ impl Line {
         &self.values[self.memory - lag..self.memory - lag + rows]
     }
 
-    /// What came before the block.
+    /// Values before the block.
     pub(super) fn past(&self) -> &[f64] {
         &self.values[..self.memory]
     }
@@ -115,7 +115,7 @@ fn recur_fixed<const N: usize>(den: &[f64], block: &mut [f64]) {
     }
 }
 
-/// Whether `1 + p₁ q⁻¹ + …` has all its roots within the circle of this radius, by the Schur–Cohn recursion.
+/// Returns true if `1 + p₁ q⁻¹ + …` has all its roots within the circle of this radius, by the Schur–Cohn recursion.
 ///
 /// # Source
 /// Åström, *Introduction to Stochastic Control Theory*, 1970, ch. 5 (theorem 2.1).

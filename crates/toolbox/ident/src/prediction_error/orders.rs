@@ -83,7 +83,7 @@ impl Orders {
         first..first + self.nf[input]
     }
 
-    /// Whether the residuals are those of the output alone, with no memory of earlier residuals or outputs.
+    /// Returns true if the residuals are those of the output alone, with no memory of earlier residuals or outputs.
     pub(super) fn is_output_error(&self) -> bool {
         self.na + self.nc + self.nd == 0
     }

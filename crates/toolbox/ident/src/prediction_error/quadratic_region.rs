@@ -13,7 +13,8 @@ const EQUAL: f64 = 1e-6;
 pub(super) struct QuadraticRegion<'a>(pub(super) &'a Lowest);
 
 impl QuadraticRegion<'_> {
-    /// Whether θ with this cost lies where the minimum's parabola holds, so that a search from there would end in it.
+    /// Returns true if θ with this cost lies where the minimum's parabola holds, so that a search from there would end
+    /// in it.
     pub(super) fn holds(&self, theta: &[f64], cost: f64) -> bool {
         let Lowest { parameters, factor, cost: least, termination, .. } = self.0;
         if !termination.converged() {

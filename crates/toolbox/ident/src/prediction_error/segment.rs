@@ -11,8 +11,8 @@ pub(super) struct Segment<'a> {
     pub(super) output: Cow<'a, [f64]>,
     /// Rows whose output is missing; it is zero there.
     pub(super) missing: Vec<usize>,
-    /// What became of an impulse at its first row, of the same length: the impulse response of the filter that inputs
-    /// and output went through from there on, if they did. The initial state acts through it.
+    /// Response to an impulse at its first row, of the same length: the impulse response of the filter that inputs and
+    /// output went through from there on, if they did. The initial state acts through it.
     pub(super) impulse: Option<Cow<'a, [f64]>>,
     /// Which experiment it is of.
     pub(super) experiment: usize,

@@ -104,7 +104,7 @@ impl<'b> Block<'b> {
         (0..total).step_by(BLOCK).map(block)
     }
 
-    /// Whether it ends its segment.
+    /// Returns true if it ends its segment.
     pub(super) fn is_last(&self) -> bool {
         self.first + self.rows == self.segment.len()
     }
@@ -266,7 +266,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Whether nothing is left of the impulses, once the block that holds them is past.
+    /// Returns true if nothing is left of the impulses, once the block that holds them is past.
     pub(super) fn impulses_are_over(&self) -> bool {
         let lines = [&self.output_impulse, &self.noise_impulse].into_iter().chain(&self.input_impulse);
         lines.flat_map(Line::past).all(|v| v.abs() < DECAYED)

@@ -1,4 +1,4 @@
-//! What the initial state explains of the errors and of their gradient, and what it leaves.
+//! Split of the errors and of their gradient into the part that the initial state explains and the rest.
 
 use faer::Mat;
 use numerics::linalg;

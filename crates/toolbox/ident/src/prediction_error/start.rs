@@ -121,7 +121,7 @@ impl<'a> Long<'a> {
         self.segments.iter().map(|s| errors(&signals(s), &wanted, &self.theta)).collect()
     }
 
-    /// What each input contributes to the output: segments, then inputs.
+    /// Contribution of each input to the output: segments, then inputs.
     fn contributions(&self) -> Vec<Vec<Vec<f64>>> {
         let Long { orders, segments, order, .. } = *self;
         let a: Vec<f64> = self.theta[..order].iter().map(|v| -v).collect();
@@ -188,8 +188,8 @@ fn factor(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Mat<f64>, IdentErro
     Ok(triangle.finish())
 }
 
-/// Whether past inputs explain noticeably more of what a model leaves than its own past does, which they would not if nothing
-/// of their effect were left in it.
+/// Returns true if past inputs explain noticeably more of the residuals of a model than their own past does. They would
+/// not if nothing of the inputs' effect were left in the residuals.
 pub(super) fn inputs_tell_more(orders: &Orders, segments: &[Segment<'_>], left: &[Vec<f64>]) -> bool {
     let signals: Vec<Vec<&[f64]>> = segments
         .iter()
@@ -223,7 +223,7 @@ fn solve(factor: &Mat<f64>) -> Result<Vec<f64>, IdentError> {
     Ok((0..n).map(|j| inverse(j) / norms[j]).collect())
 }
 
-/// What a regression leaves; zero until every term has its past.
+/// Residuals of a regression; zero until every term has its past.
 fn errors(signals: &[&[f64]], terms: &[Term], theta: &[f64]) -> Vec<f64> {
     let memory = terms.iter().map(|t| t.lag).max().unwrap_or(0);
     let mut left = signals[0].to_vec();
@@ -308,7 +308,7 @@ fn ratio(
     (best.1, best.2)
 }
 
-/// What the rounds of one [`ratio`] have in common.
+/// Data that the rounds of one [`ratio`] share.
 struct Round<'a, 's> {
     target: &'a [Vec<f64>],
     segments: &'a [Segment<'s>],
@@ -316,7 +316,7 @@ struct Round<'a, 's> {
     orders: &'a Orders,
 }
 
-/// What one regression found.
+/// Result of one regression.
 struct Found {
     denominator: Vec<f64>,
     numerators: Vec<Vec<f64>>,

@@ -202,7 +202,7 @@ impl ProcessFit {
         Settings { nuisance, stable: true, search: self.search }
     }
 
-    /// What is searched for each output.
+    /// Ranges that are searched for each output.
     fn ranges(&self, data: &Dataset, longest_delay: f64) -> Result<Vec<Ranges>, IdentError> {
         let structure = one_each("structures", &self.structure, data.inputs())?;
         let t = data.sample_time_s();
@@ -221,7 +221,7 @@ impl ProcessFit {
         each.map(|asked| Ranges::new(structure.clone(), &usual, asked, jumps)).collect()
     }
 
-    /// What is asked of every parameter of every output.
+    /// Request for every parameter of every output.
     fn asked(&self, structure: &[ProcessModel], outputs: usize) -> Result<Vec<Asked>, IdentError> {
         let channels = structure.iter().cycle().take(structure.len() * outputs).cloned().collect();
         let names = ProcessSystem::new(channels, structure.len(), Mat::identity(outputs, outputs))?.parameter_names();
@@ -265,7 +265,7 @@ fn search(
     fit_output(data, &records, &starts, bounds, settings)
 }
 
-/// Whether a delay ended at the upper end of what was searched.
+/// Returns true if a delay ended at the upper end of the searched range.
 fn ends_at(parts: &[OutputFit<ProcessModel>], longest_s: f64) -> bool {
     let ends = |part: &OutputFit<ProcessModel>| {
         let delays = part.model.channels().iter().zip(part.model.offsets());
@@ -275,7 +275,7 @@ fn ends_at(parts: &[OutputFit<ProcessModel>], longest_s: f64) -> bool {
     parts.iter().any(ends)
 }
 
-/// Whether estimates on the same rows have larger errors than others, by the product of their mean squares.
+/// Returns true if estimates on the same rows have larger errors than others, by the product of their mean squares.
 fn is_above(parts: &[OutputFit<ProcessModel>], others: &[OutputFit<ProcessModel>]) -> bool {
     let both = || parts.iter().zip(others);
     let excess = |(part, other): (&OutputFit<_>, &OutputFit<_>)| (part.minimum.cost / other.minimum.cost).ln();

@@ -10,7 +10,7 @@ use crate::{Bounds, IdentError, Parametric};
 /// Damping of a pair of poles is searched up to here.
 const MOST_DAMPED: f64 = 10.0;
 
-/// What a parameter of a process model is.
+/// Kind of a parameter of a process model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Gain,
@@ -31,7 +31,7 @@ impl Kind {
         kinds
     }
 
-    /// What is wrong with bounds of such a parameter.
+    /// Fault of bounds of such a parameter.
     fn fault(self, bounds: Bounds) -> Option<BoundsFault> {
         let Bounds { lower, upper } = bounds;
         if lower.is_nan() || upper.is_nan() || lower > upper {
@@ -54,7 +54,7 @@ pub(super) struct Usual {
     pub(super) lag_s: (f64, f64),
 }
 
-/// What is asked of one parameter.
+/// Request for one parameter: its value held, or its bounds.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Asked {
     pub(super) name: String,
@@ -81,7 +81,7 @@ impl Asked {
     }
 }
 
-/// What the options come to for one output of given data.
+/// Ranges that the options give for one output of given data.
 #[derive(Clone)]
 pub(crate) struct Ranges {
     pub(crate) structure: Vec<ProcessModel>,
@@ -122,7 +122,7 @@ impl Ranges {
         &self.bounds
     }
 
-    /// Whether a parameter is not searched.
+    /// Returns true if a parameter is not searched.
     pub(super) fn is_held(&self, parameter: usize) -> bool {
         self.bounds[parameter].lower == self.bounds[parameter].upper
     }

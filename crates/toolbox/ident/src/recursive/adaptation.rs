@@ -53,7 +53,7 @@ pub(super) struct Gain {
     drift_variances: Vec<f64>,
     /// Variances that are not to be exceeded.
     limits: Vec<f64>,
-    /// What the errors of the parameters come from, where samples are forgotten.
+    /// Source of the errors of the parameters, where samples are forgotten.
     squared_weights: SquaredWeights,
     /// Weighted sums of squared errors and of ones.
     squares: f64,

@@ -24,7 +24,7 @@ use crate::{Dataset, IdentError};
 /// How often a step that would leave an unstable predictor is halved before it is given up.
 const HALVINGS: usize = 12;
 
-/// What to follow, and how.
+/// Recursive estimator: the structure whose parameters it follows, and how it adapts them.
 ///
 /// The start needs no guess: the first samples are gathered as least squares for an ARX model until they determine it
 /// (for ARMAX and output error that model is where the search starts). With ARX and [`Adaptation::Forgetting`] the
@@ -59,7 +59,7 @@ pub struct Recursive {
     before: Vec<f64>,
 }
 
-/// What one sample led to.
+/// Prediction and error of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Update {
     /// `ŷ(t | t−1)`, by the parameters before the sample; NaN where what it needs of the past is missing, as at the start.
@@ -71,13 +71,13 @@ pub struct Update {
 /// The parameters over the samples of data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
-    /// What each parameter is called.
+    /// Names of the parameters.
     pub names: Vec<String>,
     /// Parameters after each sample: rows are samples, over all experiments; columns parameters.
     pub parameters: Mat<f64>,
     /// Standard errors after each sample, of the same shape; NaN as long as there are none.
     pub standard_errors: Mat<f64>,
-    /// What each sample led to.
+    /// Prediction and error of each sample.
     pub updates: Vec<Update>,
 }
 

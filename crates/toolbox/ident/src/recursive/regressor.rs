@@ -231,7 +231,7 @@ impl Regressor {
         }
     }
 
-    /// Whether the parameters are finite and the predictor, `C` or every `F`, is stable.
+    /// Returns true if the parameters are finite and the predictor, `C` or every `F`, is stable.
     pub(super) fn is_stable(&self, parameters: &[f64]) -> bool {
         parameters.iter().all(|p| p.is_finite()) && self.predictor_poles().all(|range| is_stable(&parameters[range]))
     }

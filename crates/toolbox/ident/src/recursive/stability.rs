@@ -1,7 +1,7 @@
 //! Stability of a polynomial without its roots.
 
-/// Whether `1 + p₁ q⁻¹ + … + p_n q⁻ⁿ` has all its zeros inside the unit circle, by the step-down recursion of its
-/// reflection coefficients.
+/// Returns true if `1 + p₁ q⁻¹ + … + p_n q⁻ⁿ` has all its zeros inside the unit circle, by the step-down recursion of
+/// its reflection coefficients.
 ///
 /// # Source
 /// Söderström & Stoica, *System Identification*, 1989, complement C8.1 (Schur–Cohn).

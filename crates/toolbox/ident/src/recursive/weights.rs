@@ -20,7 +20,7 @@ impl SquaredWeights {
         SquaredWeights { sum: Mat::zeros(count, count) }
     }
 
-    /// What is known of a parameter beforehand, of this variance for noise of variance one, counts as one sample.
+    /// Counts prior knowledge of a parameter, of this variance for noise of variance one, as one sample.
     pub(super) fn start_at(&mut self, parameter: usize, variance: f64) {
         self.sum[(parameter, parameter)] = 1.0 / variance;
     }

@@ -22,7 +22,7 @@ struct Later {
     column: Vec<f64>,
 }
 
-/// What later measurements say of a state, and the number of the covariance that is then left of it.
+/// Information of later measurements about a state, and the number of the covariance that is then left of it.
 struct Known {
     root: Vec<f64>,
     information: Vec<f64>,

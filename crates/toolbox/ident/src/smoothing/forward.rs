@@ -21,7 +21,8 @@ pub(super) struct Innovation {
     pub(super) variance: f64,
 }
 
-/// What the filter leaves behind: innovations, and where it is asked for, what the way back needs. Matrices are by rows.
+/// Result of the filter: innovations and, where it is asked for, the values that the way back needs. Matrices are by
+/// rows.
 pub(super) struct Forward {
     pub(super) states: usize,
     /// A, and the same without its zeros.
@@ -40,7 +41,7 @@ pub(super) struct Forward {
     pub(super) settled: Vec<usize>,
 }
 
-/// What one sample makes of a covariance.
+/// Effect of one sample on a covariance.
 #[derive(Clone)]
 struct Sample {
     /// Which of the covariances that are kept it is made of.
@@ -162,13 +163,13 @@ impl Forward {
 }
 
 impl Filter<'_> {
-    /// What an output is expected to be.
+    /// Expected value of an output.
     fn expected(&self, c: &SparseRow, output: usize, inputs: MatRef<'_, f64>, sample: usize) -> f64 {
         let through = (0..inputs.ncols()).map(|j| self.system.system.d()[(output, j)] * inputs[(sample, j)]);
         c.dot(&self.x) + through.sum::<f64>()
     }
 
-    /// What a sample makes of the covariance with this number, with these outputs measured.
+    /// Computes the effect of a sample on the covariance with this number, with these outputs measured.
     fn covariances(
         &mut self,
         before: &[f64],

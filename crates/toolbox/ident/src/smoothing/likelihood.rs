@@ -25,7 +25,7 @@ const TRIAL: (usize, usize) = (12, 4);
 pub struct Likeliest {
     /// The parameters.
     pub parameters: Vec<f64>,
-    /// What all covariances of the system at these parameters are to be multiplied by.
+    /// Factor on all covariances of the system at these parameters.
     pub scale: f64,
     /// How the search ended.
     pub termination: Termination,
@@ -158,7 +158,7 @@ struct Levels<'a, F> {
     system_at: &'a F,
     measured: Measured<'a>,
     start: Vec<f64>,
-    /// What one unit away from the start adds to the residuals.
+    /// Contribution to the residuals of one unit away from the start.
     unit: f64,
     /// Of innovations.
     count: usize,

@@ -6,7 +6,7 @@ const REMEMBERED: usize = 8;
 /// How near a matrix must come, in parts of its diagonal: far below what changes a digit that anyone reads.
 const SAME: f64 = 1e-11;
 
-/// What was made of a matrix under a condition.
+/// Result from a matrix under a condition.
 struct Step<C, R> {
     condition: C,
     matrix: Vec<f64>,
@@ -36,8 +36,8 @@ impl<C: PartialEq, R> Memory<C, R> {
         }
     }
 
-    /// What is made of this matrix under this condition: as it was before, or else by `make`. The matrix is the one that the
-    /// step before it made.
+    /// Result from this matrix under this condition: as it was before, or else by `make`. The matrix is the one that
+    /// the step before it made.
     ///
     /// # Errors
     /// Those of `make`.
@@ -88,7 +88,7 @@ impl<C: PartialEq, R> Memory<C, R> {
     }
 }
 
-/// Whether two symmetric matrices, by rows, are one.
+/// Returns true if two symmetric matrices, by rows, are the same.
 fn is_same(a: &[f64], b: &[f64]) -> bool {
     let n = (a.len() as f64).sqrt().round() as usize;
     (0..n).all(|i| {

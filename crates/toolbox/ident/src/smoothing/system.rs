@@ -35,7 +35,7 @@ pub struct NoisySystem {
     pub(super) measurement_variance: Vec<f64>,
 }
 
-/// What is known of a state: mean, and covariance.
+/// Knowledge of a state: mean, and covariance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belief {
     /// Mean.

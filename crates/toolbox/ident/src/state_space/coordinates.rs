@@ -10,8 +10,8 @@ use crate::{Dataset, IdentError};
 /// Directions that only turn the basis have singular values above this part of the largest.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// What one unit of each free entry is worth, in the entries' order: states and channels are measured by their root
-/// mean squares.
+/// Size of one unit of each free entry, in the entries' order: states and channels are measured by their root mean
+/// squares.
 pub(super) fn entry_scales(predictor: &Predictor, free: Free, data: &Dataset, x0: &[Vec<f64>]) -> Vec<f64> {
     let positive = |v: f64| if v > 0.0 && v.is_finite() { v } else { 1.0 };
     let x: Vec<f64> = predictor.state_sizes(data, x0).into_iter().map(positive).collect();

@@ -85,7 +85,7 @@ pub(super) fn scaled_columns(m: MatRef<'_, f64>) -> (Mat<f64>, Vec<f64>) {
     (Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] / norms[j]), norms)
 }
 
-/// What is known at an estimate.
+/// Covariance, loss and degrees of freedom at an estimate.
 pub(crate) struct Gathered {
     /// Covariance of the steps along the directions.
     pub(crate) covariance: Mat<f64>,

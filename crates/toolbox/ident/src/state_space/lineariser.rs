@@ -38,7 +38,7 @@ impl Linearised {
         Ok(self.tops.iter().map(solve).collect::<Result<_, _>>()?)
     }
 
-    /// What each initial state changes by when the parameters change by `step`; parts the data do not show stay.
+    /// Change of each initial state when the parameters change by `step`; parts the data do not show stay.
     pub(crate) fn initial_steps(&self, step: &[f64]) -> Result<Vec<Vec<f64>>, IdentError> {
         let solve = |top: &Mat<f64>| {
             let n = top.nrows();
@@ -159,7 +159,7 @@ impl Lineariser<'_> {
 struct Chunk {
     rows: Vec<f64>,
     width: usize,
-    /// Whether derivatives are those along the directions, not those of the entries.
+    /// True if derivatives are those along the directions, not those of the entries.
     along_directions: bool,
 }
 

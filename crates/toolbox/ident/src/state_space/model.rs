@@ -50,13 +50,13 @@ impl StateSpaceModel {
         self.innovations.system()
     }
 
-    /// Whether `D` is a parameter.
+    /// Returns true if `D` is a parameter.
     #[must_use]
     pub fn has_feedthrough(&self) -> bool {
         self.feedthrough
     }
 
-    /// Whether `K` is a parameter.
+    /// Returns true if `K` is a parameter.
     #[must_use]
     pub fn has_noise_model(&self) -> bool {
         self.noise

@@ -51,7 +51,7 @@ pub(super) struct Instant<'a> {
     pub(super) u: &'a [f64],
     /// ε, zero for an output that is missing.
     pub(super) e: &'a [f64],
-    /// Whether every output is there.
+    /// True if every output is there.
     pub(super) complete: bool,
     /// The gain, and what errors are weighed by, in an experiment where they change.
     pub(super) filter: Option<&'a Filter<'a>>,
@@ -84,7 +84,7 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// What a pass over the data finds.
+/// Sums over the prediction errors of a pass over the data.
 pub(crate) struct Scatter {
     /// `Σ ε εᵀ`.
     pub(crate) sum: Mat<f64>,
@@ -227,12 +227,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether the gain changes on the way.
+    /// Returns true if the gain changes on the way.
     pub(super) fn is_filtered(&self) -> bool {
         self.filter.is_some()
     }
 
-    /// Whether the experiment has come to its end.
+    /// Returns true if the experiment has come to its end.
     pub(super) fn is_over(&self) -> bool {
         self.instant == self.samples
     }

@@ -43,7 +43,7 @@ pub(crate) trait Searchable: Clone {
     /// The model after a step along the directions; `None` where there is none.
     fn moved(&self, directions: &Mat<f64>, step: &[f64]) -> Option<Self>;
 
-    /// Whether nothing can be gained `towards` this side of a direction, for a bound.
+    /// Returns true if nothing can be gained `towards` this side of a direction, for a bound.
     fn blocked(&self, _direction: usize, _towards: f64) -> bool {
         false
     }
@@ -89,7 +89,7 @@ impl Searchable for StateSpaceModel {
     }
 }
 
-/// What a step along directions changes in the entries.
+/// Change of the entries by a step along directions.
 fn change(directions: &Mat<f64>, step: &[f64]) -> Vec<f64> {
     (0..directions.nrows()).map(|i| step.iter().enumerate().map(|(j, s)| directions[(i, j)] * s).sum()).collect()
 }
@@ -120,11 +120,11 @@ pub(crate) struct Search<'a, M> {
     model: M,
     x0: Vec<Vec<f64>>,
     scatter: Scatter,
-    /// What is added to each output's variance where errors are weighed.
+    /// Variance that is added to that of each output where errors are weighed.
     floor: Vec<f64>,
     /// How many of the leading states are estimated in each experiment.
     estimated: usize,
-    /// Whether an output misses samples, so that errors have weights that depend on the model.
+    /// True if an output misses samples, so that errors have weights that depend on the model.
     misses: bool,
     damping: f64,
     extrapolation: Extrapolation,
@@ -173,7 +173,7 @@ impl<'a, M: Searchable> Search<'a, M> {
         (self.iterations, self.x0, self.model)
     }
 
-    /// What is minimised: `N ln det (Σ ε εᵀ/N + floor)` and the prior's part.
+    /// Cost that is minimised: `N ln det (Σ ε εᵀ/N + floor)` and the prior's part.
     pub(crate) fn criterion(&self) -> f64 {
         self.scatter.instants as f64 * linalg::determinant(self.error_covariance().as_ref()).ln()
             + prior_cost(&self.model)
@@ -294,8 +294,8 @@ impl<'a, M: Searchable> Search<'a, M> {
         scatter.sum.norm_max().is_finite().then_some((model, x0, scatter))
     }
 
-    /// Whether a predictor with a noise model does not forget its initial state, and forgets it less than the one now: on
-    /// other data its errors would grow without bound, however well it does on these.
+    /// Returns true if a predictor with a noise model does not forget its initial state, and forgets it less than the
+    /// one now. On other data its errors would grow without bound, however well it does on these.
     fn forgets_worse(&self, tried: &Innovations) -> bool {
         let radius = |of: &Innovations| predictor_radius(of).unwrap_or(f64::INFINITY);
         if tried.k().norm_max() == 0.0 {

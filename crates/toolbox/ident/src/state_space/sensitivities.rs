@@ -14,7 +14,7 @@ use faer::{Mat, MatRef};
 use super::predictor::{Free, Instant, Predictor};
 use crate::prediction::Gain;
 
-/// What one unit of a direction changes of each matrix, and what has become of it.
+/// Change of each matrix by one unit of a direction, and the sensitivities `dP` and `dL` that follow.
 struct Direction {
     a: Mat<f64>,
     b: Mat<f64>,

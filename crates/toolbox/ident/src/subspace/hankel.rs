@@ -29,7 +29,7 @@ pub(crate) struct Hankel<'a> {
     pub(crate) horizons: Horizons,
     pub(crate) inputs: usize,
     pub(crate) outputs: usize,
-    /// What each channel is multiplied by.
+    /// Factor on each channel.
     weights: &'a [f64],
     /// The experiments long enough to fill one window.
     experiments: Vec<&'a Experiment>,

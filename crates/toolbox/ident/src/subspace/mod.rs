@@ -70,11 +70,11 @@ pub struct Subspace {
     pub past: Option<usize>,
     /// Block rows of the future; as the past where `None`.
     pub future: Option<usize>,
-    /// Whether `D` is estimated; otherwise it is zero.
+    /// True if `D` is estimated; otherwise it is zero.
     pub feedthrough: bool,
-    /// Whether a noise model is estimated; otherwise `K = 0`.
+    /// True if a noise model is estimated; otherwise `K = 0`.
     pub noise_model: bool,
-    /// Whether `A` is made stable where the data alone would not make it so.
+    /// True if `A` is made stable where the data alone would not make it so.
     pub stable: bool,
 }
 

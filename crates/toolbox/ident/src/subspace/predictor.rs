@@ -19,7 +19,7 @@ use crate::dense::spectral_radius;
 pub(super) struct PredictorStates<'a> {
     hankel: &'a Hankel<'a>,
     factor: &'a HankelFactor,
-    /// What the past is multiplied by for the states, most correlated first.
+    /// Matrix that turns the past into the states, most correlated first.
     states: Mat<f64>,
     correlations: Vec<f64>,
     feedthrough: bool,

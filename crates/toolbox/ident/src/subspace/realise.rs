@@ -181,7 +181,7 @@ fn oblique(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) -> Result<Mat
     Ok(past * oblique_coefficients(hankel, factor, now)?)
 }
 
-/// What the past is multiplied by in the oblique projection: channels of the past × outputs of the future.
+/// Coefficients of the past in the oblique projection: channels of the past × outputs of the future.
 fn oblique_coefficients(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) -> Result<Mat<f64>, IdentError> {
     let (m, q, total) = (hankel.inputs, hankel.channels(), hankel.horizons.total());
     let mut regressors = columns(hankel, 0..now, 0..q);

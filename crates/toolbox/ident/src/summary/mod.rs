@@ -1,4 +1,4 @@
-//! What a fit and a model look like in print: [`Fit`] and every model implement `Display`.
+//! Printed form of a fit and a model: [`Fit`] and every model implement `Display`.
 
 mod doubts;
 mod models;

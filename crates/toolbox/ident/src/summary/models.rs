@@ -10,7 +10,7 @@ use crate::{
     ResponseFunction, StateSpaceModel, Structure,
 };
 
-/// What is written of parameters at which there is no system.
+/// Text for parameters at which there is no system.
 const NO_SYSTEM: &str = "no system at these parameters";
 
 impl Written for StateSpaceModel {

@@ -1,4 +1,4 @@
-//! What responses are summed up by: gain at rest, resonances, bandwidth, rise time, overshoot.
+//! Features of responses: gain at rest, resonances, bandwidth, rise time, overshoot.
 
 use lti::{ChannelPair, Complex64, LtiError, Margins, StepCharacteristics, TimeGrid};
 use numerics::search;
@@ -12,7 +12,7 @@ use crate::{Fit, IdentError, LinearModel, Parametric};
 const PROMINENCE_DB: f64 = 0.5;
 /// Resonances found at most: the ones that stand out most.
 const MOST_PEAKS: usize = 6;
-/// What the golden section leaves of the interval.
+/// Part of the interval that the golden section leaves.
 const WIDTH: f64 = 1e-4;
 /// Reach of the last parabola, as a part of the interval.
 const LAST: f64 = 1e-3;
@@ -115,7 +115,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         Ok(Some(gain).filter(|gain| gain.value.is_finite()))
     }
 
-    /// Whether a pole at rest shows between this input and output: the gain then rises without end towards low frequencies.
+    /// Returns true if a pole at rest shows between this input and output: the gain then rises without end towards low
+    /// frequencies.
     fn integrates(&self) -> Result<bool, IdentError> {
         let system = self.model.system()?;
         if !system.has_pole_at_rest()? {

@@ -26,8 +26,8 @@ impl RatioTest {
         RatioTest { statistic, numerator, denominator, p_value: f_tail(statistic, numerator, denominator) }
     }
 
-    /// Whether the statistic stays in the region that holds it with probability `level` (e.g. 0.99) where there is nothing
-    /// to find.
+    /// Returns true if the statistic stays in the region that holds it with probability `level` (e.g. 0.99) where there
+    /// is nothing to find.
     #[must_use]
     pub fn passes(&self, level: f64) -> bool {
         self.p_value >= 1.0 - level

@@ -60,7 +60,7 @@ impl Ellipse {
         }
     }
 
-    /// Whether a point lies inside.
+    /// Returns true if a point lies inside.
     #[must_use]
     pub fn contains(&self, point: Complex64) -> bool {
         let turned = (point - self.center) * Complex64::cis(-self.angle_rad);

@@ -11,7 +11,7 @@ use crate::{Fit, IdentError, Parametric};
 pub struct Sample<M> {
     /// The model.
     pub model: M,
-    /// Whether it is stable.
+    /// True if it is stable.
     pub stable: bool,
 }
 

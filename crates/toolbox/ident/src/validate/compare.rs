@@ -21,7 +21,7 @@ pub struct Judgement {
     pub loss: f64,
     /// The rows that the loss rests on.
     pub samples: usize,
-    /// What the model gave.
+    /// Response of the model.
     pub response: Response,
 }
 
@@ -68,7 +68,7 @@ pub fn judge<M: LinearModel + ?Sized>(
 /// Several models judged on the same data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// What each model is called.
+    /// Names of the models.
     pub names: Vec<String>,
     /// How well it does, or why it cannot be judged.
     pub judgements: Vec<Result<Judgement, IdentError>>,

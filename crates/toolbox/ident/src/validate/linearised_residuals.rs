@@ -1,4 +1,4 @@
-//! What an estimate does to residuals: what it took out of them, and what its errors add.
+//! Effect of an estimate on residuals: the part it took out of them, and the part its errors add.
 
 use std::sync::OnceLock;
 
@@ -18,7 +18,7 @@ const AFFORDABLE: usize = 500_000_000;
 const MOST_COLUMNS: usize = 500;
 /// So many entries of initial states are treated as any other direction that is taken out.
 const FEW_STATES: usize = 60;
-/// What clearing must leave of a column that is more than what it was cleared of.
+/// Part of a column that has to remain after clearing, so that it is more than its combination of the others.
 const LEFT: f64 = 1e-7;
 
 /// Residuals of outputs that are there at the same instants, in the first order of what the estimate did to them:
@@ -31,15 +31,15 @@ pub(super) struct LinearisedResiduals {
     pub(super) removed: Mat<f64>,
     /// `E`: the same, weighed by the inverse covariance of the outputs' noise.
     pub(super) weights: Mat<f64>,
-    /// What besides is taken out of each experiment on its own: `AᵀE = 0` between these and the others. None where all is in
-    /// `removed`.
+    /// Directions that are taken out of each experiment on its own: `AᵀE = 0` between these and the others. None where
+    /// all is in `removed`.
     pub(super) blocks: Vec<Block>,
     /// `M Ψ`.
     pub(super) uncertain: Mat<f64>,
     colour: Colour,
     /// `EᵀRE`, which serves every pair of an output and an input.
     covariance_of_weights: OnceLock<Mat<f64>>,
-    /// What fitting has made the residuals' variance smaller by.
+    /// Factor by which fitting has made the residuals' variance smaller.
     pub(super) inflation: f64,
 }
 

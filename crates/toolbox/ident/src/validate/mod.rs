@@ -34,8 +34,8 @@ impl JointTest {
         JointTest { statistic, degrees_of_freedom, p_value: chi_squared_tail(statistic, degrees_of_freedom) }
     }
 
-    /// Whether the statistic stays in the region that holds it with probability `level` (e.g. 0.99) where there is nothing
-    /// to find.
+    /// Returns true if the statistic stays in the region that holds it with probability `level` (e.g. 0.99) where there
+    /// is nothing to find.
     #[must_use]
     pub fn passes(&self, level: f64) -> bool {
         self.p_value >= 1.0 - level

@@ -69,7 +69,7 @@ pub enum TestData {
     Unseen,
 }
 
-/// What the residuals of a model show.
+/// Tests of the residuals of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualReport {
     /// One test an output.
@@ -224,7 +224,7 @@ impl ResidualTest {
         self.most_samples.min(affordable).max(SAMPLES_PER_LAG.saturating_mul(self.lags))
     }
 
-    /// What is tested of the data, where each sample has so many sensitivities.
+    /// Part of the data that is tested, where each sample has so many sensitivities.
     fn part<'d>(&self, data: &'d Dataset, sensitivities: usize) -> Result<Cow<'d, Dataset>, IdentError> {
         let (most, all) = (self.most(sensitivities), data.samples());
         match self.initial {
@@ -382,7 +382,7 @@ impl<'a> Residuals<'a> {
         residuals
     }
 
-    /// Whether all outputs are there at the same instants.
+    /// Returns true if all outputs are there at the same instants.
     fn meet(&self) -> bool {
         self.outputs.iter().all(|e| e.there == self.outputs[0].there)
     }

@@ -124,8 +124,8 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
     Ok(columns)
 }
 
-/// Whether a predictor on these data has one gain throughout, and inputs at the samples alone: no output is missing, and no input
-/// is followed between the samples.
+/// Returns true if a predictor on these data has one gain throughout, and inputs at the samples alone: no output is
+/// missing, and no input is followed between the samples.
 fn keeps_its_gain(data: &Dataset) -> bool {
     let is_whole = |e: &Experiment| (0..data.outputs()).all(|i| e.output(i).iter().all(|v| !v.is_nan()));
     data.intersample() != Intersample::BandLimited && data.experiments().iter().all(is_whole)

@@ -37,7 +37,7 @@ impl Series {
         Series { parts, there: None, mean: 0.0, present }
     }
 
-    /// Whether a sample is there.
+    /// Returns true if a sample is there.
     pub(super) fn is_there(&self, part: usize, t: usize) -> bool {
         self.there.as_ref().is_none_or(|there| there[part][t] > 0.0)
     }

@@ -1,4 +1,4 @@
-//! What residuals are cleared of: spans of columns, orthonormal in the sense of the noise's covariance.
+//! Spans of columns that residuals are cleared of, orthonormal in the sense of the noise's covariance.
 
 use std::ops::Range;
 

@@ -47,8 +47,8 @@ fn add_scaled(weight: f64, row: &[f64], out: &mut [f64]) {
     }
 }
 
-/// What one unit of each direction changes of a matrix that acts on `[x; u; e]`: an entry that changes in any of them, with its
-/// change in each.
+/// Change of a matrix that acts on `[x; u; e]` by one unit of each direction: an entry that changes in any of them,
+/// with its change in each.
 struct Changes {
     places: Vec<(usize, usize)>,
     weights: Vec<f64>,
@@ -89,12 +89,12 @@ pub(super) struct Tangent {
     output: Entries,
     d_transition: Changes,
     d_output: Changes,
-    /// What the directions change of the first state, states × directions.
+    /// Changes of the first state along the directions, states × directions.
     start: Vec<f64>,
 }
 
-/// What nothing drives has ended when its changes are this part of the largest that they were. Beyond lie numbers so small that
-/// the processor is slow with them.
+/// Part of its largest changes below which a part that nothing drives has ended. Beyond lie numbers so small that the
+/// processor is slow with them.
 const ENDED: f64 = 1e-30;
 /// Samples from one look at that to the next.
 const LOOKS: usize = 16;

@@ -38,7 +38,7 @@ pub(super) struct PastSums {
     taken: usize,
     /// `EᵀRE`.
     k: Mat<f64>,
-    /// What blocks change of the covariance.
+    /// Change of the covariance by the blocks.
     blocks: Option<Mat<f64>>,
     /// The deviation of each sum over that of independent errors, by which all columns are divided.
     spread: Vec<f64>,

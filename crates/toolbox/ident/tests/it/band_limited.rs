@@ -23,7 +23,7 @@ impl Tones {
         Tones((0..count).map(|_| (highest * noise.uniform(), std::f64::consts::TAU * noise.uniform())).collect())
     }
 
-    /// What a system makes of them, from ever on.
+    /// Response of a system to them, from ever on.
     fn through(&self, system: &TransferFunction, samples: usize) -> Vec<f64> {
         let omega: Vec<f64> = self.0.iter().map(|tone| tone.0).collect();
         let gains = system.frequency_response(&omega).unwrap().response;
@@ -114,7 +114,7 @@ fn exact_several_inputs_outputs_and_records() {
     assert!(judged.fit_percent.iter().flatten().all(|fit| *fit > 90.0), "{:?}", judged.fit_percent);
 }
 
-/// What judges a model follows the inputs as what estimates it does: the truth leaves next to nothing.
+/// The judgement of a model follows the inputs as the estimate does: the truth leaves next to nothing.
 #[test]
 fn exact_the_truth_leaves_no_residual_but_near_the_ends() {
     let truth = TransferFunctionModel::new(vec![rational(&[50.0], &[50.0], 0.0)], 1, Mat::identity(1, 1)).unwrap();

@@ -20,7 +20,7 @@ struct Held {
     step: usize,
 }
 
-/// What is true: a pole, the gains at some frequencies in rad/s, a step response on a grid.
+/// True values: a pole, the gains at some frequencies in rad/s, a step response on a grid.
 struct Truth {
     pole: Complex64,
     omega: [f64; 3],

@@ -207,7 +207,7 @@ fn stat_missing_dynamics_are_found() {
     }
 }
 
-/// What the estimate makes zero on its own data has no degree of freedom, and the rest holds its level.
+/// A correlation that the estimate makes zero on its own data has no degree of freedom, and the rest holds its level.
 #[test]
 fn exact_lags_that_the_estimate_holds_do_not_count() {
     let mut noise = Noise::new(4);

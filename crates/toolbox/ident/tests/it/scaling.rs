@@ -1,4 +1,4 @@
-//! What is derived from an estimate does not depend on the units of the channels.
+//! Quantities derived from an estimate do not depend on the units of the channels.
 
 use ident::uncertainty::{Features, UncertainRoot};
 use ident::{

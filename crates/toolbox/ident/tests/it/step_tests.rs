@@ -90,7 +90,7 @@ fn draw(random: &mut Noise) -> StepTest {
     StepTest { name, truth, sample_time_s: t, input, output }
 }
 
-/// What is left of `y` beside the columns: by Gram and Schmidt, twice over, columns that follow from others left out.
+/// Residual of `y` beside the columns: by Gram and Schmidt, twice over, columns that follow from others left out.
 fn left_over(y: &[f64], columns: Vec<Vec<f64>>) -> f64 {
     let along = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let without = |x: &mut Vec<f64>, basis: &[Vec<f64>]| {
@@ -167,7 +167,7 @@ impl StepTest {
     }
 }
 
-/// What the states of a channel add to its output on their own.
+/// Contributions of the states of a channel to its output on their own.
 fn free_responses(channel: &ProcessModel, sample_time_s: f64, count: usize) -> Vec<Vec<f64>> {
     let system = channel.to_transfer_function().unwrap().to_state_space().unwrap();
     let each = lti::expm((faer::Scale(sample_time_s) * system.a()).as_ref()).unwrap();
@@ -227,7 +227,7 @@ fn longest_first(intervals: &[(f64, f64)], truth: &ProcessModel) -> Vec<(f64, f6
     ordered
 }
 
-/// What came out over many step tests.
+/// Counts over many step tests.
 #[derive(Default)]
 struct Tally {
     tests: usize,

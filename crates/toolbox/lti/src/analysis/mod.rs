@@ -1,4 +1,4 @@
-//! What a system does: responses in time and their shape, modes, frequency grids, stability margins.
+//! Analysis of a system: responses in time and their shape, modes, frequency grids, stability margins.
 
 pub(crate) mod frequency_grid;
 mod margins;

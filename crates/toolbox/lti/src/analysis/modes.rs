@@ -91,7 +91,7 @@ impl StateSpace {
         Ok(growing.max_by(|a, b| rate(a).total_cmp(&rate(b))))
     }
 
-    /// Whether a pole is at rest, as that of an integrator is, within rounding beside the fastest.
+    /// Returns true if a pole is at rest, as that of an integrator is, within rounding beside the fastest.
     ///
     /// # Errors
     /// [`LtiError::NoConvergence`].

@@ -1,4 +1,4 @@
-//! What a step response looks like.
+//! Characteristics of a step response.
 
 use serde::{Deserialize, Serialize};
 

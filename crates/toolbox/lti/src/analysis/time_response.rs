@@ -54,7 +54,7 @@ impl TimeGrid {
         }
     }
 
-    /// Whether a system can be shown on this grid; a discrete one on its own samples only.
+    /// Checks that a system can be shown on this grid; a discrete one on its own samples only.
     fn check(&self, sample_time_s: Option<f64>) -> Result<(), LtiError> {
         check_sample_time(self.step_s)?;
         match sample_time_s {

@@ -164,8 +164,9 @@ impl PolynomialModel {
         self.equations.iter().flat_map(PolynomialEquation::coefficients).collect()
     }
 
-    /// What each coefficient is called: `a1`, `b0`, `c1`, `d1`, `f1`, with the channel behind it where there are several
-    /// (`b0[2]`: input 2; `a1[1,2]`: equation 1, output 2). The digit is the power of `q⁻¹`, so `b` starts at its delay.
+    /// Names of the coefficients: `a1`, `b0`, `c1`, `d1`, `f1`, with the channel behind it where there are several
+    /// (`b0[2]`: input 2; `a1[1,2]`: equation 1, output 2). The digit is the power of `q⁻¹`, so `b` starts at its
+    /// delay.
     #[must_use]
     pub fn coefficient_names(&self) -> Vec<String> {
         let several_outputs = self.equations.len() > 1;

@@ -53,7 +53,7 @@ fn reached(a: MatRef<'_, f64>, b: MatRef<'_, f64>, tolerance: f64) -> Result<Mat
     Ok(basis.subcols(0, found).to_owned())
 }
 
-/// What `m` has beside a basis; taken twice it is orthogonal to working precision.
+/// Part of `m` that is orthogonal to a basis; taken twice it is orthogonal to working precision.
 fn orthogonal(basis: &Mat<f64>, m: Mat<f64>) -> Mat<f64> {
     let along = basis.transpose() * &m;
     m - basis * along

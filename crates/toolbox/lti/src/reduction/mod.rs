@@ -11,7 +11,7 @@ use crate::error::LtiError;
 use crate::matrix::{identity, inverse};
 use crate::state_space::StateSpace;
 
-/// What becomes of the states that a reduction leaves out.
+/// Treatment of the states that a reduction leaves out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reduction {

@@ -10,7 +10,7 @@ mod zero_pole_gain;
 
 use serde::{Deserialize, Serialize};
 
-/// What a discrete system keeps of its continuous one.
+/// Property that a discrete system keeps of its continuous one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Discretisation {

@@ -16,7 +16,7 @@ pub(super) fn logarithm(root: Complex64, sample_time_s: f64) -> Result<Complex64
     Ok(root.ln() / sample_time_s)
 }
 
-/// Whether a zero lies on −1, which stands for infinity, within what the zeros are known to.
+/// Test of whether a zero lies on −1, which means infinity, within the precision of the zeros.
 pub(super) fn at_infinity(zeros: &[Complex64]) -> impl Fn(&Complex64) -> bool + use<> {
     let from_minus_one = |r: &Complex64| (r + 1.0).norm();
     let scattered = |r: &&Complex64| from_minus_one(r) > 0.0 && from_minus_one(r) < CLUSTER;

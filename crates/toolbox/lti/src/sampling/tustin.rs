@@ -31,7 +31,7 @@ pub(super) fn discrete(system: &StateSpace, tau: f64, sample_time_s: f64) -> Res
     StateSpace::discrete(&m * (&one + &half), b, system.c() * &m, d, sample_time_s)
 }
 
-/// What undoes [`discrete`].
+/// Inverse of [`discrete`].
 pub(super) fn continuous(system: &StateSpace, tau: f64) -> Result<StateSpace, LtiError> {
     let one = identity(system.states());
     let sum = &one + system.a();
@@ -64,7 +64,7 @@ pub(super) fn discrete_roots(system: &ZeroPoleGain, tau: f64, sample_time_s: f64
     ZeroPoleGain::discrete(zeros, system.poles().iter().map(map).collect(), gain, sample_time_s)
 }
 
-/// What undoes [`discrete_roots`].
+/// Inverse of [`discrete_roots`].
 ///
 /// `z − ρ = (1 + ρ)(s − r)/(2/τ − s)` with `r = (2/τ)(ρ − 1)/(ρ + 1)`, a zero at −1 leaving `(4/τ)/(2/τ − s)`.
 pub(super) fn continuous_roots(system: &ZeroPoleGain, tau: f64) -> Result<ZeroPoleGain, LtiError> {

@@ -99,7 +99,7 @@ impl StateSpace {
     }
 }
 
-/// Whether what is left of `1 + D·D_back` is rounding, its two terms being of this size together.
+/// Returns true if the value `left` of `1 + D·D_back` is rounding, its two terms being of this size together.
 pub(crate) fn is_algebraic_loop(left: f64, terms: f64) -> bool {
     left.abs() <= 4.0 * f64::EPSILON * terms
 }

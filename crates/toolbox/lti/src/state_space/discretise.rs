@@ -151,13 +151,13 @@ impl FirstOrderHold {
         self.a.as_ref()
     }
 
-    /// What the input at the start of a sample interval adds to the state at its end.
+    /// Effect of the input at the start of a sample interval on the state at its end.
     #[must_use]
     pub fn b0(&self) -> MatRef<'_, f64> {
         self.b0.as_ref()
     }
 
-    /// What the input at the end of a sample interval adds to the state there.
+    /// Effect of the input at the end of a sample interval on the state there.
     #[must_use]
     pub fn b1(&self) -> MatRef<'_, f64> {
         self.b1.as_ref()

@@ -181,7 +181,7 @@ impl StateSpace {
         eigenvalues(self.a())
     }
 
-    /// Whether every pole lies strictly inside the stable region: the left half-plane, or the unit circle.
+    /// Returns true if every pole lies strictly inside the stable region: the left half-plane, or the unit circle.
     ///
     /// # Errors
     /// [`LtiError::NoConvergence`].

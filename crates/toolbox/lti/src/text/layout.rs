@@ -32,7 +32,7 @@ pub fn parameter_list(names: &[String], values: &[f64], errors: Option<&[f64]>) 
 /// A matrix to be written, with the letters that its rows and columns are numbered by.
 #[derive(Debug, Clone, Copy)]
 pub struct Table<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
     /// The letter of its rows, such as `x`.
     pub rows: char,

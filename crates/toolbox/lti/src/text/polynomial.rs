@@ -131,7 +131,7 @@ pub struct Fraction {
     pub numerator: String,
     /// The denominator, on one line.
     pub denominator: String,
-    /// What is multiplied to the ratio; empty for nothing.
+    /// Factor on the ratio; empty for none.
     pub factor: String,
 }
 

@@ -214,7 +214,7 @@ fn methods(system: &ZeroPoleGain) -> Vec<Discretisation> {
     all
 }
 
-/// What sampling and back changes, as matrices and as zeros and poles.
+/// Changes of the frequency response by sampling and back, as matrices and as zeros and poles.
 fn round_trips(system: &ZeroPoleGain, method: Discretisation, sample_time_s: f64) -> [f64; 2] {
     let truth = system.frequency_response(&GRID).unwrap().response;
     let matrices = system.to_state_space().unwrap().to_discrete(method, sample_time_s).unwrap();

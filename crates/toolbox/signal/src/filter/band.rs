@@ -1,8 +1,8 @@
-//! What a filter lets through.
+//! Band that a filter lets through.
 
 use crate::error::SignalError;
 
-/// What is let through, with edges in hertz.
+/// Band that is let through, with edges in hertz.
 #[derive(Clone, Copy)]
 pub(super) enum Band {
     Low(f64),

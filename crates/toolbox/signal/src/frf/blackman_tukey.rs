@@ -37,7 +37,7 @@ pub struct BlackmanTukey {
     pub freqs_hz: Vec<f64>,
 }
 
-/// What [`BlackmanTukey`] found.
+/// Result of [`BlackmanTukey`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralAnalysis {
     /// The response and its variance `W Φ̂_v [Φ̂_u⁻¹]_jj / N`, `W = Σ w²`.

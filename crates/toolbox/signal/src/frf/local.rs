@@ -8,7 +8,7 @@ use crate::Complex64;
 use crate::error::{SignalError, check_at_least, check_range};
 use crate::spectrum::fft_real;
 
-/// What response and transient are taken to be near a frequency.
+/// Local model of response and transient near a frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LocalKind {
     /// Polynomials in frequency: unbiased by noise, right where the response is smooth over the window.
@@ -53,11 +53,11 @@ pub struct LocalModel {
     pub order: usize,
     /// Bins `n` on each side; `2n + 1` must exceed the number of unknowns.
     pub half_width: usize,
-    /// Whether the transient is modelled. Without it the record must be periodic or begin and end at rest.
+    /// True if the transient is modelled. Without it the record must be periodic or begin and end at rest.
     pub transient: bool,
 }
 
-/// What a [`LocalModel`] found.
+/// Result of a [`LocalModel`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocalEstimate {
     /// The response and its variance from noise on the outputs.
@@ -179,7 +179,7 @@ struct Window<'a> {
     problem: LeastSquares,
     residual: Vec<Complex64>,
     unknowns: Vec<Complex64>,
-    /// What the noise at each bin is multiplied by in the equation's errors.
+    /// Factor on the noise at each bin in the equation's errors.
     denominators: Vec<Complex64>,
     weights: Vec<f64>,
     influence: Vec<Complex64>,

@@ -5,7 +5,7 @@ use super::periodic::periodic_response;
 use super::repetition::{Periods, Repetition, find};
 use crate::error::SignalError;
 
-/// What [`repeated_response`] found.
+/// Result of [`repeated_response`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RepeatedResponse {
     /// How the inputs repeat.

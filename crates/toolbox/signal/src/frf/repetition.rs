@@ -49,7 +49,7 @@ pub struct Repetition {
     pub periods: usize,
     /// Periods before those that were left out, because the outputs had not settled.
     pub unsettled: usize,
-    /// Whether the outputs still change from period to period by more than noise where the used periods begin.
+    /// True if the outputs still change from period to period by more than noise where the used periods begin.
     pub still_settling: bool,
     /// Of each input the harmonics of the period that it excites, rising.
     pub excited: Vec<Vec<usize>>,
@@ -182,7 +182,7 @@ fn by_chance(inputs: &[&[f64]], found: Periodicity) -> f64 {
     tried * inputs.iter().map(one).fold(1.0, f64::min)
 }
 
-/// Whether a signal switches between a few levels.
+/// Returns true if a signal switches between a few levels.
 fn has_few_levels(u: &[f64]) -> bool {
     let mut levels: Vec<f64> = Vec::new();
     u.iter().all(|v| {
@@ -334,8 +334,8 @@ fn excited(spectra: &PeriodicSpectra, input: usize) -> Vec<usize> {
     (0..count).filter(is_excited).map(|k| spectra.harmonics[k]).collect()
 }
 
-/// What the largest of so many `|X|²/σ̂²` of noise exceeds by chance only, each distributed as F with 2 and `2·freedom` degrees of
-/// freedom.
+/// Bound that the largest of so many `|X|²/σ̂²` of noise exceeds by chance only, each distributed as F with 2 and
+/// `2·freedom` degrees of freedom.
 fn largest_by_chance(freedom: usize, count: usize) -> f64 {
     let freedom = freedom as f64;
     freedom * ((CHANCE / count as f64).powf(-1.0 / freedom) - 1.0)

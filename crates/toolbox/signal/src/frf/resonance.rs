@@ -53,8 +53,8 @@ pub struct Resonance {
     /// Between the frequencies at which the magnitude is down by 3 dB, in hertz; none where one of them lies beyond the
     /// lines fitted.
     pub bandwidth_hz: Option<Estimated>,
-    /// What the fit leaves over what the noise explains: about one where one pole on a smooth background is right. Above
-    /// what noise may leave, the standard errors are larger in proportion to its root.
+    /// Residual of the fit over the part that the noise explains: about one where one pole on a smooth background is
+    /// right. Beyond the part that noise may leave, the standard errors are larger in proportion to its root.
     pub misfit: f64,
 }
 
@@ -165,7 +165,7 @@ impl Local {
         })
     }
 
-    /// What a unit of error at each line does to the parameters: columns of the pseudo-inverse of the slopes.
+    /// Effect of a unit of error at each line on the parameters: columns of the pseudo-inverse of the slopes.
     fn influence(&self, theta: &[Complex64; UNKNOWNS]) -> Vec<Vec<Complex64>> {
         let unit = |k: usize| {
             let mut right = vec![Complex64::ZERO; self.x.len()];

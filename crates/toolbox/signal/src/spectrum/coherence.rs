@@ -111,7 +111,7 @@ impl CrossSpectrum {
         (0.5 * self.degrees_of_freedom) as usize
     }
 
-    /// Whether transforms are real at this frequency.
+    /// Returns true if transforms are real at this frequency.
     fn is_real(&self, k: usize) -> bool {
         k == 0 || (self.has_even_segments && k + 1 == self.freq_hz.len())
     }

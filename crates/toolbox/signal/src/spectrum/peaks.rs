@@ -97,7 +97,7 @@ fn without_ripples(
     kept
 }
 
-/// What lies about a value: the octave below and the octave above.
+/// Surroundings of a value: the octave below and the octave above.
 struct Background<'a> {
     freq_hz: &'a [f64],
     lobe: usize,

@@ -17,7 +17,7 @@ pub struct Welch {
     pub segment: usize,
     /// Samples two neighbouring segments share, less than `segment`; half is usual with the Hann window.
     pub overlap: usize,
-    /// What each segment is multiplied with.
+    /// Window that each segment is multiplied with.
     pub window: Window,
 }
 
@@ -62,7 +62,7 @@ pub struct CrossSpectrum {
     pub pxy: Vec<Complex64>,
     /// Number of segments averaged.
     pub segments: usize,
-    /// Whether segments have an even number of samples, so that the last frequency is half the sample rate.
+    /// True if segments have an even number of samples, so that the last frequency is half the sample rate.
     pub has_even_segments: bool,
     /// Degrees of freedom ν of the averages for noise: `ν·P̂/P` is distributed as χ² with ν of them. Half as many at rest and
     /// at half the sample rate. Fewer than two a segment where segments overlap.

@@ -230,7 +230,7 @@ fn exact_a_short_table_and_a_figure_stay_on_one_page() {
     }
 }
 
-/// What a page may be made of, at its worst.
+/// A page of the worst content that it may have.
 fn hostile() -> Page {
     let word = "ein_sehr_langes_Wort/".repeat(60);
     let signs = "😀 汉字 שלום עולם \u{202e}evil\u{202c} \u{0} a\u{301} \u{fe0f} 🇩🇪 \t\u{7f}";

@@ -15,7 +15,7 @@ pub(super) struct Pdf {
 pub(super) struct Drawn {
     pub(super) area: [f64; 4],
     pub(super) text: String,
-    /// Whether it is a head or foot of the page.
+    /// True if it is a head or foot of the page.
     pub(super) is_edge: bool,
 }
 
@@ -26,7 +26,7 @@ struct Font {
     texts: BTreeMap<usize, String>,
 }
 
-/// What stands behind a key, up to the next blank, slash or bracket.
+/// Text behind a key, up to the next blank, slash or bracket.
 pub(super) fn value<'t>(text: &'t str, key: &str) -> Option<&'t str> {
     let start = text.find(&format!("{key} ")).or_else(|| text.find(&format!("{key}/")))? + key.len();
     let rest = text[start..].trim_start();
@@ -358,7 +358,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What of an area is not clipped.
+    /// Part of an area that is not clipped.
     fn seen(&self, area: [f64; 4]) -> Option<[f64; 4]> {
         let [left, low, right, high] = self.state.clip;
         let seen = [area[0].max(left), area[1].max(low), area[2].min(right), area[3].min(high)];

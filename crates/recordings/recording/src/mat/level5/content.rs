@@ -23,7 +23,7 @@ pub(super) struct Content<'a> {
     is_deflated: bool,
 }
 
-/// What is left of a content.
+/// Rest of a content.
 pub(super) trait Rest: Read {
     /// Passes over bytes, and says over how many.
     fn pass(&mut self, count: usize) -> io::Result<usize>;
@@ -50,7 +50,7 @@ impl<R: Read> Rest for ZlibDecoder<R> {
     }
 }
 
-/// What stands before the content of an element.
+/// Tag before the content of an element.
 #[derive(Clone, Copy)]
 pub(super) struct Tag {
     pub(super) kind: u32,

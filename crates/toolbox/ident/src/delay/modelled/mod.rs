@@ -36,8 +36,8 @@ const LEAST_LEVEL: f64 = 1e-3;
 /// An interval that takes more than this share of the searched range means nothing.
 const UNDETERMINED: f64 = 0.8;
 
-/// What is left of an input's part of the output beside its strongest lines counts as seen where its energy is so many times
-/// the variance of the errors.
+/// Energy, over the variance of the errors, from which an input's part of the output counts as seen beside its
+/// strongest lines.
 const SEEN: f64 = 20.0;
 
 /// Dead times by models of rising order.
@@ -247,7 +247,7 @@ impl DelayModel {
         self.size() < other.size()
     }
 
-    /// Whether chance may have made this model look worse than a richer one.
+    /// Returns true if chance may have made this model look worse than a richer one.
     fn may_be(&self, richer: &DelayModel) -> bool {
         let is_weak = |fault: &DelayFault| match fault {
             DelayFault::Outdone => true,
@@ -257,13 +257,13 @@ impl DelayModel {
         self.faults.iter().all(is_weak) && !self.is_worse_than(richer, REFUTED)
     }
 
-    /// Whether a richer model lowers the loss by more than chance would.
+    /// Returns true if a richer model lowers the loss by more than chance would.
     fn is_worse_than(&self, richer: &DelayModel, level: f64) -> bool {
         let inflation = richer.inflation.max(self.inflation);
         (self.loss / richer.loss).ln() > inflation * richer.by_chance(level, richer.free.saturating_sub(self.free))
     }
 
-    /// Whether it lowers the loss by more than chance would, beside no effect of any input.
+    /// Returns true if it lowers the loss by more than chance would, beside no effect of any input.
     fn explains(&self) -> bool {
         let gained = -2.0 * (1.0 - self.fit_percent / 100.0).ln();
         gained > self.inflation * self.by_chance(REFUTED, self.free)

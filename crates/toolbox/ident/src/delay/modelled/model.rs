@@ -149,7 +149,7 @@ pub enum DelayFault {
 }
 
 impl DelayFault {
-    /// Whether it is of where the search ended: another search may end elsewhere.
+    /// Returns true if the fault depends on where the search ended: another search may end elsewhere.
     pub(super) fn is_of_search(&self) -> bool {
         matches!(self, DelayFault::NotConverged | DelayFault::AtLongest { .. } | DelayFault::TooEarly { .. })
     }

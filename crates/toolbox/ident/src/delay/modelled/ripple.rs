@@ -118,7 +118,7 @@ fn hann(x: &[f64]) -> Vec<f64> {
     x.iter().enumerate().map(|(t, v)| v * (0.5 - 0.5 * (TAU * (t as f64 + 0.5) / n).cos())).collect()
 }
 
-/// Whether a line rises sharply above the bins about it, as what is coloured does not.
+/// Returns true if a line rises sharply above the bins about it, as coloured noise does not.
 fn stands_out(power: &[f64], bin: usize) -> bool {
     let about = |reach: usize| bin.saturating_sub(reach)..(bin + reach + 1).min(power.len());
     let top = about(1).map(|k| power[k]).fold(0.0, f64::max);

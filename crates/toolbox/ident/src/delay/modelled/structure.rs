@@ -90,7 +90,7 @@ impl Structure<'_> {
         Ok(renewed)
     }
 
-    /// What is estimated, with so many inputs more that only have a gain.
+    /// Structure of the estimate, with so many inputs more that only have a gain.
     fn with_ripple(&self, data: &Dataset, columns: usize) -> ContinuousTransferFunction {
         let inputs = data.inputs();
         let each = |own: usize| [vec![own; inputs], vec![0; columns]].concat();
@@ -174,7 +174,7 @@ impl Structure<'_> {
         model
     }
 
-    /// What tests of the errors find.
+    /// Faults that tests of the errors find.
     fn tested(
         &self,
         plain: &ContinuousTransferFunction,
