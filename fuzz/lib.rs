@@ -6,15 +6,15 @@ use recording::{Selection, catalogue, decode, decode_untimed};
 
 static QUIET: Once = Once::new();
 
-/// Lists content, and decodes it whole, by name, and with a row distance; each channel that is listed has a raster, each
-/// that is decoded has a sample for each time stamp, and a selected channel is what it is without selection.
+/// Lists content, and decodes it whole, by name, and with a row distance; each channel that is listed has a raster,
+/// each that is decoded has a sample for each time stamp, and a selected channel is what it is without selection.
 ///
 /// # Panics
 ///
 /// Where it is not so.
 pub fn decode_all(name: &str, bytes: &[u8]) {
-    // The fuzzer's own hook ends the program on any panic. Those within decoders of others are caught and become errors;
-    // the rest still end it.
+    // The fuzzer's own hook ends the program on any panic. Those within decoders of others are caught and become
+    // errors; the rest still end it.
     QUIET.call_once(|| std::panic::set_hook(Box::new(|panic| eprintln!("{panic}"))));
     list(name, bytes);
     let _ = decode_untimed(name, bytes, 0.1);

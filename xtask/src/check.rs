@@ -7,7 +7,8 @@ use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, run, step};
 use crate::{axe, dependencies, fmu, layers, python, wording};
 
-/// Format, rules of the source, lints, all fast tests, and docs. The slow tests and the fuzz targets are in `cargo xtask deep`.
+/// Format, rules of the source, lints, all fast tests, and docs. The slow tests and the fuzz targets are in
+/// `cargo xtask deep`.
 pub(crate) fn all() -> Result<(), String> {
     let start = Instant::now();
     cargo("format", &["fmt", "--all", "--check"])?;

@@ -14,8 +14,8 @@ use crate::{fmu, folder, fuzz, python};
 /// The page that a person commits.
 const PAGE: &str = "docs/deep-check.md";
 
-/// Runs every ignored test, suite by suite, and writes the page after each of them, so that a run that is stopped leaves what it
-/// found; of suites whose name contains `filter` alone, no page.
+/// Runs every ignored test, suite by suite, and writes the page after each of them, so that a run that is stopped
+/// leaves what it found; of suites whose name contains `filter` alone, no page.
 pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     let heading = heading()?;
     if filter.is_none() && !step("binaries of the FMUs", fmu::check)? {

@@ -1,7 +1,7 @@
 //! `cargo xtask fmu`: the runtimes of the FMUs as binaries for every platform, which the program embeds.
 //!
-//! The compiler is Zig, which comes as one package for Python and builds for all platforms on each. The same sources give the same bytes;
-//! the checks build them again and compare.
+//! The compiler is Zig, which comes as one package for Python and builds for all platforms on each. The same sources
+//! give the same bytes; the checks build them again and compare.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -74,7 +74,8 @@ pub(crate) fn check() -> Result<bool, String> {
     compare(&TARGETS)
 }
 
-/// The same for Linux alone: the compiler takes half a minute for the libraries of each platform, and [`build`] builds all at once.
+/// The same for Linux alone: the compiler takes half a minute for the libraries of each platform, and [`build`] builds
+/// all at once.
 pub(crate) fn check_one() -> Result<bool, String> {
     compare(&TARGETS[..1])
 }

@@ -27,7 +27,8 @@ pub(crate) fn interpreter() -> Result<Option<PathBuf>, String> {
     }
 }
 
-/// A path from anywhere, since tests are started in the folders of their crates; a mere name is left to be searched for.
+/// A path from anywhere, since tests are started in the folders of their crates; a mere name is left to be searched
+/// for.
 fn located(chosen: PathBuf) -> Result<PathBuf, String> {
     match chosen.components().count() {
         0 | 1 => Ok(chosen),

@@ -1,4 +1,5 @@
-//! The rule of rooms: which of our crates each crate may use. The tables of ARCHITECTURE.md say it; `cargo metadata` has the crates.
+//! The rule of rooms: which of our crates each crate may use. The tables of ARCHITECTURE.md say it; `cargo metadata`
+//! has the crates.
 
 use std::path::Path;
 
@@ -42,8 +43,8 @@ enum MayUse {
 }
 
 impl House {
-    /// Reads the section "Rooms": a heading `### floor: …` for each floor, and below it a table whose first column has the rooms and
-    /// whose third column has what they may use.
+    /// Reads the section "Rooms": a heading `### floor: …` for each floor, and below it a table whose first column has
+    /// the rooms and whose third column has what they may use.
     pub(super) fn read(architecture: &str) -> Result<Self, String> {
         let rooms = architecture.split("\n## ").find(|section| section.starts_with("Rooms\n"));
         let mut floors = Vec::new();
@@ -60,7 +61,7 @@ impl House {
         floors.flat_map(|(floor, f)| f.rooms.iter().map(move |room| (floor, room))).find(|(_, room)| room.name == name)
     }
 
-    /// What of the packages breaks a table.
+    /// Faults of the packages: what breaks a table.
     pub(super) fn faults(&self, metadata: &Value) -> Result<Vec<String>, String> {
         let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
         let mut faults: Vec<String> = packages.iter().flat_map(|package| self.faults_of(package)).collect();

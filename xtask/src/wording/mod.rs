@@ -1,7 +1,8 @@
 //! Plain English: the worst patterns of wording, counted in everything that people read.
 //!
-//! Each room (a crate, or a folder of documents) has a ceiling for each pattern, recorded in `wording.json`. A room may not
-//! exceed its ceiling. A ceiling above the count fails too, so that the ceilings only fall. A pattern without an entry is at zero.
+//! Each room (a crate, or a folder of documents) has a ceiling for each pattern, recorded in `wording.json`. A room may
+//! not exceed its ceiling. A ceiling above the count fails too, so that the ceilings only fall. A pattern without an
+//! entry is at zero.
 
 mod expression;
 mod patterns;
@@ -172,13 +173,13 @@ mod tests {
             in_markdown(path, source).iter().map(|finding| (finding.line, finding.pattern.name)).collect()
         };
         let source = "//! What a room holds.\n\n/// Whether it is\n/// open.\nconst A: bool = true;\n// What it is.\nconst B: &str = \"What?\";\n";
-        assert_eq!(of("crates/lti/src/a.rs", source), [(1, "what first"), (3, "what first")]);
+        assert_eq!(of("crates/toolbox/lti/src/a.rs", source), [(1, "what first"), (3, "what first")]);
         let right = "//! Content of a room: what it holds.\n\n/// Tells whether it is open.\nfn is_open() {}\n";
-        assert!(of("crates/lti/src/a.rs", right).is_empty());
-        assert_eq!(of("crates/lti/src/a.rs", "/// Open: it tells whether.\nfn f() {}\n"), [(1, "told")]);
+        assert!(of("crates/toolbox/lti/src/a.rs", right).is_empty());
+        assert_eq!(of("crates/toolbox/lti/src/a.rs", "/// Open: it tells whether.\nfn f() {}\n"), [(1, "told")]);
         let help = "struct A {\n    /// What to export to\n    to: u8,\n}\n";
-        assert_eq!(of("crates/export/src/a.rs", help), [(2, "what first")]);
-        assert!(of("crates/dynoid/src/cli/export.rs", help).is_empty());
+        assert_eq!(of("crates/bench/export/src/a.rs", help), [(2, "what first")]);
+        assert!(of("crates/programs/dynoid/src/cli/export.rs", help).is_empty());
         assert!(of("docs/a.md", "What a room holds.\n").is_empty());
     }
 
@@ -192,7 +193,8 @@ mod tests {
             "a".repeat(120),
             "a".repeat(200)
         );
-        let lines: Vec<usize> = patterns::long_lines("crates/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
+        let lines: Vec<usize> =
+            patterns::long_lines("crates/toolbox/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
         assert_eq!(lines, [2, 3]);
     }
 

@@ -122,7 +122,8 @@ fn spoken(literal: &str) -> Option<String> {
     syn::parse_str::<syn::LitStr>(literal).ok().map(|literal| literal.value())
 }
 
-/// Headings, items and cells end a sentence; code is one word; fenced code and formulas are none. Every line keeps its place.
+/// Headings, items and cells end a sentence; code is one word; fenced code and formulas are none. Every line keeps its
+/// place.
 fn of_markdown(content: &str) -> Text {
     let mut fenced = false;
     let mut words = String::new();

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use rig::bench_parameters::{EngineParameters, Harmonic};
 use signal::Complex64;
 
-/// The torque over the crank's angle while one firing lasts: T_j + Σ Re(A_n e^{inφ}). φ grows by a turn from one firing to the next and
-/// A_n is p T_j a_n e^{iφ_n}, p = 1 but for a motored engine. Where harmonics of the working cycle take their place, φ grows by a turn in a
-/// cycle, and A_n is what they are at T_j and the speed of the firing.
+/// The torque over the crank's angle while one firing lasts: T_j + Σ Re(A_n e^{inφ}). φ grows by a turn from one firing
+/// to the next and A_n is p T_j a_n e^{iφ_n}, p = 1 but for a motored engine. Where harmonics of the working cycle take
+/// their place, φ grows by a turn in a cycle, and A_n is what they are at T_j and the speed of the firing.
 #[derive(Debug, Clone)]
 pub struct PulseShape {
     mean_nm: f64,

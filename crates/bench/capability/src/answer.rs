@@ -28,8 +28,8 @@ use crate::verdict::{Verdict, band_places, verdict};
 /// Answers. The runs of the benches are a step of the work.
 ///
 /// # Errors
-/// The nominal bench cannot be simulated, no samples, an uncertainty without possible benches, a requirement that cannot be
-/// applied.
+/// The nominal bench cannot be simulated, no samples, an uncertainty without possible benches, a requirement that
+/// cannot be applied.
 pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, CapabilityError> {
     if inputs.samples == 0 {
         return Err(CapabilityError::NoSamples);

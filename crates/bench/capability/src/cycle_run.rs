@@ -32,7 +32,8 @@ pub(crate) struct CycleGrid {
 }
 
 impl CycleGrid {
-    /// The engine is asked for the torque demanded at its flywheel and what its own inertia needs, as far as its map allows.
+    /// The engine is asked for the torque demanded at its flywheel and what its own inertia needs, as far as its map
+    /// allows.
     pub(crate) fn of(demand: &CycleDemand<'_>, model: &BenchModel, filter_hz: Option<f64>) -> Self {
         let sample_s = model.speed_controller.map_or(1e-3, |controller| controller.sample_time_s);
         let step_samples = ((STEP_S / sample_s).floor() as usize).max(1);

@@ -20,9 +20,11 @@ const STEPS: u32 = 4;
 const PARTS: u32 = 32;
 /// The largest change.
 const LARGEST: u32 = STEPS * PARTS;
-/// By how many parts a change is made larger first which a few benches call enough and more do not; then twice as much again and again.
+/// By how many parts a change is made larger first which a few benches call enough and more do not; then twice as much
+/// again and again.
 const ENLARGED: u32 = 3;
-/// Benches between which nobody looks whether too many have missed something already; no answer depends on the number of threads.
+/// Benches between which nobody looks whether too many have missed something already; no answer depends on the number
+/// of threads.
 const AT_ONCE: usize = 8;
 
 /// A change with which the answer is yes.
@@ -97,7 +99,8 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// The least change from there on with which a few benches call it a yes: larger ones, each twice as far away, until one does.
+    /// The least change from there on with which a few benches call it a yes: larger ones, each twice as far away,
+    /// until one does.
     fn of_few(&mut self, from: u32) -> Result<Option<u32>, CapabilityError> {
         let few = SAMPLES.0.min(self.inputs.samples);
         let (mut no, mut further) = (from - 1, 0);
@@ -113,7 +116,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// How many of the first benches keep everything; `None` if these are too few for a yes, which shows before all have run.
+    /// How many of the first benches keep everything; `None` if these are too few for a yes, which shows before all
+    /// have run.
     fn kept(&mut self, part: u32, of: usize) -> Result<Option<usize>, CapabilityError> {
         let change = self.change(part);
         if !change.keeps_margins(&self.inputs) {

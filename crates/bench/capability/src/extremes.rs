@@ -107,8 +107,8 @@ impl LimitOf {
     }
 }
 
-/// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. A run that has no pulses of its own comes with what they add
-/// to each of its values; another one with an empty slice.
+/// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. A run that has no pulses of its own comes
+/// with what they add to each of its values; another one with an empty slice.
 pub(crate) fn peaks(trace: &Trace, added: &[Added], near: &AtResonance<'_>, limits: &Limits) -> [Peak; LimitOf::COUNT] {
     let (demand, dyno, engine) = (&trace.dyno_demand_nm, &trace.dyno_speed_rad_s, &trace.engine_speed_rad_s);
     let of = |k: usize| added.get(k).copied().unwrap_or_default();
@@ -157,7 +157,8 @@ fn peak(trace: &Trace, values: impl Iterator<Item = f64>) -> Peak {
     Peak { value: largest.1, time_s: trace.time_s(largest.0) }
 }
 
-/// The largest change within a time, over that time, with what pulses add to it: a step within it counts as one over all of it.
+/// The largest change within a time, over that time, with what pulses add to it: a step within it counts as one over
+/// all of it.
 fn change(trace: &Trace, values: &[f64], within_s: f64, added: &dyn Fn(usize) -> f64) -> Peak {
     let apart = ((within_s / trace.step_s).round() as usize).max(1);
     let over_s = apart as f64 * trace.step_s;
@@ -173,8 +174,8 @@ fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
     Peak { value: stay as f64 * trace.step_s, time_s: trace.time_s(place) }
 }
 
-/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at the first one; T²
-/// with the mean square of the pulses.
+/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at
+/// the first one; T² with the mean square of the pulses.
 fn heat(trace: &Trace, limits: &Limits, pulses_rms_nm: &dyn Fn(usize) -> f64) -> Peak {
     let Some(drive) = limits.drive_heat else { return Peak { value: 0.0, time_s: trace.start_s } };
     let stays = (-trace.step_s / drive.time_constant_s).exp();

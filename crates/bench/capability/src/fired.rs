@@ -16,7 +16,8 @@ use crate::trace::Trace;
 
 /// Length of a stretch, s.
 const STRETCH_S: f64 = 6.0;
-/// Stretches that are simulated at the most, for the time that they take. Stretches beyond have bounds below all of these.
+/// Stretches that are simulated at the most, for the time that they take. Stretches beyond have bounds below all of
+/// these.
 const MOST: usize = 12;
 
 /// A stretch of a cycle.
@@ -44,7 +45,8 @@ impl Firing<'_> {
         peaks(self.trace, self.added, self.near, self.limits)
     }
 
-    /// The largest values. Heat and stay at the resonance are of all the cycle, and hardly depend on the pulses' phase: theirs are the bounds.
+    /// The largest values. Heat and stay at the resonance are of all the cycle, and hardly depend on the pulses' phase:
+    /// theirs are the bounds.
     pub(crate) fn peaks(&self) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
         let (bounds, mut most) = (self.bounds(), peaks(self.trace, &[], self.near, self.limits));
         let is_of_all = |of: LimitOf| matches!(of, LimitOf::TimeAtResonance | LimitOf::DriveHeat);

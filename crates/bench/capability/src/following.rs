@@ -19,8 +19,9 @@ pub struct FollowingSpread {
 impl FollowingSpread {
     /// An engine that gives what is demanded, through its intake.
     pub const NONE: FollowingSpread = FollowingSpread { gain: 0.0, offset: 0.0, lag_s: 0.0 };
-    /// Engines of which nobody states more. Their torque is a model's in the control unit: it is right to some per cent, and an intake fills
-    /// within 0.1 s (Guzzella and Onder, *Introduction to Modeling and Control of Internal Combustion Engine Systems*, 2nd ed., ch. 2 and 4).
+    /// Engines of which nobody states more. Their torque is a model's in the control unit: it is right to some per
+    /// cent, and an intake fills within 0.1 s (Guzzella and Onder, *Introduction to Modeling and Control of Internal
+    /// Combustion Engine Systems*, 2nd ed., ch. 2 and 4).
     pub const ASSUMED: FollowingSpread = FollowingSpread { gain: 0.02, offset: 0.01, lag_s: 0.1 };
 
     /// An engine that is asked for these torques.

@@ -1,8 +1,9 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Tests are cycles ([`cycle::Reference`]), or plans of experiments ([`rig::experiment::ExperimentPlan`]), among them the shapes of
-//! [`shapes`]. Cycles run in speed control, in steps of some milliseconds; see [`bench_model::simulate::simulate_course`]. Plans run
-//! millisecond by millisecond, as a prediction of an experiment does.
+//! Tests are cycles ([`cycle::Reference`]), or plans of experiments ([`rig::experiment::ExperimentPlan`]), among them
+//! the shapes of [`shapes`]. Cycles run in speed control, in steps of some milliseconds; see
+//! [`bench_model::simulate::simulate_course`]. Plans run millisecond by millisecond, as a prediction of an experiment
+//! does.
 
 mod added;
 mod answer;

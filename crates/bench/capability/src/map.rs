@@ -1,8 +1,8 @@
 //! The largest sine that a bench can be asked for, over frequency and speed.
 //!
-//! Short of its limits the bench is linear, so what a sine adds grows with its amplitude. A limit binds where the mean, the firing
-//! pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map takes that case. The pulses are
-//! the largest of all speeds and torques of the engine that the sine itself passes.
+//! Short of its limits the bench is linear, so what a sine adds grows with its amplitude. A limit binds where the mean,
+//! the firing pulses and the sine together reach it; in the worst case their peaks come at one moment, and the map
+//! takes that case. The pulses are the largest of all speeds and torques of the engine that the sine itself passes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -69,7 +69,8 @@ pub struct MapInputs<'a> {
 pub struct Place {
     /// Largest amplitude that 95 %, 50 % and 5 % of the benches can do, rad/s or Nm; infinite where no limit is stated.
     pub amplitude: [f64; 3],
-    /// The limit that binds on the nominal bench; a sine that would stop it counts as one beyond the limit of the speed.
+    /// The limit that binds on the nominal bench; a sine that would stop it counts as one beyond the limit of the
+    /// speed.
     pub binds: Option<LimitOf>,
 }
 
@@ -88,7 +89,8 @@ pub struct CapabilityMap {
     pub bandwidths: Bandwidths,
 }
 
-/// Up to which frequency a demand is followed, Hz: what 95 %, 50 % and 5 % of the benches reach, infinite beyond 300 Hz.
+/// Up to which frequency a demand is followed, Hz: what 95 %, 50 % and 5 % of the benches reach, infinite beyond 300
+/// Hz.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Bandwidths {
     /// Within ±10 % of the amplitude.
@@ -181,7 +183,8 @@ fn bandwidths(inputs: &MapInputs<'_>, of: SineOf, benches: &[Braked]) -> Result<
     Ok(Bandwidths { ten_per_cent_hz, three_db_hz, one_ms_hz, delay_s })
 }
 
-/// The first frequencies between 0.1 and 300 Hz at which the response leaves 10 %, 3 dB and 1 ms, and its delay at the lowest.
+/// The first frequencies between 0.1 and 300 Hz at which the response leaves 10 %, 3 dB and 1 ms, and its delay at the
+/// lowest.
 fn bandwidths_of(inputs: &MapInputs<'_>, model: &BenchModel, of: SineOf) -> Result<[f64; 4], CapabilityError> {
     let mut found = [f64::INFINITY; 3];
     let mut lowest_s = None;
@@ -281,9 +284,9 @@ impl Mean<'_> {
         used.fold((0.0, None), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// The largest heat of the drive as a part of that of its continuous torque T_c, with the root mean square p of the pulses:
-    /// (T² + p² + 2 T a h_1 + a²/2 (1 + h_2))/T_c², a = A g_T, where h_n is what is left of the n-th harmonic of the loss after the time
-    /// constant.
+    /// The largest heat of the drive as a part of that of its continuous torque T_c, with the root mean square p of the
+    /// pulses: (T² + p² + 2 T a h_1 + a²/2 (1 + h_2))/T_c², a = A g_T, where h_n is what is left of the n-th harmonic
+    /// of the loss after the time constant.
     fn heat(&self, gains: &Gains, amplitude: f64, pulses_nm: f64) -> f64 {
         let Some(drive) = self.limits.drive_heat else { return 0.0 };
         let left = |n: f64| 1.0 / (n * gains.omega_rad_s * drive.time_constant_s).hypot(1.0);

@@ -36,8 +36,8 @@ pub struct CanInputs<'a> {
     pub friction: FrictionSpread,
     /// How the torque of their engines follows what is demanded of it.
     pub following: FollowingSpread,
-    /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is judged by the demands
-    /// as they were.
+    /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is
+    /// judged by the demands as they were.
     pub filter_hz: Option<f64>,
     /// Requirement sets that must be met.
     pub sets: &'a [RequirementSet],

@@ -1,7 +1,7 @@
 //! How far firing pulses move what has limits, over speed and torque.
 //!
-//! At a speed that hardly changes the pulses repeat, so that frequency responses give what the bench makes of them. While a
-//! resonance is passed quickly, less comes of them: the result is an upper bound there.
+//! At a speed that hardly changes the pulses repeat, so that frequency responses give what the bench makes of them.
+//! While a resonance is passed quickly, less comes of them: the result is an upper bound there.
 
 use std::f64::consts::TAU;
 
@@ -18,8 +18,8 @@ use crate::extremes::TORQUE_CHANGE_S;
 const STEP: f64 = 0.01;
 /// Speeds of the table at most; below the lowest one pulses act as they do there.
 const SPEEDS: usize = 400;
-/// The mean torques of the table to each side of none are halves of one another, so that the table is fine where waves of the torque and of
-/// the charge without load are of one size.
+/// The mean torques of the table to each side of none are halves of one another, so that the table is fine where waves
+/// of the torque and of the charge without load are of one size.
 const HALVES: usize = 10;
 /// Mean torques of the table, from the lowest over none to the highest.
 const LEVELS: usize = 2 * HALVES + 1;
@@ -108,8 +108,8 @@ impl Pulses {
         ((speed_rad_s.abs() / self.lowest_rad_s).ln() / STEP).clamp(0.0, (self.table.len() - 1) as f64)
     }
 
-    /// A firing that is stronger than the mean also pushes with more on the average. Where the charge without load and the torque are opposite, a
-    /// weaker one makes the larger wave.
+    /// A firing that is stronger than the mean also pushes with more on the average. Where the charge without load and
+    /// the torque are opposite, a weaker one makes the larger wave.
     fn at_torque(&self, levels: &Levels, engine_nm: f64) -> Added {
         let [weak, strong] = [-self.varies, self.varies].map(|part| self.between(levels, engine_nm * (1.0 + part)));
         weak.or_more(&strong).with(&self.push, |pulses, of_push| pulses + engine_nm.abs() * self.varies * of_push)

@@ -8,8 +8,9 @@ const STEPS_S: (f64, f64) = (1.0, 0.05);
 /// Reach of the second search, s.
 const REACH_S: f64 = 1.5;
 
-/// When the clock of the cycle reads zero, on the clock of the recording, s: where the squared difference between reference and
-/// recorded speed, second by second, is least. `speed` has the time of its first sample, the time between samples, and rad/s.
+/// When the clock of the cycle reads zero, on the clock of the recording, s: where the squared difference between
+/// reference and recorded speed, second by second, is least. `speed` has the time of its first sample, the time between
+/// samples, and rad/s.
 ///
 /// # Errors
 /// [`CycleError::NotCovered`] of a recording that is shorter than the cycle.

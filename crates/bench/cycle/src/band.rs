@@ -21,8 +21,8 @@ pub struct Excursion {
     pub is_allowed: bool,
 }
 
-/// Every excursion of a vehicle's speed from the band about its schedule: at any moment the speed may be as far above the
-/// highest and below the lowest scheduled speed within the time around that moment as the tolerance says.
+/// Every excursion of a vehicle's speed from the band about its schedule: at any moment the speed may be as far above
+/// the highest and below the lowest scheduled speed within the time around that moment as the tolerance says.
 ///
 /// `schedule_m_s` has a value each second from 0 on, straight in between; `speed_m_s` a value each `sample_time_s`.
 ///
@@ -101,8 +101,8 @@ impl ModeDeviation {
     }
 }
 
-/// The deviation of one mode: means and set points of speed and torque, the maximum test speed, and the largest torque at the speed
-/// of the mode; rad/s and Nm.
+/// The deviation of one mode: means and set points of speed and torque, the maximum test speed, and the largest torque
+/// at the speed of the mode; rad/s and Nm.
 pub fn steady_modes(
     (mean_rad_s, mean_nm): (f64, f64),
     (set_rad_s, set_nm): (f64, f64),

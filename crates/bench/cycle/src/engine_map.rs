@@ -18,8 +18,8 @@ pub struct EngineMap {
 }
 
 impl EngineMap {
-    /// A map with speeds that rise, rad/s, full-load torques and, where they were measured, motoring torques (negative), Nm.
-    /// The idle speed is the lowest one unless it is given.
+    /// A map with speeds that rise, rad/s, full-load torques and, where they were measured, motoring torques
+    /// (negative), Nm. The idle speed is the lowest one unless it is given.
     ///
     /// # Errors
     /// [`CycleError::Map`] names the row.
@@ -119,15 +119,15 @@ impl EngineMap {
         self.grid().find(|speed| self.power_w(*speed) >= least).unwrap_or(self.speed_rad_s[0])
     }
 
-    /// Highest speed at which the engine gives a share of its largest power, rad/s; the end of the map where it never falls
-    /// below.
+    /// Highest speed at which the engine gives a share of its largest power, rad/s; the end of the map where it never
+    /// falls below.
     pub fn highest_with_power_rad_s(&self, share: f64) -> f64 {
         let least = share * self.maximum_power_w();
         self.grid().filter(|speed| self.power_w(*speed) >= least).last().unwrap_or_else(|| self.highest_rad_s())
     }
 
-    /// n_pref of the WHTC: below it lies 51 % of the integral of full-load torque from idle to the highest speed with 95 % of
-    /// the power.
+    /// n_pref of the WHTC: below it lies 51 % of the integral of full-load torque from idle to the highest speed with
+    /// 95 % of the power.
     pub fn preferred_rad_s(&self) -> f64 {
         let (from, to) = (self.idle_rad_s, self.highest_with_power_rad_s(0.95));
         let step = (to - from) / GRID as f64;
@@ -143,8 +143,8 @@ impl EngineMap {
         to
     }
 
-    /// Maximum test speed of 40 CFR 1065.610(a): speed and power are divided by those of the largest power; the middle between
-    /// the lowest and the highest speed at which the sum of their squares is at least 98 % of the largest one.
+    /// Maximum test speed of 40 CFR 1065.610(a): speed and power are divided by those of the largest power; the middle
+    /// between the lowest and the highest speed at which the sum of their squares is at least 98 % of the largest one.
     pub fn maximum_test_speed_rad_s(&self) -> f64 {
         let most_w = self.maximum_power_w();
         let at_power = self.grid().find(|speed| self.power_w(*speed) >= most_w).unwrap_or_else(|| self.highest_rad_s());
@@ -155,7 +155,8 @@ impl EngineMap {
         0.5 * (lowest + above.last().unwrap_or(lowest))
     }
 
-    /// Intermediate test speed of 40 CFR 1065.610(c): that of the largest torque, within 60 … 75 % of the maximum test speed.
+    /// Intermediate test speed of 40 CFR 1065.610(c): that of the largest torque, within 60 … 75 % of the maximum test
+    /// speed.
     pub fn intermediate_test_speed_rad_s(&self) -> f64 {
         let most = self.maximum_test_speed_rad_s();
         self.peak_torque_speed_rad_s().clamp(0.6 * most, 0.75 * most)

@@ -115,8 +115,8 @@ impl<'a> Seconds<'a> {
         })
     }
 
-    /// The points where the feedback is moved forward by `shift_s`: the second around t of the reference meets the mean of the
-    /// feedback over the second around t + shift. The first and the last second of the cycle have one half each.
+    /// The points where the feedback is moved forward by `shift_s`: the second around t of the reference meets the mean
+    /// of the feedback over the second around t + shift. The first and the last second of the cycle have one half each.
     pub(crate) fn points(
         &self,
         (reference, has_means): (&Reference, bool),

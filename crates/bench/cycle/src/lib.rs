@@ -1,7 +1,8 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Everything is SI: rad/s, Nm, W. A [`Reference`] is straight between its values. The means of a [`Feedback`] over each second are compared
-//! with the means of the reference, or with its values at the seconds, as the requirement set says.
+//! Everything is SI: rad/s, Nm, W. A [`Reference`] is straight between its values. The means of a [`Feedback`] over
+//! each second are compared with the means of the reference, or with its values at the seconds, as the requirement set
+//! says.
 //!
 //! ```
 //! use cycle::{EngineMap, builtin};

@@ -98,8 +98,8 @@ impl Omission {
 }
 
 impl Points {
-    /// The rows that fit each point. Without a recorded demand it is least where the reference motors the engine or lets it
-    /// idle, and never most.
+    /// The rows that fit each point. Without a recorded demand it is least where the reference motors the engine or
+    /// lets it idle, and never most.
     pub fn rows(&self, scales: &Scales) -> Vec<Rows> {
         (0..self.time_s.len()).map(|k| self.rows_of(k, scales)).collect()
     }

@@ -14,13 +14,15 @@ use crate::tone::{Lag, Samples, lag, largest_sine};
 const RISE: (f64, f64) = (0.1, 0.9);
 /// A demand has a sine if its amplitude is at least this part of the span of the demand.
 const LEAST_SINE: f64 = 0.01;
-/// A sine that is this part of what the demand does about it shows a phase by itself: of a step or a ramp it is some per cent.
+/// A sine that is this part of what the demand does about it shows a phase by itself: of a step or a ramp it is some
+/// per cent.
 const LEAST_TONE: f64 = 0.3;
 /// A step from the first value of a demand to its last goes beyond neither by more than this part of it.
 const BEYOND_STEP: f64 = 0.05;
 
-/// A requirement, from a text such as `speed within 10 rpm for 95 %`, `torque rise below 50 ms`, `speed overshoot below 5 %`,
-/// `torque settling within 2 % below 0.5 s`, `speed phase at 2 Hz below 30 deg`, `shaft_torque amplitude at 12 Hz below 80 Nm`.
+/// A requirement, from a text such as `speed within 10 rpm for 95 %`, `torque rise below 50 ms`,
+/// `speed overshoot below 5 %`, `torque settling within 2 % below 0.5 s`, `speed phase at 2 Hz below 30 deg`,
+/// `shaft_torque amplitude at 12 Hz below 80 Nm`.
 ///
 /// # Example
 /// ```
@@ -110,7 +112,8 @@ pub struct Course<'a> {
     pub demand: &'a [f64],
     /// Response to the demand.
     pub value: &'a [f64],
-    /// The demand with times of its own, on a clock that begins with the value, for phases; `None`: it changes between the samples.
+    /// The demand with times of its own, on a clock that begins with the value, for phases; `None`: it changes between
+    /// the samples.
     pub timed_demand: Option<Samples<'a>>,
 }
 
@@ -133,8 +136,8 @@ impl Judged {
 }
 
 impl Own {
-    /// By how much the number of a course may be off at 95 % by what does not follow the demand, in its unit; `None` where the course
-    /// cannot show it. Only a phase has it.
+    /// By how much the number of a course may be off at 95 % by what does not follow the demand, in its unit; `None`
+    /// where the course cannot show it. Only a phase has it.
     pub fn scatter(&self, course: &Course<'_>) -> Option<f64> {
         let Own::Phase { frequency_hz, .. } = *self else { return None };
         course.lag(frequency_hz).scatter_rad
@@ -180,7 +183,8 @@ impl Own {
     /// Checks that a course can be judged by it.
     ///
     /// # Errors
-    /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a step, without a sine at the frequency.
+    /// [`CycleError::NotInTest`]: no such signal, samples too far apart, a demand without a step, without a sine at the
+    /// frequency.
     pub fn check(&self, course: &Course<'_>) -> Result<(), CycleError> {
         let fault = |problem: String| Err(CycleError::NotInTest { text: self.to_string(), problem });
         if course.value.is_empty() {

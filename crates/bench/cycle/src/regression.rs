@@ -21,7 +21,8 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// Of feedback `y` on reference `r`, pair by pair; `None` of fewer than three pairs, or of a reference that never changes.
+    /// Of feedback `y` on reference `r`, pair by pair; `None` of fewer than three pairs, or of a reference that never
+    /// changes.
     ///
     /// # Example
     /// ```

@@ -142,8 +142,8 @@ pub struct RequirementSet {
     /// points; otherwise the value at the second.
     #[serde(default)]
     pub reference_means: bool,
-    /// Decimals to which slopes and r² are rounded before they are compared; none: they are compared as they are. Limits in per cent are
-    /// exact, and what they limit is never rounded.
+    /// Decimals to which slopes and r² are rounded before they are compared; none: they are compared as they are.
+    /// Limits in per cent are exact, and what they limit is never rounded.
     #[serde(default)]
     pub decimals: Option<i32>,
     /// Lowest and highest work of the feedback over that of the reference.

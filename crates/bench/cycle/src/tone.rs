@@ -21,8 +21,8 @@ pub(crate) struct Sine {
     pub(crate) share: f64,
 }
 
-/// The largest sine of a frequency in a series. The window is that of Hann over five periods, or over the whole series if that is
-/// shorter. `None` where the series has too few samples in a period, or less than a period.
+/// The largest sine of a frequency in a series. The window is that of Hann over five periods, or over the whole series
+/// if that is shorter. `None` where the series has too few samples in a period, or less than a period.
 pub(crate) fn largest_sine(values: &[f64], sample_time_s: f64, frequency_hz: f64) -> Option<Sine> {
     let period = 1.0 / (frequency_hz * sample_time_s);
     if period < LEAST_SAMPLES || (values.len() as f64) < period {
@@ -88,8 +88,8 @@ impl Samples<'_> {
 pub(crate) struct Lag {
     /// −π … π.
     pub(crate) rad: f64,
-    /// Half of the 95 % interval by what of the value does not follow the demand, rad; `None` where the demand has the frequency in
-    /// too few windows to show it.
+    /// Half of the 95 % interval by what of the value does not follow the demand, rad; `None` where the demand has the
+    /// frequency in too few windows to show it.
     pub(crate) scatter_rad: Option<f64>,
 }
 
@@ -97,19 +97,21 @@ pub(crate) struct Lag {
 const SPECTRAL_PERIODS: f64 = 10.0;
 /// Blocks of a window, each of which begins one: 75 % overlap.
 const BLOCKS: usize = 4;
-/// Independent averages that a window's length of a long record is worth with this overlap (Harris 1978, table I, Hann).
+/// Independent averages that a window's length of a long record is worth with this overlap (Harris 1978, table I,
+/// Hann).
 const AVERAGES_A_LENGTH: f64 = 1.9;
 /// Fewest independent averages that a coherence is estimated from: of one or two it is nearly one whatever the noise.
 const LEAST_AVERAGES: f64 = 4.0;
 /// Half of a 95 % interval in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
-/// The phase of the cross-spectrum of demand and value at a frequency, over the time that both have. Each keeps its own times, as a
-/// series held on the raster of the other is late by half of a step. The spectra are those of the changes: zero before and after a step,
-/// so that its transform has no end effect.
+/// The phase of the cross-spectrum of demand and value at a frequency, over the time that both have. Each keeps its own
+/// times, as a series held on the raster of the other is late by half of a step. The spectra are those of the changes:
+/// zero before and after a step, so that its transform has no end effect.
 ///
 /// # Source
-/// Bendat & Piersol, *Random Data*, 4th ed. 2010, eq. 9.52: the standard deviation of the phase is √(1 − γ²)/(|γ| √(2 n)).
+/// Bendat & Piersol, *Random Data*, 4th ed. 2010, eq. 9.52: the standard deviation of the phase is √(1 − γ²)/(|γ| √(2
+/// n)).
 pub(crate) fn lag(demand: &Samples<'_>, value: &Samples<'_>, frequency_hz: f64) -> Lag {
     let (from_s, to_s) = (demand.start_s.max(value.start_s), demand.end_s().min(value.end_s()));
     let [asked, came] = [demand, value].map(|series| series.changes(from_s).collect::<Vec<_>>());
@@ -142,8 +144,8 @@ pub(crate) fn lag(demand: &Samples<'_>, value: &Samples<'_>, frequency_hz: f64) 
     }
 }
 
-/// The Fourier transforms of changes in windows of Hann, each of which begins a block after the one before. The cosine of a window is
-/// one of the time itself, turned: all windows share the sums of their blocks.
+/// The Fourier transforms of changes in windows of Hann, each of which begins a block after the one before. The cosine
+/// of a window is one of the time itself, turned: all windows share the sums of their blocks.
 fn windows(changes: &[(f64, f64)], frequency_hz: f64, (first_s, block_s): (f64, f64), count: usize) -> Vec<(f64, f64)> {
     // The transform by itself, times the cosine and times the sine.
     let mut blocks = vec![[(0.0, 0.0); 3]; count];

@@ -69,9 +69,10 @@ impl Validation {
     }
 }
 
-/// Judges a run by a requirement set. The feedback is moved forward by 0 … [`RequirementSet::shift_s`] in steps of 0.1 s. The
-/// first choice that passes is returned, the one with the shortest shift and the fewest rows of omissions; if none passes, the
-/// one with the fewest numbers beyond their limits, and of those the one whose worst number is least bad.
+/// Judges a run by a requirement set. The feedback is moved forward by 0 … [`RequirementSet::shift_s`] in steps of 0.1
+/// s. The first choice that passes is returned, the one with the shortest shift and the fewest rows of omissions; if
+/// none passes, the one with the fewest numbers beyond their limits, and of those the one whose worst number is least
+/// bad.
 ///
 /// # Errors
 /// A feedback that does not cover the cycle, has a gap, or series of unequal length.

@@ -49,7 +49,8 @@ pub struct NaiveZeros {
 }
 
 impl ShaftZeros {
-    /// Simulates a bench with a binary demand and with white noise, at each skew, and estimates the zero from both in both ways.
+    /// Simulates a bench with a binary demand and with white noise, at each skew, and estimates the zero from both in
+    /// both ways.
     ///
     /// # Errors
     /// As [`simulate`]; [`EffectsError::NoShaft`] where a study finds no shaft.
@@ -112,7 +113,8 @@ fn zero(shaft: &Estimate) -> Option<(f64, f64, f64)> {
     Some((value, low, high))
 }
 
-/// T_shaft from differences of N_d and from T_d,calc, everything on the clock of N_d by interpolation, filtered, least squares.
+/// T_shaft from differences of N_d and from T_d,calc, everything on the clock of N_d by interpolation, filtered, least
+/// squares.
 fn naive_zero(recording: &Recording, bench: &BenchParameters, filter: Option<&Sos>) -> Result<f64, EffectsError> {
     let (speed, _) = sampled(recording, "DynoSpeed");
     let speed: Vec<f64> = speed.iter().map(|n| n * RPM_RAD_S).collect();

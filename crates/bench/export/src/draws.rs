@@ -4,8 +4,8 @@ use bench_model::document::BenchModelDocument;
 use bench_model::model::BenchModel;
 use numerics::random::Stream;
 
-/// Models drawn from the uncertainty of a bench model, for Monte Carlo studies in other programs. The same seed gives the same
-/// draws, and more draws begin with the same ones. None where hardly any draw is a bench that can be.
+/// Models drawn from the uncertainty of a bench model, for Monte Carlo studies in other programs. The same seed gives
+/// the same draws, and more draws begin with the same ones. None where hardly any draw is a bench that can be.
 #[must_use]
 pub fn draws(document: &BenchModelDocument, count: usize, seed: u64) -> Vec<BenchModel> {
     let draw = |number: u64| document.uncertainty.draw(&document.model, &mut Stream::new(seed, number));

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! A model as the files of other programs. [`ExportedFile`] is a name and bytes; whoever calls writes them. Each target is a
-//! module: [`fmu`], [`matlab`], [`modelica`], [`python`], [`ssv`].
+//! A model as the files of other programs. [`ExportedFile`] is a name and bytes; whoever calls writes them. Each target
+//! is a module: [`fmu`], [`matlab`], [`modelica`], [`python`], [`ssv`].
 //!
 //! This crate may know bench models and linear models. It may not know paths, pages, studies or the clock.
 

@@ -21,11 +21,11 @@ const TORQUES: [(&str, &str); 2] = [("T_d", "Nm"), ("T_shaft", "Nm")];
 
 /// The bench as linear models with named channels, each with the name of its control mode.
 ///
-/// *TN torques* and *TN speeds*: T_d* and T_e to T_d and T_shaft, and to N_d and N_e, continuous, with the covariance of the
-/// estimates. Without torque control the input is T_d. The speeds integrate the torques, T_d and T_shaft do not, so each has a
-/// model of its own. *NT*: N_d* and T_e to all of them and T_d* in speed control, discrete, exact below the torque limit, without
-/// covariance; it is there where the model has a speed controller. Speeds are in rad/s; those of *TN* are without the encoders'
-/// gate.
+/// *TN torques* and *TN speeds*: T_d* and T_e to T_d and T_shaft, and to N_d and N_e, continuous, with the covariance
+/// of the estimates. Without torque control the input is T_d. The speeds integrate the torques, T_d and T_shaft do not,
+/// so each has a model of its own. *NT*: N_d* and T_e to all of them and T_d* in speed control, discrete, exact below
+/// the torque limit, without covariance; it is there where the model has a speed controller. Speeds are in rad/s; those
+/// of *TN* are without the encoders' gate.
 ///
 /// # Errors
 /// [`ExportError`] where the model has no linear form.
@@ -69,8 +69,8 @@ fn torque_control(document: &BenchModelDocument, responses: &[(&str, &str)]) -> 
 }
 
 /// With Δω = ω_e − ω_d and p = J_d ω_d + J_e ω_e: dΔω/dt = T_e/J_e + T_d/J_d − (1/J_d + 1/J_e) T_shaft, dΔθ/dt = Δω,
-/// T_shaft = K Δθ + B Δω, dT_d/dt = a (T_d* − T_d); for the speeds dp/dt = T_e − T_d too. In these states the integrator of the
-/// speeds is exactly one.
+/// T_shaft = K Δθ + B Δω, dT_d/dt = a (T_d* − T_d); for the speeds dp/dt = T_e − T_d too. In these states the
+/// integrator of the speeds is exactly one.
 fn parts(model: &BenchModel, is_speeds: bool) -> Result<FormulaParts, IdentError> {
     let used = [
         ModelParameter::DynoInertia,

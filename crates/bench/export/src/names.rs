@@ -3,7 +3,8 @@
 /// Name where a bench has none that can be written in ASCII.
 const FALLBACK: &str = "bench";
 
-/// Words that no module of Python and no function of MATLAB or Octave can be called, and packages that the module itself imports.
+/// Words that no module of Python and no function of MATLAB or Octave can be called, and packages that the module
+/// itself imports.
 const TAKEN: [&str; 61] = [
     "and",
     "as",
@@ -108,8 +109,8 @@ pub(crate) fn one_line(text: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The text with Latin letters in ASCII: umlauts as German spells them without, all others without their accents. An accent that is a
-/// character of its own is left out.
+/// The text with Latin letters in ASCII: umlauts as German spells them without, all others without their accents. An
+/// accent that is a character of its own is left out.
 fn in_ascii(text: &str) -> String {
     let is_accent = |c: &char| ('\u{300}'..='\u{36f}').contains(c);
     // The letter may come before its accent as two characters: ä as a and ¨.

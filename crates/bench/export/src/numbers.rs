@@ -104,8 +104,8 @@ pub fn name_of(parameter: ModelParameter) -> (&'static str, Unit) {
     }
 }
 
-/// All numbers of a model: the estimated ones, then those that are taken as exact. Delays of the demand are those of the demand as
-/// the controller has it, in every target: see `demand_lead`.
+/// All numbers of a model: the estimated ones, then those that are taken as exact. Delays of the demand are those of
+/// the demand as the controller has it, in every target: see `demand_lead`.
 #[must_use]
 pub fn all(model: &BenchModel) -> Vec<Number> {
     let model = &model.with_demand_of_controller();

@@ -16,8 +16,8 @@ use crate::{ExportError, ExportedFile, draws};
 /// Seed of the draws: the same model gives the same files.
 const SEED: u64 = 1;
 
-/// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance, and so many sets `NAME_draw_K.ssv` that are drawn from
-/// it.
+/// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance, and so many sets `NAME_draw_K.ssv` that
+/// are drawn from it.
 ///
 /// # Errors
 /// [`ExportError::NoDraws`] where hardly any draw is a bench that can be.
@@ -51,8 +51,9 @@ struct Parameter {
     unit: Option<Unit>,
 }
 
-/// `NAME.ssv` with the estimated parameters of a linear model, and `NAME_uncertainty.ssv` with their covariance; `version` is that of
-/// the program. Parameters of linear models have the units of their channels, which SSP cannot say.
+/// `NAME.ssv` with the estimated parameters of a linear model, and `NAME_uncertainty.ssv` with their covariance;
+/// `version` is that of the program. Parameters of linear models have the units of their channels, which SSP cannot
+/// say.
 ///
 /// # Errors
 /// [`ExportError::NoEstimate`] where the model has no estimated parameters.
@@ -116,8 +117,8 @@ fn uncertainty(document: &BenchModelDocument) -> Vec<Parameter> {
         .collect()
 }
 
-/// The variances and covariances of parameters, each once, since SSP 1.0 has no arrays; and the degrees of freedom where they are
-/// finite, whose name gets an ending.
+/// The variances and covariances of parameters, each once, since SSP 1.0 has no arrays; and the degrees of freedom
+/// where they are finite, whose name gets an ending.
 fn covariance(ending: &str, names: &[&str], rows: &[Vec<f64>], degrees_of_freedom: f64) -> Vec<Parameter> {
     let entry = |(i, j): (usize, usize)| Parameter {
         name: format!("cov({},{})", names[i], names[j]),

@@ -1,8 +1,8 @@
 //! The engine's torque by cycle and by cylinder.
 //!
-//! A cylinder's part of the cycle is from one trough of the firing order to the next; a bench without a mark of top dead
-//! centre does not show which cylinder it is, only the order in which they fire. The mean torque over such a part is the
-//! change of J_d ω_d + J_e ω_e over its length and the mean of T_d, and so is its uncertainty.
+//! A cylinder's part of the cycle is from one trough of the firing order to the next; a bench without a mark of top
+//! dead centre does not show which cylinder it is, only the order in which they fire. The mean torque over such a part
+//! is the change of J_d ω_d + J_e ω_e over its length and the mean of T_d, and so is its uncertainty.
 
 use std::f64::consts::{PI, TAU};
 
@@ -75,14 +75,16 @@ pub struct Cylinders {
     pub once_a_turn: CylindersOnceATurn,
 }
 
-/// The part of the cylinders' difference that comes back with every turn, as a once-a-turn error of the engine's encoder does.
+/// The part of the cylinders' difference that comes back with every turn, as a once-a-turn error of the engine's
+/// encoder does.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CylindersOnceATurn {
     /// Its root mean square over the cylinders, Nm.
     pub rms_nm: f64,
     /// The error of the encoder, of the speed, that would make it alone.
     pub encoder_error: f64,
-    /// How probable it is that cylinders differ as much as they do beyond it by chance; none where nothing is beyond it.
+    /// How probable it is that cylinders differ as much as they do beyond it by chance; none where nothing is beyond
+    /// it.
     pub alike_probability: Option<f64>,
 }
 
@@ -93,8 +95,8 @@ pub struct Cylinder {
     pub apart_nm: f64,
     /// Standard error by how cycles differ, Nm.
     pub standard_error_nm: f64,
-    /// Standard deviation that a once-a-turn error of the engine's encoder brings, Nm: as large as what comes back with every
-    /// turn, and that of an error of 10⁻⁴ of the speed.
+    /// Standard deviation that a once-a-turn error of the engine's encoder brings, Nm: as large as what comes back with
+    /// every turn, and that of an error of 10⁻⁴ of the speed.
     pub encoder_nm: f64,
     /// Standard deviation from cycle to cycle, Nm.
     pub variation_nm: f64,
@@ -297,9 +299,9 @@ fn variation(cycles: &[Cycle]) -> f64 {
     (0.5 * squares / pairs - own).max(0.0).sqrt()
 }
 
-/// Cylinders over cycles: two-way analysis of variance without interaction, cycles as blocks; once with all that differs, once
-/// without what comes back with every turn. `turns` is from one firing to the next, `once_a_turn_nm` what an error of the
-/// encoder of 10⁻⁴ makes.
+/// Cylinders over cycles: two-way analysis of variance without interaction, cycles as blocks; once with all that
+/// differs, once without what comes back with every turn. `turns` is from one firing to the next, `once_a_turn_nm` what
+/// an error of the encoder of 10⁻⁴ makes.
 fn compared(rows: &[Vec<f64>], turns: f64, once_a_turn_nm: f64) -> Cylinders {
     let (count, cylinders) = (rows.len() as f64, rows[0].len());
     let of_cylinder = |c: usize| {

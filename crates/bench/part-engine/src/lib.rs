@@ -1,6 +1,6 @@
-//! T_e, the engine's torque, which no bench records: rebuilt from N_d, N_e and T_d on the two masses and the shaft between
-//! them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are separated,
-//! cylinder by cylinder.
+//! T_e, the engine's torque, which no bench records: rebuilt from N_d, N_e and T_d on the two masses and the shaft
+//! between them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are
+//! separated, cylinder by cylinder.
 //!
 //! Engine torque rebuilt from recordings: gas torque and the inertia torque of pistons and rods, less the engine's
 //! friction. It also holds the bearing friction of the dynamometer at the mean speed, which nothing with the shaft on
@@ -52,8 +52,8 @@ pub struct EngineRecording {
 
 /// Rebuilds the engine's torque of every recording with a shaft. Each is a part of a step of the work.
 ///
-/// Shaft and J_e are those of the recordings that are chosen for them, J_e otherwise the bench file's. Recordings whose T_d,calc
-/// has the wrong sign are not used.
+/// Shaft and J_e are those of the recordings that are chosen for them, J_e otherwise the bench file's. Recordings whose
+/// T_d,calc has the wrong sign are not used.
 #[must_use]
 pub fn engine_torque(parts: &Parts<'_>, context: &Context) -> EngineTorque {
     let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();

@@ -26,8 +26,8 @@ const BAND_HZ: f64 = 120.0;
 const START: (f64, f64) = (1.0, 300.0);
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
-/// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d. N_d and the drift of
-/// the speed separate the aliases in N_e from true lines, as far as they can.
+/// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d. N_d and the drift
+/// of the speed separate the aliases in N_e from true lines, as far as they can.
 const HIGHEST_LINE: f64 = 0.95;
 /// The noise levels are estimated from so much of the recording's middle, s.
 const FOR_LEVELS_S: f64 = 4.0;
@@ -47,8 +47,8 @@ pub struct RebuiltEngine {
     pub sample_time_s: f64,
     /// By the smoother, Nm.
     pub smoothed_nm: Vec<f64>,
-    /// Its standard deviation, Nm: of noise, as wide as the innovations show ([`NoiseLevels::widening`]), and of the masses and the
-    /// shaft together.
+    /// Its standard deviation, Nm: of noise, as wide as the innovations show ([`NoiseLevels::widening`]), and of the
+    /// masses and the shaft together.
     pub standard_deviation_nm: Vec<f64>,
     /// The part of it that is of the masses and the shaft, Nm, which longer recordings do not average out.
     pub of_masses_nm: Vec<f64>,
@@ -58,8 +58,8 @@ pub struct RebuiltEngine {
     pub torque: TorqueSource,
     /// Noise levels.
     pub noise: NoiseLevels,
-    /// Amplitude at order 1, Nm, of what an error of 10⁻⁴ of the speed, once a turn, of the engine's encoder makes: it cannot
-    /// be separated from a motion, and widens the standard deviation only as far as the innovations show it.
+    /// Amplitude at order 1, Nm, of what an error of 10⁻⁴ of the speed, once a turn, of the engine's encoder makes: it
+    /// cannot be separated from a motion, and widens the standard deviation only as far as the innovations show it.
     pub once_a_turn_nm: f64,
 }
 
@@ -67,8 +67,8 @@ pub struct RebuiltEngine {
 pub(super) struct Motion {
     /// ω_e, rad/s, at the instants of the torque.
     pub(super) engine_speed_rad_s: Vec<f64>,
-    /// Integral of T_e up to every instant, Nm s: the change of J_d ω_d + J_e ω_e and what T_d and the slope of the friction
-    /// took.
+    /// Integral of T_e up to every instant, Nm s: the change of J_d ω_d + J_e ω_e and what T_d and the slope of the
+    /// friction took.
     pub(super) impulse: Vec<f64>,
     /// Variance of J_d ω_d + J_e ω_e at every instant by noise, as wide as the innovations show, (Nm s)².
     pub(super) momentum_variance: Vec<f64>,
@@ -124,8 +124,8 @@ pub(super) fn rebuild(
     Ok((engine, motion))
 }
 
-/// J_d dω_d/dt = K φ + B dφ/dt − c_1 ω_d − T_d, J_e dω_e/dt = T_e − K φ − B dφ/dt, dφ/dt = ω_e − ω_d; the friction at the mean
-/// speed counts as engine torque.
+/// J_d dω_d/dt = K φ + B dφ/dt − c_1 ω_d − T_d, J_e dω_e/dt = T_e − K φ − B dφ/dt, dφ/dt = ω_e − ω_d; the friction at
+/// the mean speed counts as engine torque.
 fn two_masses(v: &Values) -> Mechanics {
     let (dyno, engine) = (1.0 / v.dyno_inertia, 1.0 / v.engine_inertia);
     let mut a = Mat::zeros(3, 3);
@@ -153,9 +153,9 @@ struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
-    /// Both speeds with N_e and T_d dated as `values` has it. Rows are where N_e was read, and as many between as come nearest
-    /// to the rate of N_d: pulses of the engine fold in N_e, so that nothing can be read between its samples; in N_d, behind
-    /// the shaft, they hardly are.
+    /// Both speeds with N_e and T_d dated as `values` has it. Rows are where N_e was read, and as many between as come
+    /// nearest to the rate of N_d: pulses of the engine fold in N_e, so that nothing can be read between its samples;
+    /// in N_d, behind the shaft, they hardly are.
     fn observations(&self, values: &Values) -> Result<Observations, EstimateError> {
         let (dyno, engine) = (&self.dyno.speed, self.engine_speed);
         let between = (engine.sample_time_s / dyno.sample_time_s).round().max(1.0) as usize;
@@ -198,7 +198,8 @@ impl Recorded<'_> {
         }
     }
 
-    /// The standard deviation that masses and shaft bring, from smoothing anew one standard deviation away in every direction.
+    /// The standard deviation that masses and shaft bring, from smoothing anew one standard deviation away in every
+    /// direction.
     fn of_masses(
         &self,
         masses: &TwoMasses,

@@ -42,8 +42,8 @@ pub struct TwoMasses {
     pub shaft_from: String,
     /// Where J_e is from.
     pub inertia_from: InertiaSource,
-    /// K, Nm/rad; B, Nm s/rad; c_1, slope of the dynamometer's friction, Nm s/rad; δ_e and δ_T, by how much N_e and T_d are
-    /// late, s; J_d and J_e, kg m².
+    /// K, Nm/rad; B, Nm s/rad; c_1, slope of the dynamometer's friction, Nm s/rad; δ_e and δ_T, by how much N_e and T_d
+    /// are late, s; J_d and J_e, kg m².
     pub values: [f64; PARAMETERS],
     /// Their covariance.
     pub covariance: Vec<Vec<f64>>,
@@ -111,8 +111,8 @@ impl TwoMasses {
         TwoMasses { shaft_from: file, inertia_from, values, covariance }
     }
 
-    /// Values one standard deviation away, in as many independent directions as there are: the columns of a square root of
-    /// the covariance.
+    /// Values one standard deviation away, in as many independent directions as there are: the columns of a square root
+    /// of the covariance.
     pub(super) fn apart(&self) -> Vec<[f64; PARAMETERS]> {
         let deviations: Vec<f64> = (0..PARAMETERS).map(|i| self.covariance[i][i].max(0.0).sqrt()).collect();
         let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {

@@ -39,8 +39,8 @@ const FINER: usize = 4;
 const SAMPLES_OF_TORQUE: f64 = 5.0;
 /// Means over this hardly see what a load cell does to T_d beyond being late, s.
 const BLOCK_OF_CELL_S: f64 = 0.1;
-/// T_d jumps where it changes from one sample to the next by more than so many times what it does on the average (rms), and by
-/// this part of the most.
+/// T_d jumps where it changes from one sample to the next by more than so many times what it does on the average (rms),
+/// and by this part of the most.
 const JUMPS: (f64, f64) = (3.0, 0.25);
 /// T_d is averaged over this to see what it does beyond noise and ripple, s.
 const BLOCK_S: f64 = 0.05;
@@ -121,8 +121,9 @@ pub(super) fn free_runs(experiment: &Experiment, options: FrictionOptions) -> Re
     Ok(runs.into_iter().map(free_run).collect())
 }
 
-/// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc agrees with
-/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell.
+/// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc
+/// agrees with it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load
+/// cell.
 fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Option<Torque>, FrictionError> {
     let roles = [(Role::AirGapTorque, TorqueUsed::Calculated), (Role::LoadCellTorque, TorqueUsed::LoadCell)];
     let found = roles.into_iter().find_map(|(role, source)| Some((experiment.signal(role)?, role, source)));
@@ -282,7 +283,8 @@ impl FreeRun {
     }
 }
 
-/// The largest torque that can have slowed a dynamometer of this inertia: what T_d and the change of its speed come to, Nm.
+/// The largest torque that can have slowed a dynamometer of this inertia: what T_d and the change of its speed come to,
+/// Nm.
 pub(super) fn largest_torque_nm(free_runs: &[FreeRun], inertia_kg_m2: f64) -> f64 {
     let of_course = |free_run: &FreeRun| {
         let length = ((BLOCK_S / free_run.speed.sample_time_s) as usize).max(1);

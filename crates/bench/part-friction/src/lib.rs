@@ -1,11 +1,11 @@
 //! Friction and inertia of the dynamometer from recordings without shaft: steps of speed, and run-outs (thesis §4.8).
 //!
-//! J_d dω_d/dt = −T_d − T_fric(ω_d) (4.1), T_fric = c_0 sgn ω + c_1 ω + c_2 ω|ω| + c_3 ω³, and where both directions are seen
-//! T_0, by which friction differs between them or T_d is off. Integrated over time, nothing is
-//! differentiated: ω_d(t) = ω_0 − (1/J_d) ∫T_d(t − δ) dt − Σ (c_i/J_d) ∫…dt, linear in 1/J_d and c_i/J_d. δ, by which the
-//! torque's clock is late against the speed's, is a parameter too. What torques leave unsaid adds up in the speed as a random
-//! walk does, under the encoder's white noise; the ratio of the two is that of greatest likelihood, and the estimate that of
-//! generalised least squares. Intervals are robust to residuals that are coloured all the same.
+//! J_d dω_d/dt = −T_d − T_fric(ω_d) (4.1), T_fric = c_0 sgn ω + c_1 ω + c_2 ω|ω| + c_3 ω³, and where both directions
+//! are seen T_0, by which friction differs between them or T_d is off. Integrated over time, nothing is differentiated:
+//! ω_d(t) = ω_0 − (1/J_d) ∫T_d(t − δ) dt − Σ (c_i/J_d) ∫…dt, linear in 1/J_d and c_i/J_d. δ, by which the torque's
+//! clock is late against the speed's, is a parameter too. What torques leave unsaid adds up in the speed as a random
+//! walk does, under the encoder's white noise; the ratio of the two is that of greatest likelihood, and the estimate
+//! that of generalised least squares. Intervals are robust to residuals that are coloured all the same.
 
 mod error;
 mod fitted;
@@ -42,7 +42,8 @@ pub enum Inertia {
         /// By how much T_d is later than N_d, s.
         delay: Box<Parameter>,
     },
-    /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings show friction over inertia alone.
+    /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings show friction over inertia
+    /// alone.
     Stated {
         /// J_d, kg m².
         inertia_kg_m2: f64,
@@ -112,13 +113,14 @@ impl Friction {
 
 /// Estimates friction, and J_d where torque shows it, from recordings without shaft, all together.
 ///
-/// Coulomb and viscous friction are always there, an offset where both directions are seen and separate it from zero; a quadratic and a cubic term where they are separated from zero with 99 %
-/// confidence. Samples of N_d that drop out are left out. Without a recorded torque, the longest fall of the speed is used.
-/// Where T_d is known at its own samples alone, or as the load cell sees it, means over several of them are compared.
+/// Coulomb and viscous friction are always there, an offset where both directions are seen and separate it from zero; a
+/// quadratic and a cubic term where they are separated from zero with 99 % confidence. Samples of N_d that drop out are
+/// left out. Without a recorded torque, the longest fall of the speed is used. Where T_d is known at its own samples
+/// alone, or as the load cell sees it, means over several of them are compared.
 ///
 /// # Errors
-/// No recording; one with the shaft on; no N_d; a speed that hardly varies; too few samples; a T_d of the wrong sign; friction
-/// that drives, or is known to within no torque that acted.
+/// No recording; one with the shaft on; no N_d; a speed that hardly varies; too few samples; a T_d of the wrong sign;
+/// friction that drives, or is known to within no torque that acted.
 ///
 /// # Source
 /// Glans & Kärnell 2018, (4.1); Ljung 1999, ch. 7; Ibragimov & Müller 2010 for the intervals.

@@ -74,8 +74,8 @@ impl Term {
 pub struct FrictionOptions {
     /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not show J_d.
     pub inertia_kg_m2: f64,
-    /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
-    /// least one, where `None`.
+    /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed,
+    /// and at least one, where `None`.
     pub slowest_rad_s: Option<f64>,
     /// Torque limit, Nm.
     pub torque_limit_nm: Option<f64>,

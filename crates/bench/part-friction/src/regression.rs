@@ -146,7 +146,8 @@ impl<'a> Problem<'a> {
         self.solved(terms, drive, &rows)
     }
 
-    /// From rows of regressors, the target, and what is wrong with ∫T_d where all its jumps are half a sample off, Nm s.
+    /// From rows of regressors, the target, and what is wrong with ∫T_d where all its jumps are half a sample off, Nm
+    /// s.
     fn solved(&self, terms: &[Term], drive: Drive, rows: &[Vec<f64>]) -> Result<Fitted, IdentError> {
         let count = rows.first().map_or(0, |row| row.len().saturating_sub(2));
         let regressors = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
@@ -180,8 +181,8 @@ impl<'a> Problem<'a> {
         Ok(Fitted { terms: terms.to_vec(), delay_s: self.delay_s, bic, drive, linear, covariance, freedom })
     }
 
-    /// Means of a column over the blocks of a free_run, without drop-outs: one column, NaN where all of a block dropped out. What
-    /// is linear in columns is so in their means.
+    /// Means of a column over the blocks of a free_run, without drop-outs: one column, NaN where all of a block dropped
+    /// out. What is linear in columns is so in their means.
     fn means(&self, free_run: &FreeRun, column: &[f64]) -> Mat<f64> {
         let length = ((self.block_s / free_run.speed.sample_time_s).round() as usize).max(1);
         let mean = |block: usize, _| {
@@ -236,9 +237,9 @@ struct Columns {
     regressors: Vec<Vec<f64>>,
 }
 
-/// The robust covariance where few batches hold what determines a parameter, such as the few steps of the speed: the scatter of n
-/// batches of which e matter is known with e − 1 degrees of freedom. e is (Σs)²/Σs², s being a batch's part in the variance of
-/// the parameter that is worst off.
+/// The robust covariance where few batches hold what determines a parameter, such as the few steps of the speed: the
+/// scatter of n batches of which e matter is known with e − 1 degrees of freedom. e is (Σs)²/Σs², s being a batch's
+/// part in the variance of the parameter that is worst off.
 fn with_few_events(fit: &Minimum) -> Result<(Mat<f64>, f64), IdentError> {
     let (covariance, _) = at_least_white(fit, BATCHES)?;
     let (rows, count) = fit.jacobian.shape();

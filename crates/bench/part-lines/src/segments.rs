@@ -37,9 +37,9 @@ pub struct Segment {
 
 /// Finds the stretches of at least 1.3 s over which a demand is one sine of 0.75 to 45 Hz.
 ///
-/// In windows of one second, every 0.1 s, the frequency is sought whose cosine and sine, beside a straight line, explain
-/// most of the window; neighbouring windows that agree make a piece, whose frequency is then refined over all of it. A
-/// window that spans a change of frequency explains less or disagrees with its neighbours.
+/// In windows of one second, every 0.1 s, the frequency is sought whose cosine and sine, beside a straight line,
+/// explain most of the window; neighbouring windows that agree make a piece, whose frequency is then refined over all
+/// of it. A window that spans a change of frequency explains less or disagrees with its neighbours.
 ///
 /// # Source
 /// Least-squares spectrum: Lomb, Astrophysics and Space Science 39 (1976) 447.

@@ -1,5 +1,5 @@
-//! Speed controller, torque control and shaft of a campaign: each chosen by one rule, and estimated from a recording at most
-//! once, whoever asks.
+//! Speed controller, torque control and shaft of a campaign: each chosen by one rule, and estimated from a recording at
+//! most once, whoever asks.
 
 use std::sync::{Arc, OnceLock};
 

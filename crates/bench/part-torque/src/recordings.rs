@@ -61,7 +61,8 @@ impl<'a> TorqueControls<'a> {
         once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
     }
 
-    /// [`TorqueControls::fit`], also where delay and lag cannot be separated: the model is then right at the samples alone.
+    /// [`TorqueControls::fit`], also where delay and lag cannot be separated: the model is then right at the samples
+    /// alone.
     ///
     /// # Errors
     /// Those of [`TorqueControls::fit`], but for delay and lag that cannot be separated.

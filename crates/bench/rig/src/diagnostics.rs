@@ -274,7 +274,8 @@ pub enum Finding {
         /// Its mean over that of the dynamometer speed. 9.55 or 0.105 betrays rpm against rad/s.
         ratio_to_dyno_speed: f64,
     },
-    /// Two torques of the dynamometer that should be equal but for noise and delay are not: a wrong unit, channel, gain or zero.
+    /// Two torques of the dynamometer that should be equal but for noise and delay are not: a wrong unit, channel, gain
+    /// or zero.
     TorquesDisagree {
         /// The torque that is compared with T_d,calc.
         role: Role,
@@ -332,7 +333,8 @@ pub enum Finding {
         /// Mean of |error|²/σ² as the speeds are named, over that with them exchanged.
         misfit_ratio: f64,
     },
-    /// The channels of T_d* and T_d,calc are exchanged: what is named T_d,calc is held, and what is named T_d* follows it.
+    /// The channels of T_d* and T_d,calc are exchanged: what is named T_d,calc is held, and what is named T_d* follows
+    /// it.
     TorquesExchanged {
         /// The channel that is named T_d*.
         demand: String,
@@ -401,8 +403,8 @@ pub enum Finding {
         /// True where other recordings were measured.
         beside_measured: bool,
     },
-    /// A multiple of the firing frequency is one of a speed's sample rate: the engine's pulses fold onto slow changes of their own
-    /// strength.
+    /// A multiple of the firing frequency is one of a speed's sample rate: the engine's pulses fold onto slow changes
+    /// of their own strength.
     PulsesFoldToRest {
         /// Which speed.
         role: Role,

@@ -29,8 +29,8 @@ pub struct BenchFacts {
     pub speed_limit_rad_s: Option<f64>,
 }
 
-/// Standard uncertainty of J_d where none is stated, %. Data sheets round, and couplings and flanges come on top of the rotor;
-/// IEC 60034-1 even allows the rotor of a machine 10 %.
+/// Standard uncertainty of J_d where none is stated, %. Data sheets round, and couplings and flanges come on top of the
+/// rotor; IEC 60034-1 even allows the rotor of a machine 10 %.
 const DYNO_INERTIA_PERCENT: f64 = 1.0;
 /// The same of J_e, %: that of an engine changes with its accessories, its oil and the angle of its crank besides.
 const ENGINE_INERTIA_PERCENT: f64 = 2.0;
@@ -72,20 +72,21 @@ impl StatedInertia {
         self.uncertainty_percent / 100.0 * self.kg_m2
     }
 
-    /// By which part of itself it differs from what a recording shows, value and standard uncertainty in kg m²; `None` where chance
-    /// or less than 1 % may be the reason.
+    /// By which part of itself it differs from what a recording shows, value and standard uncertainty in kg m²; `None`
+    /// where chance or less than 1 % may be the reason.
     pub fn contradicted_by(&self, (seen, error): (f64, f64)) -> Option<f64> {
         let apart = (seen - self.kg_m2).abs();
         let spread = error.hypot(self.standard_uncertainty_kg_m2());
         (apart > DOUBTED.0 * spread && apart > DOUBTED.1 * self.kg_m2).then_some(apart / self.kg_m2)
     }
 
-    /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other, what the recordings
-    /// show counts, and its uncertainty reaches to the stated value: the scale of a torque may be wrong as well.
+    /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other,
+    /// what the recordings show counts, and its uncertainty reaches to the stated value: the scale of a torque may be
+    /// wrong as well.
     ///
     /// # Source
-    /// JCGM 100:2008 (GUM), 4.3, for the stated one; means weighted by precision: Rao, *Linear Statistical Inference and Its
-    /// Applications*, 2nd ed., §6a.2.
+    /// JCGM 100:2008 (GUM), 4.3, for the stated one; means weighted by precision: Rao, *Linear Statistical Inference
+    /// and Its Applications*, 2nd ed., §6a.2.
     pub fn with_seen(&self, (seen, error): (f64, f64)) -> (f64, f64) {
         let (stated, uncertainty) = (self.kg_m2, self.standard_uncertainty_kg_m2());
         let apart = (seen - stated).abs();

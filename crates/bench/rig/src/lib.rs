@@ -3,8 +3,8 @@
 //! Terms of a dynamometer test bench: signals and their roles, stated facts, experiments planned and recorded, and
 //! plain types of its estimated parts.
 //!
-//! Raw channel names and units end here ([`channels`], [`bench_file`], [`prepare`](mod@prepare)); after that everything is SI with a
-//! [`Role`]. The crate reads no file, and knows no model, no simulation and no estimator.
+//! Raw channel names and units end here ([`channels`], [`bench_file`], [`prepare`](mod@prepare)); after that everything
+//! is SI with a [`Role`]. The crate reads no file, and knows no model, no simulation and no estimator.
 //!
 //! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.

@@ -18,8 +18,8 @@ use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
 
-/// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
-/// take minutes.
+/// Orders of the torque control that are tried here: those of the thesis's low-order models. All of
+/// `OrdersTried::default()` take minutes.
 const ORDERS: OrdersTried = OrdersTried { highest: 2, longest_delay: 2 };
 /// Draws of each noise in the study of a known PI: enough to separate a coverage of 95 % from one of 80 %.
 const DRAWS: usize = 50;

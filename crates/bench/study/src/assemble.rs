@@ -95,7 +95,8 @@ fn value(estimate: &Estimate, which: ModelParameter) -> Option<f64> {
     Some(estimate.parameter(which.quantity())?.value)
 }
 
-/// With the delay of N_d* that the feed-forward's recording shows; without one, as if the delay acted on the speed error.
+/// With the delay of N_d* that the feed-forward's recording shows; without one, as if the delay acted on the speed
+/// error.
 fn controller(part: &SpeedController, feed_forward: Option<&FeedForward>) -> Option<PiController> {
     let value = |which| value(&part.estimate, which);
     let delay_s = value(ModelParameter::ControllerDelay)?.max(0.0);

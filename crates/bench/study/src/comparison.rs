@@ -137,8 +137,8 @@ impl PartComparison {
     }
 }
 
-/// Compares two models. Their errors count as independent: what they share, such as a stated inertia or a torque scale, makes the test
-/// find less, never more.
+/// Compares two models. Their errors count as independent: what they share, such as a stated inertia or a torque scale,
+/// makes the test find less, never more.
 ///
 /// # Source
 /// Wald's test; Satterthwaite, Biometrics Bulletin 2 (1946) 110, for the degrees of freedom of a sum of variances.

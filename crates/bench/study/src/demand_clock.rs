@@ -1,7 +1,7 @@
 //! Check of a T_d* that is stamped later than the torque that follows it.
 //!
-//! No torque is ahead of its demand by more than two clocks of a bench are apart. Where it is, the demand is late: delays and
-//! feed-forward of the speed controller are then wrong by as much.
+//! No torque is ahead of its demand by more than two clocks of a bench are apart. Where it is, the demand is late:
+//! delays and feed-forward of the speed controller are then wrong by as much.
 
 use rig::{Experiment, Finding, Role, Severity};
 use signal::Signal;
@@ -14,11 +14,13 @@ const APART_S: f64 = 1.5e-3;
 const TRIED_S: (f64, f64, f64) = (-0.02, 0.03, 2.5e-4);
 /// Changes over so long are compared, s: the drive's ripple at 100 Hz is as it was.
 const CHANGE_S: f64 = 0.04;
-/// A delay is seen where it leaves less than this part of the changes of T_d,calc. Delays that leave hardly more are as good: the second
-/// is by how much more. On 130 recordings of 29 simulated benches their middle is 0 to 4.6 ms later than the lag.
+/// A delay is seen where it leaves less than this part of the changes of T_d,calc. Delays that leave hardly more are as
+/// good: the second is by how much more. On 130 recordings of 29 simulated benches their middle is 0 to 4.6 ms later
+/// than the lag.
 const LEAVES: (f64, f64) = (0.5, 0.02);
 
-/// Doubts each recording in which T_d,calc is ahead of T_d*; `lag_s` is how late the torque control makes it beside its pure delay.
+/// Doubts each recording in which T_d,calc is ahead of T_d*; `lag_s` is how late the torque control makes it beside its
+/// pure delay.
 pub(super) fn doubt(findings: &mut Findings<'_>, lag_s: f64) {
     for experiment in findings.experiments {
         let advance_s = delay_s(experiment).map(|delay_s| lag_s - delay_s);
@@ -29,8 +31,8 @@ pub(super) fn doubt(findings: &mut Findings<'_>, lag_s: f64) {
     }
 }
 
-/// By how much T_d,calc is later than T_d*, s: the middle of the delays of T_d* that leave least of the changes of T_d,calc. A held T_d*
-/// leaves several.
+/// By how much T_d,calc is later than T_d*, s: the middle of the delays of T_d* that leave least of the changes of
+/// T_d,calc. A held T_d* leaves several.
 fn delay_s(experiment: &Experiment) -> Option<f64> {
     let (demand, calc) = (experiment.signal(Role::DynoTorqueDemand)?, experiment.signal(Role::AirGapTorque)?);
     let (first, last, step) = TRIED_S;

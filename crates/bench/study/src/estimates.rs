@@ -27,25 +27,26 @@ use crate::pulse_path::Answer;
 use crate::whole::{self, Whole};
 use crate::{demand_clock, firing, pulse_path, ripple_clock, struck};
 
-/// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
-/// named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and 9.
+/// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds.
+/// Rightly named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and
+/// 9.
 const EXCHANGED: f64 = 3.0;
 /// Two values this many standard errors of their difference apart contradict each other.
 const APART: f64 = 4.0;
-/// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted. Slow rasters may
-/// make each recording wrong by half of it.
+/// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
+/// Slow rasters may make each recording wrong by half of it.
 const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.04), (Quantity::Damping, 0.2)];
-/// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two clocks of a
-/// bench are apart by 1.5 ms at most.
+/// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two
+/// clocks of a bench are apart by 1.5 ms at most.
 const LATE: (f64, f64) = (2e-3, 5.0);
-/// A recording that moves J_d by more than this many of its stated standard uncertainties checks no other one. In speed control T_d
-/// follows N_d, and noise on a slow T_d,calc then bends all of J_d, K and the skews together.
+/// A recording that moves J_d by more than this many of its stated standard uncertainties checks no other one. In speed
+/// control T_d follows N_d, and noise on a slow T_d,calc then bends all of J_d, K and the skews together.
 const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
-/// Gains that differ by this part are of another controller, or of another bench. Terms beside PI, such as a filter on N_d*, change what
-/// recordings with a moving N_d* give by 20 % and less.
+/// Gains that differ by this part are of another controller, or of another bench. Terms beside PI, such as a filter on
+/// N_d*, change what recordings with a moving N_d* give by 20 % and less.
 const OTHER_GAINS: f64 = 0.3;
 
 /// Everything that was estimated.
@@ -142,8 +143,8 @@ fn doubt_smoothing(findings: &mut Findings<'_>, controller: &SpeedControllerFit)
     }
 }
 
-/// Doubts the recordings that contradict each other in the gains of the speed controller: the one that it is from where most of the
-/// others give other gains, else these.
+/// Doubts the recordings that contradict each other in the gains of the speed controller: the one that it is from where
+/// most of the others give other gains, else these.
 fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &SpeedControllerFit) {
     let own = &controller.result.validation.stretch.file;
     let candidates = Sought::FeedForward.candidates(&parts.experiments);
@@ -167,7 +168,8 @@ fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &Spee
     }
 }
 
-/// Doubts the channels of the speeds where the first recording that the shaft was sought in explains more with them exchanged.
+/// Doubts the channels of the speeds where the first recording that the shaft was sought in explains more with them
+/// exchanged.
 fn doubt_exchange(findings: &mut Findings<'_>, parts: &Parts<'_>) {
     let chosen = parts.chosen_shaft().ok().map(|chosen| chosen.experiment.file.as_str());
     for experiment in Sought::Shaft.candidates(&parts.experiments) {
@@ -224,7 +226,8 @@ fn no_check(found: &Parameter) -> Finding {
     Finding::NoCheckOfShaft { quantity, value, standard_error }
 }
 
-/// By how large a part of itself T_d differs from what T_d* demands, where that is worth a warning. K and B are proportional to T_d.
+/// By how large a part of itself T_d differs from what T_d* demands, where that is worth a warning. K and B are
+/// proportional to T_d.
 fn torque_error(parts: &Parts<'_>) -> f64 {
     let gain = |finding: &Finding| match finding {
         Finding::RoutesDisagree { quantity: Quantity::TorqueControlGain, first, .. } => Some((first.0 - 1.0).abs()),
@@ -234,7 +237,8 @@ fn torque_error(parts: &Parts<'_>) -> f64 {
     fit.and_then(|fit| fit.diagnostics.iter().find_map(|one| gain(&one.finding))).unwrap_or(0.0)
 }
 
-/// Says where pulses fold onto what K is estimated from, which no residual shows: what folds goes with what it folds onto.
+/// Says where pulses fold onto what K is estimated from, which no residual shows: what folds goes with what it folds
+/// onto.
 fn doubt_pulses(findings: &mut Findings<'_>, experiment: &Experiment) {
     let engine = findings.bench.engine();
     for role in [Role::DynoSpeed, Role::EngineSpeed] {
@@ -295,9 +299,9 @@ fn late(estimate: &Estimate) -> impl Iterator<Item = (Role, &Parameter)> {
     found.filter(|(_, skew)| skew.value.abs() > LATE.0.max(LATE.1 * skew.standard_error))
 }
 
-/// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d or T_d* and
-/// the data disagree; where half or more of the other recordings give another value, nothing
-/// shows which of them is right.
+/// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d
+/// or T_d* and the data disagree; where half or more of the other recordings give another value, nothing shows which of
+/// them is right.
 fn cover_contradictions(shaft: &mut Shaft, of_torque: f64) {
     for quantity in [Quantity::Stiffness, Quantity::Damping] {
         let Some(own) = shaft.estimate.parameter(quantity).cloned() else { continue };

@@ -93,7 +93,8 @@ impl<'a> Findings<'a> {
     }
 }
 
-/// Two ends of a shaft that do not turn alike are an error of the whole recording: nothing shows which of them is wrong.
+/// Two ends of a shaft that do not turn alike are an error of the whole recording: nothing shows which of them is
+/// wrong.
 fn raised(found: Diagnostic) -> Diagnostic {
     match found.finding {
         Finding::SpeedsDisagree { role: Role::EngineSpeed, .. } => {

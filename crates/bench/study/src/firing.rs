@@ -1,8 +1,8 @@
 //! Check that the engine fires as often as its cylinders and strokes in the bench file say, and as its speed says.
 //!
-//! The torque of the engine repeats with each working cycle, and but for differences between the cylinders with each firing: of its
-//! multiples of half the speed, those of the firing frequency are the strong ones. What an order of N_e is as an acceleration is
-//! that order of the torque over J_e, above the resonance.
+//! The torque of the engine repeats with each working cycle, and but for differences between the cylinders with each
+//! firing: of its multiples of half the speed, those of the firing frequency are the strong ones. What an order of N_e
+//! is as an acceleration is that order of the torque over J_e, above the resonance.
 
 use std::f64::consts::TAU;
 
@@ -12,8 +12,8 @@ use signal::{Complex64, Signal};
 
 use crate::findings::Findings;
 
-/// Orders of a working cycle of four strokes, up to that of 24 cylinders; the order of the turns itself, which encoders and imbalance
-/// show too, is left out.
+/// Orders of a working cycle of four strokes, up to that of 24 cylinders; the order of the turns itself, which encoders
+/// and imbalance show too, is left out.
 const STEP: f64 = 0.5;
 const HIGHEST: usize = 24;
 /// Firings a turn of engines of 3 to 12 cylinders, and of one or two.
@@ -22,13 +22,14 @@ const ENGINES: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 pub(super) const SEEN: f64 = 0.45;
 /// The slow course of the speed is its mean over this, taken twice, s.
 const TREND_S: f64 = 0.25;
-/// Parts of the power of all orders: the stated engine has less than the first in its multiples, or less than the second in its firing
-/// order itself; the engine found has more than the third and the fourth. On 38 recordings of ten simulated benches the right engine
-/// has 0.90 and more, and 0.43 and more in its firing order; the best wrong one has 0.50.
+/// Parts of the power of all orders: the stated engine has less than the first in its multiples, or less than the
+/// second in its firing order itself; the engine found has more than the third and the fourth. On 38 recordings of ten
+/// simulated benches the right engine has 0.90 and more, and 0.43 and more in its firing order; the best wrong one has
+/// 0.50.
 const STATED: (f64, f64) = (0.6, 0.02);
 const FOUND: (f64, f64) = (0.85, 0.2);
-/// Pulses are looked for between so many times the speed; beyond this part of it, where their power is so many times that at the
-/// speed itself, they are not of this speed.
+/// Pulses are looked for between so many times the speed; beyond this part of it, where their power is so many times
+/// that at the speed itself, they are not of this speed.
 const OFF_SPEED: (f64, f64) = (0.65, 1.45);
 const OFF: (f64, f64) = (0.003, 10.0);
 /// Steps of that search, as a part of what separates two orders over the whole recording.
@@ -40,8 +41,8 @@ const OF_THE_TURNS: ([f64; 2], f64) = ([1.0, 2.0], 0.01);
 /// Smallest amplitude of the firing order, as a part of the speed: an engine that does not fire has less.
 const LEAST: f64 = 2e-4;
 
-/// Doubts the stated engine where most recordings show another, else the recordings that do; and where pulses do not come as often as
-/// the speed says, the recording. Answers with how often they come, where that is seen.
+/// Doubts the stated engine where most recordings show another, else the recordings that do; and where pulses do not
+/// come as often as the speed says, the recording. Answers with how often they come, where that is seen.
 pub(super) fn doubt(findings: &mut Findings<'_>) -> Vec<(String, f64)> {
     let stated = findings.bench.engine().firings_per_turn();
     let experiments = findings.experiments;
@@ -66,8 +67,8 @@ pub(super) fn doubt(findings: &mut Findings<'_>) -> Vec<(String, f64)> {
     ratios.into_iter().map(|(experiment, ratio)| (experiment.file.clone(), ratio)).collect()
 }
 
-/// How often the pulses of the stated firing order come over what the speed says, by N_e or, where its samples are too few, by N_d;
-/// one unless another ratio is far clearer. Nothing where they are not seen.
+/// How often the pulses of the stated firing order come over what the speed says, by N_e or, where its samples are too
+/// few, by N_d; one unless another ratio is far clearer. Nothing where they are not seen.
 fn pulses_over_speed(experiment: &Experiment, stated: f64) -> Option<f64> {
     let of = |role| pulses_over(&middle(experiment.signal(role)?), stated);
     of(Role::EngineSpeed).or_else(|| of(Role::DynoSpeed))
@@ -101,7 +102,8 @@ fn pulses_over(speed: &Signal, stated: f64) -> Option<f64> {
         .then(|| if power > OFF.1 * seen.power(stated) { ratio } else { 1.0 })
 }
 
-/// The firings a turn that a recording shows in place of those stated, or none; nothing where the stated order is not to be seen.
+/// The firings a turn that a recording shows in place of those stated, or none; nothing where the stated order is not
+/// to be seen.
 fn contradiction(experiment: &Experiment, stated: f64) -> Option<Option<f64>> {
     let speed = experiment.signal(Role::EngineSpeed)?;
     let mean = speed.mean()?.abs();
@@ -231,7 +233,8 @@ mod tests {
 
     use super::*;
 
-    /// The speed of an engine that fires so often a turn, whose cylinders differ a little, with multiples nearly as strong.
+    /// The speed of an engine that fires so often a turn, whose cylinders differ a little, with multiples nearly as
+    /// strong.
     fn recorded(firing: f64, sample_time_s: f64) -> Experiment {
         let mut random = Random::new(7);
         let omega = 130.0;
@@ -253,7 +256,8 @@ mod tests {
             let experiment = recorded(found, 2e-3);
             for stated in [0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0] {
                 let expected = (stated != found).then_some(found);
-                // Cylinders that fire half as often leave every second multiple to the same orders; two show their turns.
+                // Cylinders that fire half as often leave every second multiple to the same orders; two show their
+                // turns.
                 let is_open = stated == 2.0 * found || found == 1.0 || stated == 1.0;
                 let answer = contradiction(&experiment, stated).unwrap();
                 assert!(answer == expected || is_open && answer.is_none(), "{found}, stated {stated}: {answer:?}");

@@ -71,7 +71,8 @@ impl<'p> Fits<'p> {
     }
 }
 
-/// The torque control on the clock of N_d. On a bench with a load cell, the shaft's estimate dates T_d,calc, which is its torque.
+/// The torque control on the clock of N_d. On a bench with a load cell, the shaft's estimate dates T_d,calc, which is
+/// its torque.
 fn without_skew(fit: &TorqueControlFit, torque_skew: Option<&Parameter>) -> TorqueControlFit {
     let recorded = fit.clone();
     match torque_skew {

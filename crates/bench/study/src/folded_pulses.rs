@@ -1,8 +1,8 @@
 //! Pulses of the engine that the sampling of a speed folds to frequency zero.
 //!
-//! All multiples of the firing frequency grow and shrink together from one firing to the next. One that folds to zero, or nearly
-//! so, therefore does not add noise to slow changes of the speed, but a part of these changes themselves: the shaft's equation
-//! holds as well as before, with another K.
+//! All multiples of the firing frequency grow and shrink together from one firing to the next. One that folds to zero,
+//! or nearly so, therefore does not add noise to slow changes of the speed, but a part of these changes themselves: the
+//! shaft's equation holds as well as before, with another K.
 
 use std::f64::consts::TAU;
 
@@ -10,8 +10,8 @@ use signal::Signal;
 
 /// Higher multiples hardly move a speed.
 const HIGHEST: u32 = 8;
-/// As near to zero (root mean square), Hz. On virtual benches, K scatters twice as far as its interval says at 0 Hz, and a quarter
-/// further at 8 Hz.
+/// As near to zero (root mean square), Hz. On virtual benches, K scatters twice as far as its interval says at 0 Hz,
+/// and a quarter further at 8 Hz.
 const NEAR_HZ: f64 = 5.0;
 
 /// A multiple of the firing frequency that is sampled once a period, or once in a few.

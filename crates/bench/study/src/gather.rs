@@ -40,8 +40,8 @@ impl Prepared {
         prepared
     }
 
-    /// Prepares what can be used of further sources, and notes of the others why not. Of a source only the signals of the bench stay
-    /// in memory.
+    /// Prepares what can be used of further sources, and notes of the others why not. Of a source only the signals of
+    /// the bench stay in memory.
     pub fn add(&mut self, bench: &BenchFile, sources: Vec<Source>, context: &Context) {
         let mut fresh = Vec::new();
         let first = self.recordings.len();

@@ -48,8 +48,8 @@ const CHECKED: usize = 200;
 const SETTLING_S: f64 = 2.0;
 /// Goals of a design: the shaft, on which resonance, gain and damping rest.
 const DESIGNED_FOR: [Goal; 2] = [Goal::Stiffness, Goal::Damping];
-/// Intervals after two realisations of one experiment differ by as much without a reason: that of J_e, the least repeatable,
-/// by an eighth (standard deviation, six recordings of 16 s).
+/// Intervals after two realisations of one experiment differ by as much without a reason: that of J_e, the least
+/// repeatable, by an eighth (standard deviation, six recordings of 16 s).
 const SAME: f64 = 0.2;
 
 /// Conditions of the next experiment.
@@ -173,8 +173,8 @@ impl Gain {
 }
 
 impl Candidate {
-    /// How many numbers it makes known that are not, and the sum of the logarithms by which it narrows intervals that are
-    /// too wide; one that it leaves wider costs nothing, since a recording can be left out.
+    /// How many numbers it makes known that are not, and the sum of the logarithms by which it narrows intervals that
+    /// are too wide; one that it leaves wider costs nothing, since a recording can be left out.
     pub fn worth(&self) -> (usize, f64) {
         let new = self.gains.iter().filter(|gain| gain.now.is_none()).count();
         let narrowed = self.gains.iter().filter(|gain| !gain.is_enough_now).filter_map(Gain::narrowing);

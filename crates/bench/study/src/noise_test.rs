@@ -1,12 +1,12 @@
-//! The study of §7.1: a PI controller that is known runs on recorded speeds, noise is added to the speed it sees, and it is
-//! estimated again from its T_d* and the speeds without that noise; many draws instead of one.
+//! The study of §7.1: a PI controller that is known runs on recorded speeds, noise is added to the speed it sees, and
+//! it is estimated again from its T_d* and the speeds without that noise; many draws instead of one.
 //!
-//! Noise that the controller sees and nobody logs is in T_d* behind PI, where the estimate that follows the controller forward
-//! (as the thesis's does) is right, and the inverted controller, which is made for noise of the logged speed, is biased. The study
-//! makes both.
+//! Noise that the controller sees and nobody logs is in T_d* behind PI, where the estimate that follows the controller
+//! forward (as the thesis's does) is right, and the inverted controller, which is made for noise of the logged speed,
+//! is biased. The study makes both.
 //!
-//! The thesis does not say in which bands its noise lay nor how its SNR is defined; here the SNR is the ratio of the variance
-//! of the speed error to that of the noise, and every draw is scaled to it exactly.
+//! The thesis does not say in which bands its noise lay nor how its SNR is defined; here the SNR is the ratio of the
+//! variance of the speed error to that of the noise, and every draw is scaled to it exactly.
 //!
 //! # Source
 //! Thesis §7.1, figure 7.1, table 7.1.

@@ -1,8 +1,9 @@
 //! Check that the engine's pulses pass the shaft as K, B and J_d let them through.
 //!
-//! T_shaft moves the dynamometer, and in speed control the torque G ω_d by which the controller answers: ω_d/ω_e =
-//! (K + B s)/(J_d s² + (B + G) s + K) at the frequency of the pulses, which both speeds show far above their noise. A filter on one of the speeds changes that ratio at once, while K and B
-//! make up for most of it at the lower frequencies that they are estimated from.
+//! T_shaft moves the dynamometer, and in speed control the torque G ω_d by which the controller answers: ω_d/ω_e = (K +
+//! B s)/(J_d s² + (B + G) s + K) at the frequency of the pulses, which both speeds show far above their noise. A filter
+//! on one of the speeds changes that ratio at once, while K and B make up for most of it at the lower frequencies that
+//! they are estimated from.
 
 use std::f64::consts::TAU;
 
@@ -17,8 +18,9 @@ use signal::{Complex64, Signal};
 use crate::findings::Findings;
 use crate::firing::{SEEN, Seen, middle};
 
-/// The ratio of the speeds over what the shaft makes of it, where nothing is wrong. On 29 simulated benches it is 0.92 to 1.17, the
-/// latter with a loss factor in place of B; a mean of 6 ms on N_e makes 1.6 of it, a lag of 2 ms on N_d 0.66.
+/// The ratio of the speeds over what the shaft makes of it, where nothing is wrong. On 29 simulated benches it is 0.92
+/// to 1.17, the latter with a loss factor in place of B; a mean of 6 ms on N_e makes 1.6 of it, a lag of 2 ms on N_d
+/// 0.66.
 const AS_IT_SHOULD: (f64, f64) = (0.8, 1.25);
 /// A line is seen where its power is so many times that beside it.
 const CLEAR: f64 = 400.0;
@@ -71,8 +73,8 @@ pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], sh
     }
 }
 
-/// The frequency of an order, and its strength in N_d over that in N_e as a part of what the shaft makes of it; nothing where either
-/// does not show it, or where a controller that is not known answers to it.
+/// The frequency of an order, and its strength in N_d over that in N_e as a part of what the shaft makes of it; nothing
+/// where either does not show it, or where a controller that is not known answers to it.
 fn passed(
     experiment: &Experiment,
     (shaft, answer): (&Shaft, Option<Answer>),

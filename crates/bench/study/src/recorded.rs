@@ -1,4 +1,5 @@
-//! Recordings as they are: their courses, and a step of T_d* with what followed it (thesis, chapter 4, and figures 6.1, 6.2).
+//! Recordings as they are: their courses, and a step of T_d* with what followed it (thesis, chapter 4, and figures 6.1,
+//! 6.2).
 
 use rig::results::Trace;
 use rig::{ControlMode, Experiment, ExperimentLabel, Role};

@@ -24,8 +24,8 @@ pub struct ReplayModel<'a> {
 }
 
 impl ReplayModel<'_> {
-    /// Replays a stretch of a recording, s of its clock; all of it where `None`. The ripple of the drive and the once-a-turn error of
-    /// the encoder are those of the whole recording.
+    /// Replays a stretch of a recording, s of its clock; all of it where `None`. The ripple of the drive and the
+    /// once-a-turn error of the encoder are those of the whole recording.
     ///
     /// # Errors
     /// Those of [`replay`].

@@ -12,13 +12,15 @@ use crate::findings::Findings;
 
 /// Twice the mains, Hz.
 const RIPPLES_HZ: [f64; 2] = [100.0, 120.0];
-/// Without the engine's pulses a clock is wrong by at most this; and by more than the second, since mains stray by up to 0.4 %.
+/// Without the engine's pulses a clock is wrong by at most this; and by more than the second, since mains stray by up
+/// to 0.4 %.
 const WRONG: (f64, f64) = (0.02, 0.005);
 /// The power of the ripple over the median beside it. On 40 recordings of ten simulated benches it is 100 to 10⁵.
 const CLEAR: f64 = 300.0;
 /// A line this close to a multiple of half the engine's speed may be the engine's, Hz.
 const OF_THE_ENGINE_HZ: f64 = 0.8;
-/// Recordings of one clock agree within this; a recording of another is apart from the others, which agree, by more than the second.
+/// Recordings of one clock agree within this; a recording of another is apart from the others, which agree, by more
+/// than the second.
 const AGREE: (f64, f64) = (1e-3, 4e-3);
 /// The ripple is looked for within this part of where the engine's pulses would have it.
 const BY_PULSES: f64 = 0.004;
@@ -53,8 +55,9 @@ impl Ripple<'_> {
     }
 }
 
-/// Doubts the clock of each recording whose ripple is beside twice the mains, if its engine's pulses are as far off their speed, or if
-/// the others are all alike: as far off as this one, or right. `pulses` says how often these come over what the speed says.
+/// Doubts the clock of each recording whose ripple is beside twice the mains, if its engine's pulses are as far off
+/// their speed, or if the others are all alike: as far off as this one, or right. `pulses` says how often these come
+/// over what the speed says.
 pub(super) fn doubt(findings: &mut Findings<'_>, pulses: &[(String, f64)]) {
     let of = |file: &String| pulses.iter().find(|(of, _)| of == file).map(|(_, ratio)| *ratio);
     let seen: Vec<Ripple<'_>> = findings.experiments.iter().filter_map(|e| ripple(e, of(&e.file))).collect();
@@ -67,8 +70,8 @@ pub(super) fn doubt(findings: &mut Findings<'_>, pulses: &[(String, f64)]) {
     }
 }
 
-/// The ripple that moves N_d, and what it would be by the mains: the clearest about twice the mains, and about where a clock would
-/// have it that puts the engine's pulses where they are.
+/// The ripple that moves N_d, and what it would be by the mains: the clearest about twice the mains, and about where a
+/// clock would have it that puts the engine's pulses where they are.
 fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple<'_>> {
     let speed = experiment.signal(Role::DynoSpeed)?;
     let half_turn_hz = 0.5 * speed.mean()?.abs() / TAU;

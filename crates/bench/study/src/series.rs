@@ -7,8 +7,8 @@ use crate::Study;
 
 /// Every series of a study: what was measured and what the model gives, of each part and each replay.
 ///
-/// A channel has the name of its place below `study` in the JSON document, e.g. `replays/0/signals/2/measured`, and the file and
-/// the quantity as its comment. Times are those of each recording, s. `None` where nothing was estimated.
+/// A channel has the name of its place below `study` in the JSON document, e.g. `replays/0/signals/2/measured`, and the
+/// file and the quantity as its comment. Times are those of each recording, s. `None` where nothing was estimated.
 pub fn series(study: &Study) -> Option<Recording> {
     let mut table = Table::default();
     if let Some(controller) = study.speed_controller.estimated() {

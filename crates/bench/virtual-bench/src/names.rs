@@ -20,9 +20,9 @@ pub const CHANNELS: [(Role, &str); 9] = [
     (Role::Throttle, "Throttle"),
 ];
 
-/// Gives the channels of a virtual bench the names that a bench file states, and the units and signs that it says they are
-/// recorded in, so that it reads them as those of the bench. A channel whose role is not stated keeps its name, unless a
-/// stated one has it: then it is called after its role.
+/// Gives the channels of a virtual bench the names that a bench file states, and the units and signs that it says they
+/// are recorded in, so that it reads them as those of the bench. A channel whose role is not stated keeps its name,
+/// unless a stated one has it: then it is called after its role.
 pub fn rename(recording: &mut Recording, stated: &BTreeMap<Role, ChannelMapping>) {
     let is_taken = |name: &str| stated.values().any(|mapping| mapping.name == name);
     let rasters = &recording.rasters;

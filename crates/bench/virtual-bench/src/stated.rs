@@ -73,9 +73,10 @@ pub struct StatedBench {
 }
 
 impl StatedBench {
-    /// The virtual bench of a bench file: the default one, with inertias, cylinders, strokes, variant, torque limit, encoder
-    /// gate and shaft as the file states them, with every field of its table `[virtual_bench]`, and with inertias, shaft, speed
-    /// controller, feed-forward and torque control of `model`, if there is one, in place of all that.
+    /// The virtual bench of a bench file: the default one, with inertias, cylinders, strokes, variant, torque limit,
+    /// encoder gate and shaft as the file states them, with every field of its table `[virtual_bench]`, and with
+    /// inertias, shaft, speed controller, feed-forward and torque control of `model`, if there is one, in place of all
+    /// that.
     ///
     /// # Errors
     /// [`VirtualBenchError`] where the parameters are impossible.
@@ -92,8 +93,8 @@ impl StatedBench {
         Ok(Self { parameters, assumptions, pulses: pulses(file) })
     }
 
-    /// The same with an engine whose pulses recordings show, unless the bench file states them. Pulses of an engine with other cylinders or
-    /// strokes are not used.
+    /// The same with an engine whose pulses recordings show, unless the bench file states them. Pulses of an engine
+    /// with other cylinders or strokes are not used.
     #[must_use]
     pub fn with_pulses(mut self, shown: Option<&EnginePulses>) -> Self {
         let is_of_engine =
@@ -122,8 +123,8 @@ impl StatedBench {
         self.assumptions.iter().filter(matters).copied().collect()
     }
 
-    /// The linear model of this bench. Speed controller and gate of the encoder are those of the model that it was made from, where that
-    /// has them.
+    /// The linear model of this bench. Speed controller and gate of the encoder are those of the model that it was made
+    /// from, where that has them.
     pub fn linear_model(&self, from: Option<&BenchModel>) -> BenchModel {
         let model = BenchModel::of(&self.parameters);
         BenchModel {

@@ -74,7 +74,8 @@ pub fn with_range(value: f64, unit: &str, interval: Option<(f64, f64)>) -> Strin
     format!("{}{space}{unit}{}", to_decimals(value, decimals, 5), range.unwrap_or_default())
 }
 
-/// Decimals after which an interval has two digits of its width; none where numbers are too small or too large for that.
+/// Decimals after which an interval has two digits of its width; none where numbers are too small or too large for
+/// that.
 fn decimals(low: f64, high: f64) -> Option<usize> {
     // Of an interval without width, as of data without noise, −∞.
     let decimals = 1_i32.saturating_sub((high - low).abs().log10().floor() as i32);

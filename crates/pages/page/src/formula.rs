@@ -1,4 +1,5 @@
-//! Formulas as they are typed, in pieces: `{over}/{under}` is a stacked fraction, `^(x)` a power, `T_d` a symbol with an index.
+//! Formulas as they are typed, in pieces: `{over}/{under}` is a stacked fraction, `^(x)` a power, `T_d` a symbol with
+//! an index.
 
 /// A piece of a formula.
 #[derive(Debug, Clone, PartialEq, Eq)]

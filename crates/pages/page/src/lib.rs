@@ -2,10 +2,10 @@
 //!
 //! Pages as data, and their shapes: one HTML file, a PDF, lines of a terminal, Markdown, JSON; figures as SVG and PNG.
 //!
-//! A [`Page`] is headings, text, tables, figures and findings as plain data. Whoever has something to say builds one, and
-//! the renderers here show it: all number formatting and typesetting is theirs. This crate may know nothing of benches,
-//! models or files: it gets text and numbers, and returns text and bytes. It reads no font of the machine, so that pictures
-//! look alike everywhere.
+//! A [`Page`] is headings, text, tables, figures and findings as plain data. Whoever has something to say builds one,
+//! and the renderers here show it: all number formatting and typesetting is theirs. This crate may know nothing of
+//! benches, models or files: it gets text and numbers, and returns text and bytes. It reads no font of the machine, so
+//! that pictures look alike everywhere.
 
 pub mod decimal;
 mod drawing;

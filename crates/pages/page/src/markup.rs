@@ -1,7 +1,8 @@
 //! Text that is safe to put into the page.
 //!
-//! [`markup!`](crate::markup!) works like `format!`, but escapes every argument unless its type is [`Markup`] already. So a file name
-//! cannot become part of the page's structure by being forgotten: only this module and the page's own literals do.
+//! [`markup!`](crate::markup!) works like `format!`, but escapes every argument unless its type is [`Markup`] already.
+//! So a file name cannot become part of the page's structure by being forgotten: only this module and the page's own
+//! literals do.
 
 use std::borrow::Cow;
 use std::fmt;

@@ -45,8 +45,8 @@ impl Symbol {
         &self.0
     }
 
-    /// The symbol in pieces, each with whether it stands below the line. What follows an underscore does, up to the next
-    /// character that is neither letter, digit nor comma.
+    /// The symbol in pieces, each with whether it stands below the line. What follows an underscore does, up to the
+    /// next character that is neither letter, digit nor comma.
     pub fn pieces(&self) -> Vec<(&str, bool)> {
         let mut all = Vec::new();
         let mut rest = self.0.as_str();

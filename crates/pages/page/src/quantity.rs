@@ -115,7 +115,8 @@ impl Quantity {
         Some(Digits { value: digits(self.value), spread, interval, unit: scale.suffix() })
     }
 
-    /// The quantity in pieces for a glance: at most four significant digits, and half of the interval in per cent of the value.
+    /// The quantity in pieces for a glance: at most four significant digits, and half of the interval in per cent of
+    /// the value.
     pub fn short(&self) -> Option<Digits> {
         let Uncertainty::Interval(low, high) = self.uncertainty else { return None };
         let full = self.digits()?;

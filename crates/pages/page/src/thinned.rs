@@ -1,5 +1,5 @@
-//! A figure with as many points as can be seen. Series of one clock and unit keep the same samples, so that a difference that is
-//! drawn is the difference of what is drawn beside it.
+//! A figure with as many points as can be seen. Series of one clock and unit keep the same samples, so that a
+//! difference that is drawn is the difference of what is drawn beside it.
 
 use crate::figure::thin::{kept_indices, steps};
 use crate::figure::{Abscissa, Figure, Layer, Rounded};
@@ -126,7 +126,8 @@ fn joined(skip: Option<&[u32]>, kept: &[usize]) -> Vec<u32> {
     kept.iter().map(step).collect()
 }
 
-/// Indices to keep of series of one length, so that about `most` of each remain. A sample that is kept of one is kept of all.
+/// Indices to keep of series of one length, so that about `most` of each remain. A sample that is kept of one is kept
+/// of all.
 fn kept_together(series: &[Vec<f64>], most: usize) -> Vec<usize> {
     let share = most / series.len().max(1);
     let of_one = |values: &Vec<f64>| kept_indices(values, share).unwrap_or_else(|| (0..values.len()).collect());

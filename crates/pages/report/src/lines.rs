@@ -249,8 +249,8 @@ fn campbell(signal: &OverSpeed) -> Panel {
     Panel::new(axis, MAP_HEIGHT, layers).noted(format!("a shade is {shade_db:.0} dB"))
 }
 
-/// Digits of shades, a string a class of speed, from the lowest frequency up; and how many decibels one is worth. Nothing is
-/// shaded below twice the median, which is noise.
+/// Digits of shades, a string a class of speed, from the lowest frequency up; and how many decibels one is worth.
+/// Nothing is shaded below twice the median, which is noise.
 fn shades(map: &[Vec<f64>]) -> (Vec<String>, f64) {
     let lines = map.iter().map(Vec::len).max().unwrap_or(0);
     let per_row = lines.div_ceil(ROWS).max(1);

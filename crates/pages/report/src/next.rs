@@ -18,7 +18,8 @@ pub struct Choice<'a> {
 }
 
 impl<'a> Choice<'a> {
-    /// The same with the other demand, if that is worth while, in place of one that would reach a limit; `None` if none is left.
+    /// The same with the other demand, if that is worth while, in place of one that would reach a limit; `None` if none
+    /// is left.
     fn that_is_safe(self) -> Option<Choice<'a>> {
         let can_be = |candidate: &Candidate| candidate.is_worth_while() && !candidate.is_unsafe();
         match self.other {

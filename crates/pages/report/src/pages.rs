@@ -60,8 +60,8 @@ pub fn next(found: &NextExperiments) -> Page {
     titled("What to record next", analyses::next_experiment(found))
 }
 
-/// The lines of recordings, `most` a signal; zero counts all. The lines of several recordings are summed up in one table; `each`
-/// shows those of each recording.
+/// The lines of recordings, `most` a signal; zero counts all. The lines of several recordings are summed up in one
+/// table; `each` shows those of each recording.
 pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], (most, each): (usize, bool)) -> Page {
     let tables =
         if each || looks.len() <= 1 { analyses::every_line(looks, most) } else { analyses::summed_up(looks, most) };

@@ -205,8 +205,8 @@ fn propose(proposal: &Proposal) -> Blocks {
     [Block::Table(table), Block::paragraph(sentence)].into_iter().collect()
 }
 
-/// The figures: the distribution of the largest shaft torque (of the torque demand without a shaft), and the amplitudes of a
-/// sine test.
+/// The figures: the distribution of the largest shaft torque (of the torque demand without a shaft), and the amplitudes
+/// of a sine test.
 fn figures(check: &SafetyCheck) -> Vec<Figure> {
     let peak = check
         .checked

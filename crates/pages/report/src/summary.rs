@@ -30,7 +30,8 @@ pub fn range(validity: &Validity) -> Option<String> {
     (!known.is_empty()).then(|| wording::join(&known, "and"))
 }
 
-/// The one thing to do next: what a finding asks for, then what a missing part needs, then a recording that tests the model.
+/// The one thing to do next: what a finding asks for, then what a missing part needs, then a recording that tests the
+/// model.
 pub fn next_step(study: &Study, verdict: &Verdict) -> Prose {
     let error = study.diagnostics.iter().find(|found| found.severity == Severity::Error);
     let missing = not_estimated(study);

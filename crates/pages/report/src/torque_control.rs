@@ -179,7 +179,8 @@ pub fn beyond(recording: &ComparedRecording) -> String {
     format!("Second order, 1/(1 + s/a + κ (s/a)²): {shown}{doubt}")
 }
 
-/// The length of a recording; below a second, which no estimate of this takes, and above a day it says no more than that.
+/// The length of a recording; below a second, which no estimate of this takes, and above a day it says no more than
+/// that.
 pub fn recording_needed(seconds: f64) -> String {
     match seconds {
         ..1.0 => "less than 1 s".to_owned(),
@@ -188,7 +189,8 @@ pub fn recording_needed(seconds: f64) -> String {
     }
 }
 
-/// The first rate and hold that distinguish a loop of second order from a lag, and the least term that any of them shows.
+/// The first rate and hold that distinguish a loop of second order from a lag, and the least term that any of them
+/// shows.
 pub fn first_visible(visibility: &Visibility) -> String {
     let hertz = |case: &VisibilityCase| {
         let held = number::duration(case.hold_s);

@@ -16,8 +16,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) response: &'a Response,
 }
 
-/// Measured outputs and what models make of them, a figure for each recording and output. Models of the same output share
-/// it, whatever their clocks; the measurement is drawn as the first of them met it.
+/// Measured outputs and what models make of them, a figure for each recording and output. Models of the same output
+/// share it, whatever their clocks; the measurement is drawn as the first of them met it.
 pub(crate) fn comparison(models: &[Shown]) -> Vec<Figure> {
     let mut seen: Vec<(usize, &Label)> = Vec::new();
     for model in models {
@@ -67,8 +67,8 @@ fn measurement(models: &[Shown], number: usize, label: &Label) -> Layer {
     models.iter().find_map(of).unwrap_or_else(|| Layer::curve("measured", Style::Measured, &[], &[]))
 }
 
-/// A trace of which every so many samples only are known, as of an output that is slower than the clock, runs from one to
-/// the next; what is missing beyond that is a gap.
+/// A trace of which every so many samples only are known, as of an output that is slower than the clock, runs from one
+/// to the next; what is missing beyond that is a gap.
 fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Layer {
     let known: Vec<usize> = (0..values.len()).filter(|i| !values[*i].is_nan()).collect();
     let steps = || known.windows(2).map(|pair| pair[1] - pair[0]);

@@ -225,8 +225,8 @@ pub(crate) fn listed(bench: &Path, patterns: &[String]) -> Result<Vec<InputFile>
     Ok(files)
 }
 
-/// The files a pattern of a bench file stands for: a file of exactly this name, the recordings of a folder, or else what
-/// the pattern matches.
+/// The files a pattern of a bench file stands for: a file of exactly this name, the recordings of a folder, or else
+/// what the pattern matches.
 fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, CliError> {
     let literal = folder.join(pattern);
     if literal.is_file() {

@@ -1,7 +1,7 @@
 //! The marks by which results of this program are known, so that nothing else is written over.
 //!
-//! Pages, pictures and recordings name the program, the command and the version that made them; exported models and manual
-//! pages the program; documents in JSON have their `format`. Text in columns and Arrow files have no mark.
+//! Pages, pictures and recordings name the program, the command and the version that made them; exported models and
+//! manual pages the program; documents in JSON have their `format`. Text in columns and Arrow files have no mark.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};

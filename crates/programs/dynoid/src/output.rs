@@ -1,7 +1,7 @@
 //! Writing files whole or not at all, and none over a file that must stay.
 //!
-//! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given its
-//! name: whoever looks finds the old file or the new one, never a part.
+//! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given
+//! its name: whoever looks finds the old file or the new one, never a part.
 //!
 //! [`check_replaceable`] is the one rule for files that are there, and every function that writes asks it.
 
@@ -17,8 +17,9 @@ use crate::mark::Mark;
 use crate::paths::is_stream;
 use crate::this_run;
 
-/// The rule for files that are there. A file is replaced if a command made it that makes files of this `mark`, or if the user asks
-/// for it; a file that is read, and a recording of the bench, never. No result is written among measured recordings.
+/// The rule for files that are there. A file is replaced if a command made it that makes files of this `mark`, or if
+/// the user asks for it; a file that is read, and a recording of the bench, never. No result is written among measured
+/// recordings.
 pub(crate) fn check_replaceable(path: &Path, mark: Option<&Mark>) -> Result<(), CliError> {
     if input::is_recording(path)
         && let Some(bench) = input::bench_with_measured(path)
@@ -120,7 +121,8 @@ pub(crate) fn check_file(path: &Path, mark: &Mark) -> Result<(), CliError> {
     }
 }
 
-/// Writes one file, replacing an existing one of the same mark. What is no file, such as a device, is written to and stays what it is.
+/// Writes one file, replacing an existing one of the same mark. What is no file, such as a device, is written to and
+/// stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
     let write = |file: &mut BufWriter<&File>| file.write_all(content).map_err(|source| CliError::write(path, source));
     replace_with(path, Mark::of_content(content).as_ref(), write)

@@ -1,7 +1,7 @@
 //! From named channels of recordings to an [`ident::Dataset`]: one clock, missing samples marked, nothing else changed.
 //!
-//! This is the way in for data that need no bench: no roles, no conversion of units. What was done to a channel to bring
-//! it onto the common clock is said in [`Adjustment`]s.
+//! This is the way in for data that need no bench: no roles, no conversion of units. What was done to a channel to
+//! bring it onto the common clock is said in [`Adjustment`]s.
 
 mod error;
 pub mod inspection;
@@ -25,12 +25,11 @@ use timed::{Clock, Part, Timed};
 ///
 /// A channel that is faster than the data's clock is interpolated after a low-pass filter: of an input, what it does
 /// between its own samples is filtered, and between those of the data it is band-limited, as they then say
-/// ([`Dataset::intersample`]). Samples of an output hold besides what images of a held input above half of its own sample
-/// rate leave: on a clock only twice as long this moved the pole of a lag at 0.06 of its rate by 0.7 %, and on one five
-/// times as long by 0.01 %. An input that is slower is
-/// continued as the options say inputs behave between samples; an output that is slower is known only at the instants
-/// nearest to its samples, and missing between them: values that were not measured are not made up. Missing samples and
-/// NaN stay missing.
+/// ([`Dataset::intersample`]). Samples of an output hold besides what images of a held input above half of its own
+/// sample rate leave: on a clock only twice as long this moved the pole of a lag at 0.06 of its rate by 0.7 %, and on
+/// one five times as long by 0.01 %. An input that is slower is continued as the options say inputs behave between
+/// samples; an output that is slower is known only at the instants nearest to its samples, and missing between them:
+/// values that were not measured are not made up. Missing samples and NaN stay missing.
 ///
 /// # Errors
 /// [`DatasetError`].

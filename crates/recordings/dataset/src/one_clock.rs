@@ -28,12 +28,12 @@ pub struct OnOneClock {
 /// Brings all channels onto one clock, which starts with the first time stamp of all and ends with the last.
 ///
 /// Faster channels go through a low-pass filter without phase shift, slower ones are continued as `between` says, and
-/// states (few different whole numbers) hold their last value: nothing between two states is one. Where a channel has no
-/// sample, before it begins, after it ends and in its gaps, it is NaN.
+/// states (few different whole numbers) hold their last value: nothing between two states is one. Where a channel has
+/// no sample, before it begins, after it ends and in its gaps, it is NaN.
 ///
 /// # Errors
-/// [`DatasetError::SampleTime`] where the clock cannot be used on the recording, why the first channel cannot be brought onto it where no
-/// channel can be brought onto it.
+/// [`DatasetError::SampleTime`] where the clock cannot be used on the recording, why the first channel cannot be
+/// brought onto it where no channel can be brought onto it.
 pub fn on_one_clock(
     file: &str,
     mut recording: Recording,

@@ -20,8 +20,8 @@ const BESIDE_SHARE: f64 = 0.01;
 const LONGEST_SHARE: f64 = 1.5;
 /// A tick this share of a sample time before a sample has the sample's value.
 const NEAR_SHARE: f64 = 1e-4;
-/// The last tick may lie this share of a sample time behind the last sample: two clocks that are the same but for the digits of
-/// their stamps drift apart over a long recording.
+/// The last tick may lie this share of a sample time behind the last sample: two clocks that are the same but for the
+/// digits of their stamps drift apart over a long recording.
 const END_SHARE: f64 = 1e-3;
 
 /// A channel with the samples in the asked-for time that are numbers.
@@ -279,8 +279,8 @@ impl<'r> Timed<'r> {
     }
 
     /// The channel on its own clock, without gaps, through an anti-alias filter where it is `filtered`, and then as a
-    /// band-limited signal at the instants of the data's clock; what lies in a gap is missing. Of an input, what it does
-    /// between its samples is filtered, not the samples alone.
+    /// band-limited signal at the instants of the data's clock; what lies in a gap is missing. Of an input, what it
+    /// does between its samples is filtered, not the samples alone.
     fn resampled(&self, clock: Clock, filtered: Option<Part>) -> Result<Vec<f64>, SignalError> {
         let own = Clock { start_s: self.start_s, sample_time_s: self.sample_time_s, count: self.own_count() };
         let marked = self.straight(own);

@@ -2,12 +2,13 @@
 //!
 //! Measurement files in ASAM MDF, versions 2.x, 3.x and 4.x.
 //!
-//! [`Mdf::open`] reads the structure of a file, not its samples; [`Mdf::read`] reads the samples of the channels that are
-//! asked for, in bounded pieces, so that memory is taken by the answer and not by the file. The bytes come from a
+//! [`Mdf::open`] reads the structure of a file, not its samples; [`Mdf::read`] reads the samples of the channels that
+//! are asked for, in bounded pieces, so that memory is taken by the answer and not by the file. The bytes come from a
 //! [`Source`]: a file, or memory.
 //!
-//! No length, count or link of a file is believed before it is compared with the size of the file; what is damaged is an
-//! [`MdfError`] that says where, and what is cut off or was never closed is read as far as it goes, with a [`Finding`].
+//! No length, count or link of a file is believed before it is compared with the size of the file; what is damaged is
+//! an [`MdfError`] that says where, and what is cut off or was never closed is read as far as it goes, with a
+//! [`Finding`].
 
 mod bytes;
 mod conversion;

@@ -18,27 +18,27 @@
 //! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`write_parquet`, `write_arrow`) |
 //!
 //! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
-//! UTF-16 or Latin-1; bytes of NUL behind it are left out, and said. A heading is one row with a name of time in it, and
-//! up to two more with units and comments; what stands above is the recording's comment, and lines that begin with `#`
-//! or `%` are skipped. Time is a number in the unit that the heading gives, a time of day (past midnight the next
+//! UTF-16 or Latin-1; bytes of NUL behind it are left out, and said. A heading is one row with a name of time in it,
+//! and up to two more with units and comments; what stands above is the recording's comment, and lines that begin with
+//! `#` or `%` are skipped. Time is a number in the unit that the heading gives, a time of day (past midnight the next
 //! day's), or date and time; with a date, seconds count from the first stamp, which is the start time. A column whose
 //! first value is text is skipped, and so is a first column without a name that counts the rows. `1,234` is a decimal
 //! number where some other number of the file shows that digits are not grouped; otherwise, where signs are mixed, and
 //! where a number is beyond what a double holds, the file is refused.
 //!
-//! Each clock is that of the columns up to the next, which may be shorter. The first column named as time is one, unless
-//! it repeats itself and another shows the same time and rises with every row, as seconds do beside a time of day.
-//! Another is one if it is named alike (`time`, `time_2`, `Time (s).1`), or if a word of its name means time
-//! (`time_slow`), it is between channels, and its first rows (of the 200 of the heading and after it) rise, from
-//! about the same time as the first clock's, but faster or slower. It is a channel if it falls or stays, if no channel
+//! Each clock is that of the columns up to the next, which may be shorter. The first column named as time is one,
+//! unless it repeats itself and another shows the same time and rises with every row, as seconds do beside a time of
+//! day. Another is one if it is named alike (`time`, `time_2`, `Time (s).1`), or if a word of its name means time
+//! (`time_slow`), it is between channels, and its first rows (of the 200 of the heading and after it) rise, from about
+//! the same time as the first clock's, but faster or slower. It is a channel if it falls or stays, if no channel
 //! follows it, if it counts the same time from elsewhere, if it is the same to the last row, or if its name ends in
 //! `_channel`. What may be either is refused.
 //!
-//! The masters of MDF are in seconds; one that says otherwise is read so all the same, and named. Groups without a master
-//! are left out, unless the distance of samples is given.
+//! The masters of MDF are in seconds; one that says otherwise is read so all the same, and named. Groups without a
+//! master are left out, unless the distance of samples is given.
 //!
-//! Numbers as large as the milliseconds, microseconds or nanoseconds since 1970 are read as such, whatever unit is stated:
-//! seconds count from the first, which is the start time, and it is said.
+//! Numbers as large as the milliseconds, microseconds or nanoseconds since 1970 are read as such, whatever unit is
+//! stated: seconds count from the first, which is the start time, and it is said.
 //!
 //! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
 //! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its
@@ -49,14 +49,14 @@
 //! is a vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in
 //! the same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows,
 //! holds its channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is
-//! in seconds, unless its name, a text beside it (`time_unit`; in HDF5 its attribute `unit`), or else a sampling rate or
-//! time beside it, says otherwise; what is no unit of time, or not the one in its name, is refused. A capital `T` is no
-//! clock.
+//! in seconds, unless its name, a text beside it (`time_unit`; in HDF5 its attribute `unit`), or else a sampling rate
+//! or time beside it, says otherwise; what is no unit of time, or not the one in its name, is refused. A capital `T` is
+//! no clock.
 //!
-//! Of the objects of MATLAB, tables and timetables are read, like structs of their columns. The times of a timetable's rows
-//! are its clock, and so is the only column of times in a table; elsewhere durations and dates are read where they are
-//! named like a clock. Dates count from the first of the file, which is the start time. How others are stored, as time
-//! series, nobody has published: they are named, with what to save instead.
+//! Of the objects of MATLAB, tables and timetables are read, like structs of their columns. The times of a timetable's
+//! rows are its clock, and so is the only column of times in a table; elsewhere durations and dates are read where they
+//! are named like a clock. Dates count from the first of the file, which is the start time. How others are stored, as
+//! time series, nobody has published: they are named, with what to save instead.
 
 #[cfg(feature = "parquet")]
 mod arrow;
@@ -126,9 +126,9 @@ fn with_duplicates(mut recording: Recording) -> Recording {
 }
 
 /// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, groups of MDF without a
-/// master, and the arrays of a MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length
-/// share a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may
-/// separate its columns.
+/// master, and the arrays of a MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0;
+/// arrays of the same length share a raster. Such text needs no heading either (its columns are then `column 1`,
+/// `column 2`, …), and blanks may separate its columns.
 ///
 /// # Errors
 ///
@@ -149,8 +149,8 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 /// Lists the channels of a measurement file without their samples.
 ///
 /// Only what is listed is read: of MDF, Parquet, Arrow and HDF5 the structure, of MAT-files also what gives the clocks
-/// and what is small, of text the first megabytes. Where longer text goes on after them, nothing is said of the number of
-/// its samples, and a column that is empty up to there is taken for a channel.
+/// and what is small, of text the first megabytes. Where longer text goes on after them, nothing is said of the number
+/// of its samples, and a column that is empty up to there is taken for a channel.
 ///
 /// # Errors
 ///
@@ -168,12 +168,12 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
     catalogue_from(name, Arc::new(bytes.to_vec()))
 }
 
-/// Decodes as [`decode`] does, or as [`decode_untimed`] where the distance of rows is given, from a source, which is read
-/// in pieces: memory is taken by the channels that are selected, and not by the file.
+/// Decodes as [`decode`] does, or as [`decode_untimed`] where the distance of rows is given, from a source, which is
+/// read in pieces: memory is taken by the channels that are selected, and not by the file.
 ///
-/// Beyond that it takes some tens of megabytes; for tables in MAT-files what the file keeps of all its objects (level 5) or
-/// their other columns (7.3), for arrays whose rows are the channels as much again, and for compressed Arrow a column of a
-/// batch.
+/// Beyond that it takes some tens of megabytes; for tables in MAT-files what the file keeps of all its objects (level
+/// 5) or their other columns (7.3), for arrays whose rows are the channels as much again, and for compressed Arrow a
+/// column of a batch.
 ///
 /// `context` is the step of reading.
 ///
@@ -200,8 +200,8 @@ pub fn decode_from(
     recording.map(epoch::counted_from_first).map(with_duplicates)
 }
 
-/// Lists as [`catalogue`] does, from a source. The samples of an MDF file are read where records of several groups have to
-/// be counted, since the file was never closed.
+/// Lists as [`catalogue`] does, from a source. The samples of an MDF file are read where records of several groups have
+/// to be counted, since the file was never closed.
 ///
 /// # Errors
 ///

@@ -217,7 +217,8 @@ impl StartTime {
     pub fn day(&self) -> String {
         let offset_min = if self.is_local { 0 } else { self.utc_offset_min.unwrap_or(0) };
         let seconds = self.nanoseconds.div_euclid(1_000_000_000) + 60 * i64::from(offset_min);
-        // Days since 0000-03-01 to year, month and day: H. Hinnant, "chrono-compatible low-level date algorithms", civil_from_days.
+        // Days since 0000-03-01 to year, month and day: H. Hinnant, "chrono-compatible low-level date algorithms",
+        // civil_from_days.
         let days = seconds.div_euclid(86_400) + 719_468;
         let era = days.div_euclid(146_097);
         let day_of_era = days.rem_euclid(146_097);
@@ -240,8 +241,8 @@ pub enum Selection {
     /// The channels of these names (all of them, where a name occurs more than once); a name that is not in the
     /// file is an error.
     Names(Vec<String>),
-    /// The numeric channels whose names fit one of these patterns, in which `*` stands for any characters and `?` for one
-    /// (a name fits itself, whatever is in it); a pattern that fits no name in the file is an error.
+    /// The numeric channels whose names fit one of these patterns, in which `*` stands for any characters and `?` for
+    /// one (a name fits itself, whatever is in it); a pattern that fits no name in the file is an error.
     Patterns(Vec<String>),
 }
 

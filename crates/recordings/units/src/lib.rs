@@ -3,8 +3,8 @@
 //! Unit strings as benches write them, and the one place where numbers become SI.
 //!
 //! Spelling is read leniently: letter case, spaces, multiplication signs and brackets do not matter, so `N·m`, `N*m`,
-//! `N.m` and `[Nm]` are one unit. What cannot be determined for sure is an error: `Hz` on a speed may mean revolutions or
-//! radians a second, and an empty unit may mean anything.
+//! `N.m` and `[Nm]` are one unit. What cannot be determined for sure is an error: `Hz` on a speed may mean revolutions
+//! or radians a second, and an empty unit may mean anything.
 
 mod quantity;
 mod table;
@@ -108,7 +108,8 @@ pub fn may_be_same(one: &str, other: &str) -> bool {
 ///
 /// # Errors
 ///
-/// [`UnitError`] as [`parse_unit`], and if the unit measures something else. For an unknown unit it names those of `quantity`.
+/// [`UnitError`] as [`parse_unit`], and if the unit measures something else. For an unknown unit it names those of
+/// `quantity`.
 pub fn parse_unit_of(text: &str, quantity: Quantity) -> Result<Unit, UnitError> {
     let of_quantity = |text: String| {
         let closest = closest_units(&normalised(&text), |unit| unit.quantity == quantity);
@@ -139,8 +140,8 @@ pub fn parse_value(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     Ok(parse_unit_of(unit, quantity)?.to_si(number))
 }
 
-/// Reads a frequency, such as `18 Hz`, in Hz. Only where nothing but cycles a second can be meant: of a speed `Hz` has two
-/// meanings.
+/// Reads a frequency, such as `18 Hz`, in Hz. Only where nothing but cycles a second can be meant: of a speed `Hz` has
+/// two meanings.
 ///
 /// # Errors
 ///

@@ -73,8 +73,8 @@ impl Quantity {
         Quantity::Speed,
     ];
 
-    /// The largest magnitude that a channel of this quantity reaches at a bench, in SI; `None` for quantities that no role
-    /// has.
+    /// The largest magnitude that a channel of this quantity reaches at a bench, in SI; `None` for quantities that no
+    /// role has.
     pub fn largest_at_a_bench(self) -> Option<f64> {
         match self {
             Quantity::AngularSpeed => Some(3000.0),

@@ -78,8 +78,8 @@ pub fn bench() -> Bench {
     }
 }
 
-/// The simulated test with the channel names and units of a bench, in the order N_d, N_e, N_d*, T_d*, T_d,calc, T_d,meas,
-/// T_shaft.
+/// The simulated test with the channel names and units of a bench, in the order N_d, N_e, N_d*, T_d*, T_d,calc,
+/// T_d,meas, T_shaft.
 pub fn named(names: [&str; 7], speed_unit: &str, torque_unit: &str) -> Recording {
     let b = bench();
     recording(

@@ -51,8 +51,8 @@ pub struct Drive {
     pub limit_nm: f64,
 }
 
-/// Speed controller, updated every millisecond: T_d* = K_p e + K_i ∫e dt + k N_d* + m + k_a dN_d*/dt with the error e = N_d − N_d*, of
-/// which N_d is late by τ, and N_d* too where the delay is on the demand.
+/// Speed controller, updated every millisecond: T_d* = K_p e + K_i ∫e dt + k N_d* + m + k_a dN_d*/dt with the error e =
+/// N_d − N_d*, of which N_d is late by τ, and N_d* too where the delay is on the demand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     /// K_p, Nm s/rad.

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! [`draw`] draws a [`Bench`], [`run`] runs a [`Demand`] on it, and [`campaign`] makes the recordings that a study needs.
-//! SI throughout; torques of the dynamometer brake where they are positive.
+//! [`draw`] draws a [`Bench`], [`run`] runs a [`Demand`] on it, and [`campaign`] makes the recordings that a study
+//! needs. SI throughout; torques of the dynamometer brake where they are positive.
 
 pub mod bench;
 pub mod campaign;

@@ -1,7 +1,7 @@
 //! Resources of tests from outside the project: recordings and reference data, and a Python to compare with.
 //!
-//! A test that cannot have them does not pass in silence: it is counted as skipped, and `cargo xtask check` prints how many
-//! were, and why.
+//! A test that cannot have them does not pass in silence: it is counted as skipped, and `cargo xtask check` prints how
+//! many were, and why.
 #![allow(clippy::print_stderr, reason = "a test says that it is skipped")]
 
 use std::ffi::OsString;

@@ -140,9 +140,9 @@ where
         near(&self.response(&fit.model)?, &self.truth()?, self.case.noisy_tolerance)
     }
 
-    /// Residuals from the fit's own initial states give its loss, and are what one-step prediction leaves. An estimator that
-    /// counts fewer samples than there are may have left out the first ones, whose past it does not know; if it gives initial
-    /// states all the same, these suit the first ones too, which may cost what a few samples weigh.
+    /// Residuals from the fit's own initial states give its loss, and are what one-step prediction leaves. An estimator
+    /// that counts fewer samples than there are may have left out the first ones, whose past it does not know; if it
+    /// gives initial states all the same, these suit the first ones too, which may cost what a few samples weigh.
     fn loss_is_that_of_its_residuals(&self) -> Verdict {
         let data = self.data(1.0, 3)?;
         let fit = self.fit(&data)?;

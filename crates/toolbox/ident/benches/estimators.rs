@@ -1,7 +1,7 @@
 //! Times of the estimators, and their distances from the truth: `cargo xtask bench`.
 //!
-//! One input that is −1 or 1, held for three samples; white Gaussian noise of standard deviation 0.5; three outputs of the
-//! same input and noise, so that every structure has data that it can describe:
+//! One input that is −1 or 1, held for three samples; white Gaussian noise of standard deviation 0.5; three outputs of
+//! the same input and noise, so that every structure has data that it can describe:
 //!
 //! | output | equation |
 //! | --- | --- |

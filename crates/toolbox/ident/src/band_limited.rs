@@ -1,8 +1,8 @@
 //! Band-limited inputs between their samples.
 //!
-//! No recursion in the samples alone is exact for an input without content above half the sample rate: what it does within
-//! an interval depends on samples far before and after. So its course in each interval is made an input of several
-//! columns, the coefficients of a polynomial, and systems in continuous time are sampled exactly under that.
+//! No recursion in the samples alone is exact for an input without content above half the sample rate: what it does
+//! within an interval depends on samples far before and after. So its course in each interval is made an input of
+//! several columns, the coefficients of a polynomial, and systems in continuous time are sampled exactly under that.
 
 use std::borrow::Cow;
 
@@ -14,8 +14,8 @@ use signal::resample::{Interpolation, interpolate_at};
 
 use crate::{Dataset, Experiment, IdentError, Intersample};
 
-/// Coefficients of the polynomial in each interval: at 0.45 of the sample rate the rest is some 4e-5 of the amplitude, at
-/// 0.3 of it 1e-6.
+/// Coefficients of the polynomial in each interval: at 0.45 of the sample rate the rest is some 4e-5 of the amplitude,
+/// at 0.3 of it 1e-6.
 pub(crate) const COEFFICIENTS: usize = 7;
 
 /// Samples on either side that the interpolation looks at, so that rows nearer to an end rest on a guess beyond it.
@@ -142,8 +142,8 @@ fn beyond(u: &[f64], index: i64, at_rest: bool) -> f64 {
     }
 }
 
-/// Data as a search over models in continuous time needs them: band-limited inputs by their courses, and no outputs where
-/// these rest on a guess beyond the end. Rows so near to the beginning are for the search to leave out.
+/// Data as a search over models in continuous time needs them: band-limited inputs by their courses, and no outputs
+/// where these rest on a guess beyond the end. Rows so near to the beginning are for the search to leave out.
 pub(crate) struct Ground<'a> {
     /// The data as they came.
     pub(crate) plain: &'a Dataset,

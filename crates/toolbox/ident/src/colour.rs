@@ -1,16 +1,16 @@
 //! The covariance of an estimate whose errors are coloured although its model takes them for white.
 //!
 //! To first order `θ̂ − θ = (JᵀJ)⁻¹ Jᵀ v`, so that the covariance is `(JᵀJ)⁻¹ JᵀRJ (JᵀJ)⁻¹` with `R` the covariance of
-//! the errors `v` in time. Their autocorrelation is that of an autoregression fitted to the residuals, of an order chosen
-//! by Akaike's criterion: none where they look white, and the covariance is the usual one then. Where its errors `e` change
-//! in size over time, `R` has their variance at each instant.
+//! the errors `v` in time. Their autocorrelation is that of an autoregression fitted to the residuals, of an order
+//! chosen by Akaike's criterion: none where they look white, and the covariance is the usual one then. Where its errors
+//! `e` change in size over time, `R` has their variance at each instant.
 //!
 //! It holds where `J` does not depend on `v`, as for errors of a simulation in open loop.
 //!
 //! # Source
-//! Ljung 1999, (9.42)–(9.44) for the covariance; Whittle, *On the fitting of multivariate autoregressions*, Biometrika 50,
-//! 1963, for the recursion; Berk, *Consistent autoregressive spectral estimates*, Ann. Statist. 2, 1974, for how certain
-//! the spectrum is.
+//! Ljung 1999, (9.42)–(9.44) for the covariance; Whittle, *On the fitting of multivariate autoregressions*, Biometrika
+//! 50, 1963, for the recursion; Berk, *Consistent autoregressive spectral estimates*, Ann. Statist. 2, 1974, for how
+//! certain the spectrum is.
 
 use faer::{Mat, MatRef};
 use numerics::linalg::{self, Cholesky};
@@ -101,7 +101,8 @@ impl Colour {
     /// independent row does.
     ///
     /// # Source
-    /// Bartlett, *Some aspects of the time-correlation problem in regard to tests of significance*, J. R. Stat. Soc. 98, 1935.
+    /// Bartlett, *Some aspects of the time-correlation problem in regard to tests of significance*, J. R. Stat. Soc.
+    /// 98, 1935.
     pub(crate) fn rows_per_independent(&self) -> f64 {
         let moments = self.autocovariances(REACH);
         let at = |moment: &Mat<f64>| moment[(0, 0)] / moments[0][(0, 0)];
@@ -114,8 +115,9 @@ impl Colour {
     }
 }
 
-/// The covariance under coloured errors, with no variance less than under white ones: of short records the residuals look more
-/// opposed from sample to sample than the errors are, since the fit has taken out what is slow. Correlations stay.
+/// The covariance under coloured errors, with no variance less than under white ones: of short records the residuals
+/// look more opposed from sample to sample than the errors are, since the fit has taken out what is slow. Correlations
+/// stay.
 pub(crate) fn no_less_than(white: &Mat<f64>, coloured: &Mat<f64>) -> Mat<f64> {
     let n = coloured.nrows();
     let ratio = |j: usize| (white[(j, j)] / coloured[(j, j)]).sqrt();
@@ -366,8 +368,8 @@ mod tests {
 
     use super::*;
 
-    /// Two outputs of a vector autoregression with a correlation that looks different backwards, and its `R(0), R(1), …`
-    /// by summing the responses.
+    /// Two outputs of a vector autoregression with a correlation that looks different backwards, and its
+    /// `R(0), R(1), …` by summing the responses.
     fn coloured(samples: usize) -> (Vec<f64>, Vec<Mat<f64>>) {
         let a = mat![[0.7, 0.4], [-0.3, 0.5]];
         let root = mat![[1.0, 0.0], [0.5, 0.8]];

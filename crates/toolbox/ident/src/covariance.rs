@@ -45,8 +45,8 @@ pub(crate) fn middle_of_batches(sums: &Mat<f64>) -> Mat<f64> {
     faer::Scale(batches / (batches - 1.0)) * (sums.transpose() * sums)
 }
 
-/// The batched sandwich, but for no parameter less than the covariance under white residuals: a parameter whose data lie
-/// in one batch, such as an initial state, has no scatter between batches to be judged by.
+/// The batched sandwich, but for no parameter less than the covariance under white residuals: a parameter whose data
+/// lie in one batch, such as an initial state, has no scatter between batches to be judged by.
 ///
 /// Returns the covariance and the degrees of freedom to use with it.
 ///

@@ -33,8 +33,8 @@ impl Correlation {
     }
 }
 
-/// `S` with `S Sᵀ = P`, one column for each direction in which P is not zero. Negative variances, which rounding leaves, count
-/// as zero; the scale of each parameter is taken off first, so that units do not decide what is small.
+/// `S` with `S Sᵀ = P`, one column for each direction in which P is not zero. Negative variances, which rounding
+/// leaves, count as zero; the scale of each parameter is taken off first, so that units do not decide what is small.
 pub(crate) fn root(p: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     root_above(p, 0.0)
 }
@@ -48,8 +48,8 @@ fn root_above(p: &Mat<f64>, tolerance: f64) -> Result<Mat<f64>, IdentError> {
     Ok(Mat::from_fn(p.nrows(), kept.len(), |i, k| c.deviations[i] * c.vectors[(i, kept[k])] * c.values[kept[k]].sqrt()))
 }
 
-/// As [`root`], without the directions that are there by rounding alone: eigenvalues of a matrix of order n have errors of n
-/// units in the last place of the largest.
+/// As [`root`], without the directions that are there by rounding alone: eigenvalues of a matrix of order n have errors
+/// of n units in the last place of the largest.
 pub(crate) fn root_beyond_rounding(p: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     root_above(p, p.nrows() as f64 * f64::EPSILON)
 }

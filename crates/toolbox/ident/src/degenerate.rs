@@ -8,8 +8,8 @@ use crate::{Dataset, Doubt, Fit, Triangle};
 
 /// Unexplained part of an input, relative to its variation, below which it counts as a combination of others.
 const SAME_INPUT: f64 = 1e-11;
-/// As much is left of one that was written with six digits, as a part of its size with its mean; a larger part of its variation
-/// than the other is not rounding.
+/// As much is left of one that was written with six digits, as a part of its size with its mean; a larger part of its
+/// variation than the other is not rounding.
 const WRITTEN: f64 = 1e-6;
 const MOST_ROUNDED: f64 = 1e-4;
 /// Shares of an input below this are rounding.
@@ -85,8 +85,8 @@ pub(crate) fn dependent_inputs(data: &Dataset) -> Vec<Combination> {
     // The first row is the mean: what varies lies below it.
     let varying = |j: usize| (1..=j).map(|i| factor[(i, j)].powi(2)).sum::<f64>().sqrt();
     let mut found = Vec::new();
-    // Columns that do not depend on those before them, the constant first. Others are left out: beside them a later column
-    // would look dependent too.
+    // Columns that do not depend on those before them, the constant first. Others are left out: beside them a later
+    // column would look dependent too.
     let mut independent = vec![0];
     for j in 1..=m {
         let own = factor_of(&factor, &[independent.as_slice(), &[j]].concat());

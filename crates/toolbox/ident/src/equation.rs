@@ -28,8 +28,8 @@ pub(crate) struct Solution {
 }
 
 /// Solves one equation: least squares where instruments and regressors are the same, otherwise two-stage least squares
-/// `θ = (Φ̂ᵀΦ̂)⁻¹Φ̂ᵀy` with `Φ̂` the projection of `Φ` on the instruments, which is `(ZᵀΦ)⁻¹Zᵀy` where there are as many
-/// instruments as regressors. `factor` is the triangular factor of all columns.
+/// `θ = (Φ̂ᵀΦ̂)⁻¹Φ̂ᵀy` with `Φ̂` the projection of `Φ` on the instruments, which is `(ZᵀΦ)⁻¹Zᵀy` where there are as
+/// many instruments as regressors. `factor` is the triangular factor of all columns.
 ///
 /// # Errors
 /// [`IdentError::RankDeficient`] where regressors or instruments are collinear, or unrelated to each other.

@@ -10,10 +10,10 @@ use crate::{Dataset, Experiment, IdentError};
 
 /// How to look for excitation.
 ///
-/// The inputs `u` (m of them) are persistently exciting of order `n` where the covariance of
-/// `[u(t−1) … u(t−n)]`, m·n wide, is non-singular: then the coefficients of any finite impulse response of `n` lags from
-/// each input can be separated. With one input, k sines excite up to order 2k, and a constant adds one; means are left in,
-/// so take the trend off first where the model does not have to explain it.
+/// The inputs `u` (m of them) are persistently exciting of order `n` where the covariance of `[u(t−1) … u(t−n)]`, m·n
+/// wide, is non-singular: then the coefficients of any finite impulse response of `n` lags from each input can be
+/// separated. With one input, k sines excite up to order 2k, and a constant adds one; means are left in, so take the
+/// trend off first where the model does not have to explain it.
 ///
 /// Inputs are scaled to a root mean square of one. An order counts while the smallest singular value of the scaled
 /// regressor, divided by √rows, exceeds `tolerance` and, where the inputs carry noise (a quantised or measured input),
@@ -71,8 +71,8 @@ impl ExcitationOptions {
         self.of(data, data.inputs(), |e| (0..e.inputs.ncols()).map(|k| e.input(k)).collect())
     }
 
-    /// The excitation by inputs and outputs together: whether the data suffice for a model with past outputs among
-    /// its regressors. Under feedback by a simple regulator without external signals they do not, however lively they look.
+    /// The excitation by inputs and outputs together: whether the data suffice for a model with past outputs among its
+    /// regressors. Under feedback by a simple regulator without external signals they do not, however lively they look.
     ///
     /// # Errors
     /// Those of [`ExcitationOptions::of_inputs`].

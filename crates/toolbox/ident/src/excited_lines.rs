@@ -40,7 +40,8 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// The fewest lines without which less than `share` of the power of an input behind a system is left, at most [`MOST`].
+    /// The fewest lines without which less than `share` of the power of an input behind a system is left, at most
+    /// [`MOST`].
     pub(crate) fn of(data: &Dataset, input: usize, system: Option<&TransferFunction>, share: f64) -> Self {
         let mut courses = bridged(courses(data, input));
         courses.sort_by_key(|x| std::cmp::Reverse(x.len()));
@@ -78,8 +79,8 @@ fn courses(data: &Dataset, input: usize) -> Vec<Vec<f64>> {
     courses
 }
 
-/// Missing samples made of those before them by the recursion that all of the data follow best. That is exact for a sum of
-/// few lines, which would otherwise leak over all frequencies.
+/// Missing samples made of those before them by the recursion that all of the data follow best. That is exact for a sum
+/// of few lines, which would otherwise leak over all frequencies.
 fn bridged(mut courses: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let Some(recursion) = recursion(&courses) else { return courses };
     for course in &mut courses {

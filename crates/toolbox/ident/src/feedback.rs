@@ -16,8 +16,8 @@ const OWN_LAGS: isize = 20;
 /// The probability of finding feedback in data without any, for all channels together.
 const FALSE_ALARMS: f64 = 1e-3;
 
-/// Parts of a residual and of an input below these do not count: the bias is small then, and what a model of a wrong order
-/// leaves under an input that is predictable, such as a multisine, looks like that.
+/// Parts of a residual and of an input below these do not count: the bias is small then, and what a model of a wrong
+/// order leaves under an input that is predictable, such as a multisine, looks like that.
 const OF_RESIDUAL: f64 = 5e-3;
 const OF_INPUT: f64 = 1e-3;
 
@@ -37,13 +37,13 @@ impl<M: LinearModel> Fit<M> {
     }
 }
 
-/// The inputs that follow the residual of an output (samples × outputs for each experiment), and those that go with it in
-/// the same sample where the model has no direct way, `direct` being zero.
+/// The inputs that follow the residual of an output (samples × outputs for each experiment), and those that go with it
+/// in the same sample where the model has no direct way, `direct` being zero.
 ///
-/// Future inputs explain the residual beyond what its own past and present and past inputs do, and the residual explains
-/// the input beyond what the input's own past does. In open loop they cannot, however the inputs are made. An input that
-/// repeats without noise is in open loop. The input of the same sample explains it beyond past inputs where a controller
-/// without delay acts, or where the input acts at once: data cannot separate the two.
+/// Future inputs explain the residual beyond what its own past and present and past inputs do, and the residual
+/// explains the input beyond what the input's own past does. In open loop they cannot, however the inputs are made. An
+/// input that repeats without noise is in open loop. The input of the same sample explains it beyond past inputs where
+/// a controller without delay acts, or where the input acts at once: data cannot separate the two.
 ///
 /// # Source
 /// Sims, *Money, income, and causality*, Am. Econ. Rev. 62, 1972; Geweke, Meese & Dent, *Comparing alternative tests of

@@ -7,8 +7,8 @@ use crate::band_limited::BandLimitedForm;
 use crate::data::check_clock;
 use crate::{Dataset, Experiment, IdentError, Intersample, Origin, Termination};
 
-/// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
-/// sampled models — goes through it.
+/// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands,
+/// ellipses, sampled models — goes through it.
 pub trait Parametric: Clone {
     /// θ, in a fixed order.
     fn parameters(&self) -> Vec<f64>;
@@ -31,9 +31,9 @@ pub trait LinearModel: Sync {
     /// Number of outputs.
     fn outputs(&self) -> usize;
 
-    /// The model in innovations form on a sample time. Models in continuous time are discretised exactly under inputs that
-    /// are held or straight. Under band-limited ones no form in the samples is exact: theirs is that of straight inputs,
-    /// whose gain at ω is lower by the part (ωT)²/12, while estimates, [`prediction`](crate::prediction) and
+    /// The model in innovations form on a sample time. Models in continuous time are discretised exactly under inputs
+    /// that are held or straight. Under band-limited ones no form in the samples is exact: theirs is that of straight
+    /// inputs, whose gain at ω is lower by the part (ωT)²/12, while estimates, [`prediction`](crate::prediction) and
     /// [`validate`](crate::validate) go by [`LinearModel::band_limited`].
     ///
     /// # Errors
@@ -60,7 +60,8 @@ pub struct Fit<M> {
     pub degrees_of_freedom: f64,
     /// Covariance of the one-step prediction errors, outputs × outputs, degrees of freedom taken off.
     pub noise_covariance: Mat<f64>,
-    /// The determinant of the mean of `ε(t) ε(t)ᵀ`; the mean squared prediction error for one output. Criteria build on it.
+    /// The determinant of the mean of `ε(t) ε(t)ᵀ`; the mean squared prediction error for one output. Criteria build on
+    /// it.
     pub loss: f64,
     /// Rows of prediction errors that the estimate rests on.
     pub samples: usize,
@@ -68,8 +69,8 @@ pub struct Fit<M> {
     pub free_parameters: usize,
     /// The initial state of the innovations form, for each experiment; empty where the method needs none.
     pub initial_states: Vec<Vec<f64>>,
-    /// The constants that were estimated beside the model: for each experiment one an output. Empty where none were; then the
-    /// outputs are those of the model alone.
+    /// The constants that were estimated beside the model: for each experiment one an output. Empty where none were;
+    /// then the outputs are those of the model alone.
     pub levels: Vec<Vec<f64>>,
     /// How the search ended.
     pub termination: Termination,
@@ -105,11 +106,11 @@ pub enum Doubt {
     },
     /// Inputs are taken to have been, before each record, what they are at its first sample.
     HeldBefore,
-    /// The outputs refute that inputs were, before each record, what they are at its first sample; the estimate assumes it all
-    /// the same, since the rows that do without are too few.
+    /// The outputs refute that inputs were, before each record, what they are at its first sample; the estimate assumes
+    /// it all the same, since the rows that do without are too few.
     HeldBeforeRefuted,
-    /// The profile of a parameter shows smaller errors of an output with other parameters, where no estimate was possible: the
-    /// intervals are those of the covariance, and too narrow.
+    /// The profile of a parameter shows smaller errors of an output with other parameters, where no estimate was
+    /// possible: the intervals are those of the covariance, and too narrow.
     NotTheLeast {
         /// Index of the output.
         output: usize,
@@ -145,8 +146,8 @@ pub enum Doubt {
         /// Index of the output.
         output: usize,
     },
-    /// The search stopped where a root of a polynomial would cross the unit circle, as one polynomial too long makes it: the
-    /// numbers hold, short of a minimum that does not exist.
+    /// The search stopped where a root of a polynomial would cross the unit circle, as one polynomial too long makes
+    /// it: the numbers hold, short of a minimum that does not exist.
     RootAtEdge {
         /// Index of the output.
         output: usize,
@@ -161,31 +162,33 @@ pub enum Doubt {
         /// The polynomial that nearly cancels it.
         cancelled_by: Option<char>,
     },
-    /// The model, simulated or predicted one step ahead, leaves nearly all of an output of the estimation data unexplained.
+    /// The model, simulated or predicted one step ahead, leaves nearly all of an output of the estimation data
+    /// unexplained.
     ExplainsLittle {
         /// Index of the output.
         output: usize,
         /// True if only the simulation leaves so much; otherwise the prediction does too.
         simulated: bool,
     },
-    /// An input follows what the model leaves of an output, as under feedback, and the method takes inputs for independent of
-    /// the noise: the estimate is biased.
+    /// An input follows what the model leaves of an output, as under feedback, and the method takes inputs for
+    /// independent of the noise: the estimate is biased.
     Feedback {
         /// Index of the output.
         output: usize,
         /// Index of the input.
         input: usize,
     },
-    /// An input goes with what the model leaves of an output in the same sample, and the model has no way for that: the input
-    /// acts at once, or follows the output within the sample, as a controller's output does. Then the estimate is biased.
+    /// An input goes with what the model leaves of an output in the same sample, and the model has no way for that: the
+    /// input acts at once, or follows the output within the sample, as a controller's output does. Then the estimate is
+    /// biased.
     WithinSample {
         /// Index of the output.
         output: usize,
         /// Index of the input.
         input: usize,
     },
-    /// An input has so few lines of frequency, each of which gives a gain and a phase, that it does not separate delay and
-    /// dynamics of this structure.
+    /// An input has so few lines of frequency, each of which gives a gain and a phase, that it does not separate delay
+    /// and dynamics of this structure.
     FewLines {
         /// Index of the input.
         input: usize,

@@ -25,8 +25,8 @@ use crate::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimi
 /// Highest order of derivative used.
 pub const ORDERS: usize = 3;
 
-/// Part of the window at each end in which it rises from zero and falls again. A short rise leaves the data their weight; a
-/// long one keeps what is not in the equation, such as lines of sensors, together.
+/// Part of the window at each end in which it rises from zero and falls again. A short rise leaves the data their
+/// weight; a long one keeps what is not in the equation, such as lines of sensors, together.
 const TAPER: f64 = 0.2;
 
 /// ∫h²/T: a rise sin²(πx/2), 0 < x < 1, has 3/8 of what it would have at one.
@@ -82,7 +82,8 @@ pub struct Modulated {
 impl Modulated {
     /// Transforms `signal` over `window`, up to bin `last_bin`.
     ///
-    /// The signal's mean over the window is removed first: of a constant, hardly anything is left beyond the lowest bins.
+    /// The signal's mean over the window is removed first: of a constant, hardly anything is left beyond the lowest
+    /// bins.
     ///
     /// # Errors
     /// The signal does not cover the window, or `last_bin` is beyond its Nyquist frequency.
@@ -130,8 +131,8 @@ pub struct Samples {
     pub sample_time_s: f64,
 }
 
-/// The samples of a signal in a window. A clock that does not divide the window evenly, because it drifts against that of
-/// the other signals, is replaced by the nearest one that does, by band-limited interpolation.
+/// The samples of a signal in a window. A clock that does not divide the window evenly, because it drifts against that
+/// of the other signals, is replaced by the nearest one that does, by band-limited interpolation.
 ///
 /// # Errors
 /// The signal does not cover the window.
@@ -150,8 +151,8 @@ pub fn samples_in(signal: &Signal, window: Window) -> Result<Samples, IdentError
     Ok(Samples { values, offset_s: 0.0, sample_time_s })
 }
 
-/// h and its derivatives at so many instants of a window of length `duration_s`, given as parts of it: it rises as sin²(πx/2) over the
-/// first [`TAPER`] of its length, is one, and falls over the last; neither it nor its slope jumps.
+/// h and its derivatives at so many instants of a window of length `duration_s`, given as parts of it: it rises as
+/// sin²(πx/2) over the first [`TAPER`] of its length, is one, and falls over the last; neither it nor its slope jumps.
 fn window_derivatives(first: f64, step: f64, count: usize, duration_s: f64) -> Vec<[f64; ORDERS]> {
     let (rate, end) = (PI / (TAPER * duration_s), Complex64::cis(PI / TAPER));
     let at = |(i, turning): (usize, Complex64)| {
@@ -233,8 +234,9 @@ pub trait Equation {
     /// Parameters.
     const PARAMETERS: usize;
 
-    /// Writes the coefficient of s^n of P_i at s = jω into `polynomials[i][n]`, and adds the derivatives that are not zero to
-    /// `slopes`, which is empty, where these are wanted. Coefficients may themselves depend on s (delays, gates).
+    /// Writes the coefficient of s^n of P_i at s = jω into `polynomials[i][n]`, and adds the derivatives that are not
+    /// zero to `slopes`, which is empty, where these are wanted. Coefficients may themselves depend on s (delays,
+    /// gates).
     fn coefficients(
         &self,
         s: Complex64,
@@ -328,7 +330,8 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         ErrorsInVariables { equation, signals, window, bins, priors, weights: &[], scale: 1.0, at_bin }
     }
 
-    /// With a weight for each bin: one over the standard deviation of e/σ there, where the equation leaves more than the noise.
+    /// With a weight for each bin: one over the standard deviation of e/σ there, where the equation leaves more than
+    /// the noise.
     #[must_use]
     pub fn with_weights(self, weights: &'a [f64]) -> Self {
         ErrorsInVariables { weights, ..self }
@@ -338,8 +341,8 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         self.weights.get(k).copied().unwrap_or(1.0)
     }
 
-    /// Minimises from `start` within `bounds`. Only the size of the errors found shows how much the data are worth beside the
-    /// priors, so with priors there are two rounds.
+    /// Minimises from `start` within `bounds`. Only the size of the errors found shows how much the data are worth
+    /// beside the priors, so with priors there are two rounds.
     ///
     /// # Errors
     /// Those of [`minimise`].
@@ -484,8 +487,8 @@ impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
                 }
             }
         }
-        // Scaled so that the covariance, which counts each bin as 1/OVERLAP of one and each part as half of one, and all in
-        // units of the errors found, gives the prior its own uncertainty back.
+        // Scaled so that the covariance, which counts each bin as 1/OVERLAP of one and each part as half of one, and
+        // all in units of the errors found, gives the prior its own uncertainty back.
         let base = 2 * self.bins.len();
         for (row, prior) in self.priors.iter().enumerate() {
             let weight = (0.5 * OVERLAP * self.scale).sqrt() / prior.standard_uncertainty;

@@ -4,8 +4,8 @@
 //! follows Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., 2012. Rows are time,
 //! columns are channels or parameters.
 //!
-//! Every estimator is a struct of options whose `fit` takes data and returns a [`Fit`]: the model, its covariance, how the
-//! search ended and what to doubt.
+//! Every estimator is a struct of options whose `fit` takes data and returns a [`Fit`]: the model, its covariance, how
+//! the search ended and what to doubt.
 //!
 //! | what you want | what to call |
 //! | --- | --- |

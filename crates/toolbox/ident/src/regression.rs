@@ -208,8 +208,8 @@ fn usable_rows(record: &[&[f64]], columns: &[Lagged], range: Range<usize>) -> Ve
     if change.is_empty() { vec![range] } else { unblocked(&change, range) }
 }
 
-/// The first and the last of each run of neighbouring lags of a signal: between the past values of a slow signal others may
-/// be missing.
+/// The first and the last of each run of neighbouring lags of a signal: between the past values of a slow signal others
+/// may be missing.
 fn lag_runs(columns: &[Lagged], signal: usize) -> Vec<(isize, isize)> {
     let mut lags: Vec<isize> = columns.iter().filter(|c| c.signal == signal).map(|c| c.lag).collect();
     lags.sort_unstable();

@@ -19,10 +19,11 @@ const GLANCE: usize = 5;
 /// `x(t+1) = A x(t) + B u(t) + K e(t)`, `y(t) = C x(t) + D u(t) + e(t)`.
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ` over all of `A`, `B`, `C`, `D`, `K` and the initial state of each experiment by damped
-/// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of
-/// the states, so no canonical form limits the models or spoils the conditioning. Starts at the model given; or at a subspace estimate, and of one output at the ARX model of the same order where that leads lower; of 100 000 samples or
-/// more, at the model of a tenth of them, where that is better. Steps that shrink slowly are extrapolated.
-/// Data are taken as they are: remove offsets first.
+/// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of the
+/// states, so no canonical form limits the models or spoils the conditioning. Starts at the model given; or at a
+/// subspace estimate, and of one output at the ARX model of the same order where that leads lower; of 100 000 samples
+/// or more, at the model of a tenth of them, where that is better. Steps that shrink slowly are extrapolated. Data are
+/// taken as they are: remove offsets first.
 ///
 /// Outputs may miss samples. At a missing one the predictor makes a time update alone, and goes on with the gain of the
 /// time-varying Kalman filter until the state is known again. Errors after it weigh less, by their variance.
@@ -43,8 +44,8 @@ const GLANCE: usize = 5;
 ///
 /// # Source
 /// McKelvey, Helmersson & Ribarits, *Data driven local coordinates for multivariable linear systems and their
-/// application to system identification*, Automatica 40(9), 2004; Ljung 1999, (7.89) for the criterion; Walker & Ni, *Anderson
-/// acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49(4), 2011.
+/// application to system identification*, Automatica 40(9), 2004; Ljung 1999, (7.89) for the criterion; Walker & Ni,
+/// *Anderson acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49(4), 2011.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpacePem {
     /// Number of states, where no start is given.
@@ -143,8 +144,8 @@ impl StateSpacePem {
         Ok(fit.made_by(self.focus.method(), data))
     }
 
-    /// The search from the ARX model of the same order, which least squares find whatever the data, where it leads lower: that
-    /// model is one of those that are searched, so that a search which ends above it went astray.
+    /// The search from the ARX model of the same order, which least squares find whatever the data, where it leads
+    /// lower: that model is one of those that are searched, so that a search which ends above it went astray.
     fn again_from_equation_error<'a>(
         &self,
         data: &'a Dataset,
@@ -194,8 +195,8 @@ impl StateSpacePem {
     }
 }
 
-/// The ARX model of one output with so many states; none of several outputs, of short data or of long ones, whose searches
-/// are dear.
+/// The ARX model of one output with so many states; none of several outputs, of short data or of long ones, whose
+/// searches are dear.
 fn equation_error(data: &Dataset, states: usize, feedthrough: bool, noise_model: bool) -> Option<StateSpaceModel> {
     if data.outputs() != 1 || data.samples() >= LONG {
         return None;

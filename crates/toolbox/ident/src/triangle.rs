@@ -5,7 +5,8 @@ use numerics::linalg;
 
 use crate::gram;
 
-/// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which a block is folded by way of it.
+/// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which a block is folded by way of
+/// it.
 const WELL_CONDITIONED: f64 = 1e-3;
 /// Rows a column from which that pays.
 const TALL: usize = 4;
@@ -52,8 +53,8 @@ impl Triangle {
     }
 
     /// Appends `rows` rows, a stretch of one column at a time: `fill(column, start, target)` writes the rows
-    /// `start..start + target.len()` of that column, at most 4096 of them. Far faster than rows one by one where columns
-    /// are slices.
+    /// `start..start + target.len()` of that column, at most 4096 of them. Far faster than rows one by one where
+    /// columns are slices.
     pub fn push_columns(&mut self, rows: usize, mut fill: impl FnMut(usize, usize, &mut [f64])) {
         let mut start = 0;
         while start < rows {

@@ -1,13 +1,13 @@
 //! Test of whether the size of errors changes over time, and the course of their variance.
 //!
-//! An interval or a test that takes errors for equally large is too sure where the errors are large while the data say most.
-//! The squares of errors whose size changes, slowly or in bursts, depend on those before them.
+//! An interval or a test that takes errors for equally large is too sure where the errors are large while the data say
+//! most. The squares of errors whose size changes, slowly or in bursts, depend on those before them.
 //!
 //! # Source
 //! McLeod & Li, *Diagnostic checking ARMA time series models using squared-residual autocorrelations*, J. Time Series
 //! Anal. 4, 1983, for the test; White, *A heteroskedasticity-consistent covariance matrix estimator*, Econometrica 48,
-//! 1980; Lobato, Nankervis & Savin, *Testing for autocorrelation using a modified Box–Pierce Q test*, Int. Econ. Rev. 42,
-//! 2001, for what follows.
+//! 1980; Lobato, Nankervis & Savin, *Testing for autocorrelation using a modified Box–Pierce Q test*, Int. Econ. Rev.
+//! 42, 2001, for what follows.
 
 use crate::distributions::chi_squared_tail;
 
@@ -46,8 +46,8 @@ pub(crate) fn changes(series: &[Vec<f64>]) -> bool {
     statistic.is_finite() && chi_squared_tail(statistic, LAGS as f64) < FALSE_ALARM
 }
 
-/// The variance at each instant over that of all, from the errors about it; one where there are none. None of errors that do
-/// not change in size.
+/// The variance at each instant over that of all, from the errors about it; one where there are none. None of errors
+/// that do not change in size.
 pub(crate) fn course(series: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     if !changes(series) {
         return None;

@@ -88,8 +88,9 @@ impl FrequencyResponse {
         self.response.iter().map(unwrap).collect()
     }
 
-    /// The largest gain at frequencies in `low_rad_s ..= high_rad_s`, refined by a parabola of the magnitude in decibels
-    /// over frequency through the largest point and its neighbours; `None` where the band holds no finite gain.
+    /// The largest gain at frequencies in `low_rad_s ..= high_rad_s`, refined by a parabola of the magnitude in
+    /// decibels over frequency through the largest point and its neighbours; `None` where the band holds no finite
+    /// gain.
     ///
     /// A resonance needs a few points across its width for the refinement to be worth anything.
     ///

@@ -92,8 +92,8 @@ pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
 
 /// Eigenvalues, after balancing.
 ///
-/// Those of a matrix that a permutation makes block triangular, as that of systems in series, are those of the blocks on
-/// the diagonal: taken one by one, they are not moved by what couples the blocks, however close together they lie.
+/// Those of a matrix that a permutation makes block triangular, as that of systems in series, are those of the blocks
+/// on the diagonal: taken one by one, they are not moved by what couples the blocks, however close together they lie.
 pub(crate) fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<Complex64>, LtiError> {
     let mut values = Vec::with_capacity(m.nrows());
     for block in irreducible_blocks(m) {

@@ -39,7 +39,8 @@ pub fn add(p: &[f64], q: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// The roots, as eigenvalues of the balanced companion matrix; leading zeros are ignored, trailing ones are roots at zero.
+/// The roots, as eigenvalues of the balanced companion matrix; leading zeros are ignored, trailing ones are roots at
+/// zero.
 ///
 /// # Errors
 /// [`LtiError::NonFinite`], [`LtiError::ZeroPolynomial`], [`LtiError::NoConvergence`].

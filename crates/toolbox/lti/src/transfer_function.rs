@@ -192,13 +192,13 @@ impl TransferFunction {
         Self::new(num, multiply(&p.den, &q.den), self.sample_time_s)?.with_delay(common)
     }
 
-    /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled. Delays of discrete
-    /// systems become poles at zero.
+    /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled. Delays of
+    /// discrete systems become poles at zero.
     ///
     /// # Errors
-    /// [`LtiError::DelayPresent`] where either of continuous systems has a delay, [`LtiError::FractionalDelay`] where one
-    /// of discrete ones is not whole samples; [`LtiError::AlgebraicLoop`] where `1 + D·D_back` vanishes, so that no signal
-    /// in the loop is determined; [`LtiError::SampleTimesDiffer`].
+    /// [`LtiError::DelayPresent`] where either of continuous systems has a delay, [`LtiError::FractionalDelay`] where
+    /// one of discrete ones is not whole samples; [`LtiError::AlgebraicLoop`] where `1 + D·D_back` vanishes, so that no
+    /// signal in the loop is determined; [`LtiError::SampleTimesDiffer`].
     pub fn feedback(&self, back: &Self) -> Result<Self, LtiError> {
         check_same_clock(self.sample_time_s, back.sample_time_s)?;
         let (p, q) = (self.delay_as_poles()?, back.delay_as_poles()?);

@@ -31,11 +31,12 @@ pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     select(values, values.len() / 2)
 }
 
-/// The value that a further draw stays below with a probability, from draws that are sorted; linear between them, `None` without any.
+/// The value that a further draw stays below with a probability, from draws that are sorted; linear between them,
+/// `None` without any.
 ///
-/// A further draw falls with 1/(n + 1) between any two neighbours, so that the quantile of p is at place p(n + 1) from 1 on. The quantiles
-/// of 5 and 95 % then hold 90 % of all further draws for any n from 19 on. Those at place 1 + p(n − 1), as spreadsheets have them, hold
-/// 87.8 % where n is 80.
+/// A further draw falls with 1/(n + 1) between any two neighbours, so that the quantile of p is at place p(n + 1) from
+/// 1 on. The quantiles of 5 and 95 % then hold 90 % of all further draws for any n from 19 on. Those at place 1 + p(n −
+/// 1), as spreadsheets have them, hold 87.8 % where n is 80.
 ///
 /// # Example
 /// ```
@@ -113,7 +114,8 @@ fn holder(counts: &[usize], place: &mut usize) -> Option<(usize, usize)> {
     })
 }
 
-/// An integer that grows with the value: the sign bit is flipped, and all bits of negative values, whose order is reversed.
+/// An integer that grows with the value: the sign bit is flipped, and all bits of negative values, whose order is
+/// reversed.
 fn key(value: f64) -> u64 {
     let bits = value.to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }

@@ -21,7 +21,8 @@ pub fn map<T: Sync, R: Send>(tasks: &[T], run: impl Fn(&T) -> R + Sync) -> Vec<R
     tasks.par_iter().with_max_len(1).map(run).collect()
 }
 
-/// The results of all tasks, in their order. They are a step of the work, such as `simulating`, of which each task is a part.
+/// The results of all tasks, in their order. They are a step of the work, such as `simulating`, of which each task is a
+/// part.
 pub fn map_as_step<T: Sync, R: Send>(
     (context, what): (&Context, &str),
     tasks: &[T],

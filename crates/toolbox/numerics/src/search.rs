@@ -78,8 +78,8 @@ pub fn global_maximum((low, high): (f64, f64), steps: usize, function: impl Fn(f
     maximum(((best - spacing).max(low), (best + spacing).min(high)), FINE * spacing, function)
 }
 
-/// Where a condition that holds at the lower bound and not at the upper one ends, by bisection: the last point found where
-/// it holds, and the first where it does not.
+/// Where a condition that holds at the lower bound and not at the upper one ends, by bisection: the last point found
+/// where it holds, and the first where it does not.
 ///
 /// # Errors
 /// The first error of the condition.
@@ -98,8 +98,8 @@ pub fn try_bisect<E>(
     Ok((low, high))
 }
 
-/// Where a condition that holds at the lower bound and not at the upper one ends, by bisection: the last point found where
-/// it holds, and the first where it does not.
+/// Where a condition that holds at the lower bound and not at the upper one ends, by bisection: the last point found
+/// where it holds, and the first where it does not.
 ///
 /// # Example
 /// ```

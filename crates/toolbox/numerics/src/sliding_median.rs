@@ -46,8 +46,8 @@ impl Ranked {
 #[derive(Debug, Clone)]
 pub struct Window<'a> {
     ranked: &'a Ranked,
-    /// How many values of the window have ranks in the range that ends at each rank, as long as its lowest bit (Fenwick, *A new
-    /// data structure for cumulative frequency tables*, Softw. Pract. Exp. 24, 1994).
+    /// How many values of the window have ranks in the range that ends at each rank, as long as its lowest bit
+    /// (Fenwick, *A new data structure for cumulative frequency tables*, Softw. Pract. Exp. 24, 1994).
     counts: Vec<u32>,
     range: Range<usize>,
     count: usize,

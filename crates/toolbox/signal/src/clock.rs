@@ -15,7 +15,8 @@ const SHORTEST: f64 = 0.75;
 const FOLLOWED: f64 = 0.125;
 /// Samples over which early and late stamps average out.
 const MANY: usize = 16;
-/// The mean of the shorter intervals is off by less than this part where stamps are early and late; more are missing samples.
+/// The mean of the shorter intervals is off by less than this part where stamps are early and late; more are missing
+/// samples.
 const MOST_BIASED: f64 = 0.08;
 /// After a gap, stamps that differ by more of a sample time from the clock before are of a clock started anew.
 const ANOTHER_PHASE: f64 = 0.25;
@@ -60,10 +61,11 @@ impl ClockCheck {
 /// Examines time stamps, in seconds.
 ///
 /// The typical interval is the lower median of the positive ones, and so one of them. An interval of zero or less is a
-/// break in order; one of more than one and a half of the typical one is a gap, unless the stamp was only early or late:
-/// where intervals are also much shorter than that, stamps are compared with a clock that follows them slowly. The other
-/// intervals are regular, and their mean is the sample time. So stamps rounded to a step somewhat finer than the sample time
-/// give the true sample time, not a multiple of that step; a step so coarse that stamps repeat biases it upwards.
+/// break in order; one of more than one and a half of the typical one is a gap, unless the stamp was only early or
+/// late: where intervals are also much shorter than that, stamps are compared with a clock that follows them slowly.
+/// The other intervals are regular, and their mean is the sample time. So stamps rounded to a step somewhat finer than
+/// the sample time give the true sample time, not a multiple of that step; a step so coarse that stamps repeat biases
+/// it upwards.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than two stamps, or none that rises; [`SignalError::NonFinite`].
@@ -116,8 +118,8 @@ pub fn tick(time_s: f64, clock: (f64, f64)) -> f64 {
     ((time_s - clock.0) / clock.1).round()
 }
 
-/// The clock, (start, sample time) in s, closest to time stamps in the sense of least squares, so that jitter of the first
-/// and the last stamp does not move it. Each stamp belongs to the tick of a rough clock that is closest to it.
+/// The clock, (start, sample time) in s, closest to time stamps in the sense of least squares, so that jitter of the
+/// first and the last stamp does not move it. Each stamp belongs to the tick of a rough clock that is closest to it.
 ///
 /// None where all stamps belong to one tick.
 ///

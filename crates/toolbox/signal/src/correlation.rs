@@ -63,7 +63,8 @@ pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correla
     transforms.correlation(product)
 }
 
-/// Biased auto-correlation, `R_x(k) = 1/N · Σ_t x[t] · x[t+k]`: [`cross_correlation`] of `x` with itself, with one transform less.
+/// Biased auto-correlation, `R_x(k) = 1/N · Σ_t x[t] · x[t+k]`: [`cross_correlation`] of `x` with itself, with one
+/// transform less.
 ///
 /// # Errors
 /// Those of [`cross_correlation`].

@@ -37,9 +37,9 @@ pub fn central_difference(x: &[f64], sample_time_s: f64) -> Result<Vec<f64>, Sig
 ///
 /// The differentiator is the central difference with 16 taps a side that is exact for polynomials of the highest
 /// degree, `y[t] = Σ_k (−1)^{k+1} w_k/(kT) · (x[t+k] − x[t−k])`, `w_k = n!²/((n−k)!(n+k)!)`; its gain is within 1e-5 of
-/// `ω` up to a quarter of the sample rate and falls to zero at half of it. Both filters delay nothing, so the result stands
-/// on the same clock. The ends continue the record by odd reflection, which is exact for a straight end and doubtful
-/// otherwise.
+/// `ω` up to a quarter of the sample rate and falls to zero at half of it. Both filters delay nothing, so the result
+/// stands on the same clock. The ends continue the record by odd reflection, which is exact for a straight end and
+/// doubtful otherwise.
 ///
 /// # Errors
 /// Those of [`Sos::butterworth_lowpass`] and [`Sos::filtfilt`].

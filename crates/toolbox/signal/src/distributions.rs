@@ -77,8 +77,8 @@ pub fn chi_squared_tail(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// The probability that F with these degrees of freedom is larger than `value`; NaN where no such distribution exists. An
-/// infinite denominator stands for χ² over the degrees of the numerator.
+/// The probability that F with these degrees of freedom is larger than `value`; NaN where no such distribution exists.
+/// An infinite denominator stands for χ² over the degrees of the numerator.
 pub fn f_tail(value: f64, numerator: f64, denominator: f64) -> f64 {
     if denominator > MANY_IN_DENOMINATOR {
         // The positive root of the relation in `f_quantile`.
@@ -92,8 +92,8 @@ pub fn f_tail(value: f64, numerator: f64, denominator: f64) -> f64 {
 
 /// Quantile of F with these degrees of freedom at `probability`; NaN where no such distribution exists.
 ///
-/// With `x` the quantile of χ² with m degrees, that of F with m and many n is `x/m (1 + (x − m + 2)/(2n))` to first order
-/// in 1/n.
+/// With `x` the quantile of χ² with m degrees, that of F with m and many n is `x/m (1 + (x − m + 2)/(2n))` to first
+/// order in 1/n.
 pub fn f_quantile(probability: f64, numerator: f64, denominator: f64) -> f64 {
     if denominator > MANY_IN_DENOMINATOR {
         let x = chi_squared_quantile(probability, numerator);

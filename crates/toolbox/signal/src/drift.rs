@@ -27,8 +27,8 @@ const BAND_SHARE: f64 = 0.8;
 const MOST_STEPS: f64 = 2000.0;
 /// Steps of the search within the width of the peak.
 const STEPS_PER_PEAK: f64 = 4.0;
-/// How far the likelihood of the best rate must stand above that of unrelated signals, in standard deviations, and above
-/// that of any other rate.
+/// How far the likelihood of the best rate must stand above that of unrelated signals, in standard deviations, and
+/// above that of any other rate.
 const SIGNIFICANCE: f64 = 6.0;
 const LEAD: f64 = 10.0;
 /// Neighbouring lines under a Hann window share this many lines' information.
@@ -43,20 +43,20 @@ const CLOSEST_COHERENCE: f64 = 1e-6;
 pub struct Drift {
     /// The second signal becomes later by so many seconds each second.
     pub rate: f64,
-    /// Its standard error: the largest of the one the likelihood gives and those of leaving out each stretch and each band of
-    /// frequencies in turn. A clock makes all frequencies late by the same time; what one band alone shows is none.
+    /// Its standard error: the largest of the one the likelihood gives and those of leaving out each stretch and each
+    /// band of frequencies in turn. A clock makes all frequencies late by the same time; what one band alone shows is
+    /// none.
     pub standard_error: f64,
 }
 
 /// How fast `later` becomes later than `earlier`, for two signals with any relation that is linear and does not change
 /// with time; their sample times may differ, and their stamps may be offset.
 ///
-/// The common time is cut into sixteen stretches, of each of which the first million samples of the faster signal count.
-/// With `S_k(f)` the cross-periodogram of stretch `k`, which begins at `t_k`, the rate `r` is where
-/// `−Σ_f ln(1 − γ²(f, r))` is largest, `γ²` being the coherence of the stretches after each is turned by `e^{j2πf r t_k}`:
-/// the likelihood of Gaussian signals.
-/// Rates up to 2·10⁻³ are searched. Where the signals have too little in common, or several rates are as likely
-/// (as of a single line), the standard error is of that size.
+/// The common time is cut into sixteen stretches, of each of which the first million samples of the faster signal
+/// count. With `S_k(f)` the cross-periodogram of stretch `k`, which begins at `t_k`, the rate `r` is where
+/// `−Σ_f ln(1 − γ²(f, r))` is largest, `γ²` being the coherence of the stretches after each is turned by
+/// `e^{j2πf r t_k}`: the likelihood of Gaussian signals. Rates up to 2·10⁻³ are searched. Where the signals have too
+/// little in common, or several rates are as likely (as of a single line), the standard error is of that size.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] under 1024 samples of the slower in the common time; [`SignalError::Constant`],
@@ -180,7 +180,8 @@ impl Stretches {
         search::maximum((rate - step, rate + step), 1e-4 * step, |rate| self.log_likelihood(rate, &kept, |_| true))
     }
 
-    /// The likeliest rates, each from all bands but one: anywhere, since without the band that showed it a rate may be gone.
+    /// The likeliest rates, each from all bands but one: anywhere, since without the band that showed it a rate may be
+    /// gone.
     fn without_bands(&self, rate: f64, step: f64) -> Vec<f64> {
         let lines = self.freq_hz.len();
         let without = |out: usize| {
@@ -195,8 +196,8 @@ impl Stretches {
         (0..BANDS).map(without).collect()
     }
 
-    /// The likeliest rate within a step of the best from all stretches but one: by a step of Newton's from the likeliest rate of
-    /// all, or where the likelihood is not rounded there, by a search.
+    /// The likeliest rate within a step of the best from all stretches but one: by a step of Newton's from the
+    /// likeliest rate of all, or where the likelihood is not rounded there, by a search.
     fn without(&self, out: usize, rate: f64, (best, step): (f64, f64)) -> f64 {
         let (slope, curvature) = self.derivatives(rate, out);
         let found = rate - slope / curvature;

@@ -16,11 +16,12 @@ const NEIGHBOURS: usize = 100;
 /// Samples over which a phasor turns before rounding is taken out, and those at which it is known at once.
 const STRAIGHT: usize = 256;
 const LANES: usize = 8;
-/// Within this part of a bin of its centre, a [`Demodulated`] record of a thousand samples or more has Fourier sums to rounding.
+/// Within this part of a bin of its centre, a [`Demodulated`] record of a thousand samples or more has Fourier sums to
+/// rounding.
 const NEAR: f64 = 0.01;
 
-/// A sinusoid, `amplitude · cos(2π freq_hz t + phase_rad)` with `t = 0` at the first sample, with standard deviations for
-/// noise that is white about its frequency.
+/// A sinusoid, `amplitude · cos(2π freq_hz t + phase_rad)` with `t = 0` at the first sample, with standard deviations
+/// for noise that is white about its frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sinusoid {
     /// Frequency in hertz.
@@ -41,10 +42,10 @@ pub struct Sinusoid {
 
 /// The sinusoids that stand out from the noise, strongest first, at most `max_count` of them.
 ///
-/// One after the other is found at the largest line (relative to the noise about it) of what is left, and all are refined in
-/// turn by maximising their Fourier sum with the others taken off, which reaches far below a bin; it stops at one that
-/// noise would show with a probability above `false_alarm`. The mean is removed. Sinusoids closer than about two bins
-/// (`2/(N·T)` hertz) are not separated. Noise is estimated by the median of 200 neighbouring lines.
+/// One after the other is found at the largest line (relative to the noise about it) of what is left, and all are
+/// refined in turn by maximising their Fourier sum with the others taken off, which reaches far below a bin; it stops
+/// at one that noise would show with a probability above `false_alarm`. The mean is removed. Sinusoids closer than
+/// about two bins (`2/(N·T)` hertz) are not separated. Noise is estimated by the median of 200 neighbouring lines.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than 32 samples, [`SignalError::Constant`], [`SignalError::Parameter`] for a
@@ -62,8 +63,8 @@ pub struct Sinusoid {
 /// ```
 ///
 /// # Source
-/// Li, J. and Stoica, P. (1996), IEEE Trans. Signal Process. 44(2), 281–295 (RELAX); deviations: Stoica and Moses (2005),
-/// *Spectral Analysis of Signals*, (4.2.11).
+/// Li, J. and Stoica, P. (1996), IEEE Trans. Signal Process. 44(2), 281–295 (RELAX); deviations: Stoica and Moses
+/// (2005), *Spectral Analysis of Signals*, (4.2.11).
 pub fn find_sinusoids(
     x: &[f64],
     sample_time_s: f64,
@@ -181,8 +182,8 @@ impl Line {
         Self { turns, value: Self::fit(fine.sum_at(turns), turns, x.len()).0 }
     }
 
-    /// The least-squares sinusoid of a frequency from the Fourier sum there, exact also where it does not fit the record a
-    /// whole number of times, and the power it explains.
+    /// The least-squares sinusoid of a frequency from the Fourier sum there, exact also where it does not fit the
+    /// record a whole number of times, and the power it explains.
     fn fit(sum: Complex64, turns: f64, length: usize) -> (Complex64, f64) {
         let n = length as f64;
         // value·n + conj(value)·Σ e^{−j4π turns t} = sum
@@ -220,14 +221,15 @@ impl Line {
     }
 }
 
-/// A record shifted down by `centre` in frequency and summed up in blocks, so that Fourier sums within a bin or so of it
-/// cost next to nothing: in each block the rest of the rotation is taken to second order.
+/// A record shifted down by `centre` in frequency and summed up in blocks, so that Fourier sums within a bin or so of
+/// it cost next to nothing: in each block the rest of the rotation is taken to second order.
 struct Demodulated {
     centre: f64,
     /// Samples of each block but the last, and how many of these there are.
     length: usize,
     whole: usize,
-    /// Moments of order 0, 1 and 2 of each such block about its middle, real and imaginary, and of nothing up to whole lanes.
+    /// Moments of order 0, 1 and 2 of each such block about its middle, real and imaginary, and of nothing up to whole
+    /// lanes.
     moments: [[Vec<f64>; 2]; 3],
     /// The middle of the last block and its moments.
     last: (f64, [Complex64; 3]),
@@ -368,8 +370,8 @@ pub struct HarmonicSeries {
     pub explained: f64,
 }
 
-/// The series of `count` harmonics near `freq_hz` that explains most of a record, the fundamental searched within half a bin
-/// (`1/(2·N·T)` hertz) of the guess.
+/// The series of `count` harmonics near `freq_hz` that explains most of a record, the fundamental searched within half
+/// a bin (`1/(2·N·T)` hertz) of the guess.
 ///
 /// Offset and harmonics are fitted together, so that they do not leak into each other.
 ///
@@ -409,8 +411,8 @@ pub fn fit_harmonics(x: &[f64], sample_time_s: f64, freq_hz: f64, count: usize) 
     })
 }
 
-/// Least-squares coefficients `c` of `b + Σ_h 2 Re(c_h e^{j2π h turns t})` and the power they explain: Gauss and Seidel's
-/// iteration, which converges fast because harmonics over two periods or more are nearly orthogonal.
+/// Least-squares coefficients `c` of `b + Σ_h 2 Re(c_h e^{j2π h turns t})` and the power they explain: Gauss and
+/// Seidel's iteration, which converges fast because harmonics over two periods or more are nearly orthogonal.
 fn harmonics_at(x: &[f64], turns: f64, count: usize) -> (Vec<Complex64>, f64) {
     let n = x.len() as f64;
     let sums: Vec<Complex64> = (0..=count).map(|h| fourier_sum(x, TAU * turns * h as f64)).collect();
@@ -461,9 +463,9 @@ pub struct Periodicity {
 /// period. This is the shortest one after which no more than `tolerance` (of the variance) fails to repeat; none where
 /// there is no such.
 ///
-/// Periods up to half the record are tried. A tolerance of 1e-6 suits commands, 0.1 noisy measurements. For every lag `p` the
-/// share `Σ (x[t+p] − x[t])² / (Σ x[t+p]² + Σ x[t]²)` is found from one correlation; smooth signals change little over
-/// short lags too, so only lags at which that share has a minimum, after having been above one half, count.
+/// Periods up to half the record are tried. A tolerance of 1e-6 suits commands, 0.1 noisy measurements. For every lag
+/// `p` the share `Σ (x[t+p] − x[t])² / (Σ x[t+p]² + Σ x[t]²)` is found from one correlation; smooth signals change
+/// little over short lags too, so only lags at which that share has a minimum, after having been above one half, count.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than four samples, [`SignalError::Constant`], [`SignalError::Parameter`] for a
@@ -485,8 +487,8 @@ pub fn detect_period(x: &[f64], tolerance: f64) -> Result<Option<Periodicity>, S
     detect_common_period(&[x], tolerance)
 }
 
-/// [`detect_period`] of several records at once: the shortest period after which each of them repeats. Of the records the one
-/// that repeats least counts.
+/// [`detect_period`] of several records at once: the shortest period after which each of them repeats. Of the records
+/// the one that repeats least counts.
 ///
 /// # Errors
 /// Those of [`detect_period`], and [`SignalError::LengthMismatch`]; [`SignalError::TooShort`] without a record.

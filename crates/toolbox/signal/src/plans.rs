@@ -1,4 +1,5 @@
-//! Plans of Fourier transforms, kept from one call to the next: planning a length takes longer than one transform of it.
+//! Plans of Fourier transforms, kept from one call to the next: planning a length takes longer than one transform of
+//! it.
 
 use std::cell::RefCell;
 use std::sync::Arc;

@@ -72,14 +72,15 @@ impl Quality {
 /// # Ok::<(), signal::SignalError>(())
 /// ```
 ///
-/// A spike at sample t stands out from the middle of its neighbours, `r(t) = x(t) − (x(t−1) + x(t+1))/2`, or where data do not
-/// remember their past from the median of all, by more than `s √(2 ln(N/p))`, which N Gaussian values of deviation s exceed with a probability below p whatever their colour, and from
-/// the median of its window as well, as a step does not. It also stands out from what the samples around it do: where a ripple or a
-/// fast ramp moves them from one to the next, no sample of these is a spike, whatever the rest of the record is like.
+/// A spike at sample t stands out from the middle of its neighbours, `r(t) = x(t) − (x(t−1) + x(t+1))/2`, or where data
+/// do not remember their past from the median of all, by more than `s √(2 ln(N/p))`, which N Gaussian values of
+/// deviation s exceed with a probability below p whatever their colour, and from the median of its window as well, as a
+/// step does not. It also stands out from what the samples around it do: where a ripple or a fast ramp moves them from
+/// one to the next, no sample of these is a spike, whatever the rest of the record is like.
 ///
 /// # Source
-/// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation); the largest of N:
-/// the union bound with P(|z| > c) ≤ exp(−c²/2).
+/// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation); the largest of
+/// N: the union bound with P(|z| > c) ≤ exp(−c²/2).
 pub fn check_quality(x: &[f64], options: &QualityOptions) -> Result<Quality, SignalError> {
     check_range("clip_run", options.clip_run as f64, 2.0, f64::INFINITY)?;
     check_range("spike_half_window", options.spike_half_window as f64, 1.0, f64::INFINITY)?;
@@ -107,12 +108,13 @@ const FAR_BEYOND: f64 = 20.0;
 /// A spike departs from the median of its window by at least this part of what it does from its neighbours.
 const ALONE: f64 = 0.5;
 
-/// A spike departs so many times as far as all but a share of the samples around it move from one to the next; how many count
-/// on each side, and that share. Of a ripple that the raster folds, and of a corner between two ramps, the ratio is 1.
+/// A spike departs so many times as far as all but a share of the samples around it move from one to the next; how many
+/// count on each side, and that share. Of a ripple that the raster folds, and of a corner between two ramps, the ratio
+/// is 1.
 const AROUND: (f64, usize, f64) = (3.0, 24, 0.2);
 
-/// The share of samples that sets the scale where their tails are heavier than Gaussian ones, and how many Gaussian standard
-/// deviations that share lies beyond.
+/// The share of samples that sets the scale where their tails are heavier than Gaussian ones, and how many Gaussian
+/// standard deviations that share lies beyond.
 const TAIL: (f64, f64) = (0.02, 2.326_347_874);
 
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
@@ -166,8 +168,8 @@ fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm
     usual.max(tail / TAIL.1) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
 }
 
-/// How far the samples around a place move from one to the next, but for the largest of them. What is within a spike's reach of the
-/// place does not count.
+/// How far the samples around a place move from one to the next, but for the largest of them. What is within a spike's
+/// reach of the place does not count.
 fn moved_around(x: &[f64], i: usize, reach: usize) -> f64 {
     let (_, side, share) = AROUND;
     let before = i.saturating_sub(reach + side)..i.saturating_sub(reach);

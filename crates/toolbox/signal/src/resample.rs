@@ -108,9 +108,9 @@ pub fn decimate(x: &Signal, factor: usize) -> Result<Signal, SignalError> {
 
 /// The signal at `up/down` times its sample rate, through one low-pass that takes off images and aliases.
 ///
-/// The filter is a linear-phase FIR by the Kaiser window whose delay is taken off: flat to 1e-4 up to 0.8 of the lower of
-/// the two Nyquist frequencies, −80 dB from that on. Constants pass unchanged. Sample 0 is kept in place, and there are
-/// `⌈len · up/down⌉` samples; beyond its ends the record continues by odd reflection. The ratio is reduced first.
+/// The filter is a linear-phase FIR by the Kaiser window whose delay is taken off: flat to 1e-4 up to 0.8 of the lower
+/// of the two Nyquist frequencies, −80 dB from that on. Constants pass unchanged. Sample 0 is kept in place, and there
+/// are `⌈len · up/down⌉` samples; beyond its ends the record continues by odd reflection. The ratio is reduced first.
 ///
 /// # Errors
 /// [`SignalError::Parameter`] for a factor of zero or above 10 000 after reduction, [`SignalError::TooShort`] for an
@@ -153,8 +153,8 @@ pub fn resample_rational(x: &Signal, up: usize, down: usize) -> Result<Signal, S
 /// Content below the Nyquist frequency of the signal that holds each sample until the next, on the same clock.
 ///
 /// The held signal at `t` has there the mean of the band-limited signal through the samples over the sample time before
-/// `t`: half a sample later, and lower by `sin(ωT/2)/(ωT/2)`. This is what a low-pass filter has to be given before a held
-/// signal is brought to a longer sample time. Beyond the ends the record continues by odd reflection.
+/// `t`: half a sample later, and lower by `sin(ωT/2)/(ωT/2)`. This is what a low-pass filter has to be given before a
+/// held signal is brought to a longer sample time. Beyond the ends the record continues by odd reflection.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for an empty signal.

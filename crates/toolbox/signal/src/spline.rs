@@ -6,8 +6,8 @@ use crate::error::check_at_least;
 /// The natural cubic spline through samples on a uniform grid of unit step.
 ///
 /// Linear in the samples, so that the spline of a sum is the sum of the splines: gradients with respect to parameters
-/// pass through it unchanged. Its relative error for a sinusoid of ω radians a sample is about ω⁴/384: 4e-4 at a tenth of
-/// the sample rate.
+/// pass through it unchanged. Its relative error for a sinusoid of ω radians a sample is about ω⁴/384: 4e-4 at a tenth
+/// of the sample rate.
 ///
 /// # Example
 /// ```

@@ -1,5 +1,5 @@
-//! Samples that hold no value of their own: a logger holds or interpolates a slow channel up to a fast raster, or repeats the last
-//! sample where a new one is late.
+//! Samples that hold no value of their own: a logger holds or interpolates a slow channel up to a fast raster, or
+//! repeats the last sample where a new one is late.
 
 use std::ops::Range;
 
@@ -12,7 +12,8 @@ use crate::runs;
 const LARGEST_RATIO: usize = 20;
 /// New values that are needed to see a pattern in.
 const FEWEST_NEW: usize = 50;
-/// Of the samples between those that a slow channel has, at most this share may seem new; of its own, at least this share has to.
+/// Of the samples between those that a slow channel has, at most this share may seem new; of its own, at least this
+/// share has to.
 const NEW_BETWEEN: f64 = 0.02;
 const NEW_OF_ITS_OWN: f64 = 0.5;
 /// Samples lie on a straight line within this part of the largest magnitude, or within a step of their resolution.
@@ -21,7 +22,8 @@ const ROUNDING: f64 = 1e-9;
 const MULTIPLE: (f64, f64) = (0.1, 0.9);
 /// In finer steps than this part of the usual difference, repeats by chance are as frequent as differences of one step.
 const FINE: f64 = 3.0;
-/// Repeats count beyond so many times those by chance, so many standard deviations of these, and this share of the samples.
+/// Repeats count beyond so many times those by chance, so many standard deviations of these, and this share of the
+/// samples.
 const BEYOND_CHANCE: (f64, f64, f64) = (1.5, 5.0, 1e-3);
 /// Of samples on straight lines at irregular instants, this share has to be.
 const MANY_STRAIGHT: f64 = 0.05;
@@ -68,11 +70,11 @@ impl Stale {
     }
 }
 
-/// Samples that hold no value of their own, if there are more of them than chance makes. Rest at zero, and at the largest and the
-/// smallest value, does not count.
+/// Samples that hold no value of their own, if there are more of them than chance makes. Rest at zero, and at the
+/// largest and the smallest value, does not count.
 ///
-/// Values in steps `q` repeat by chance as often as they change by one step, where they usually change by several: the density of
-/// the differences is the same at 0 and at ±q. More frequent repeats are not by chance.
+/// Values in steps `q` repeat by chance as often as they change by one step, where they usually change by several: the
+/// density of the differences is the same at 0 and at ±q. More frequent repeats are not by chance.
 ///
 /// # Example
 /// ```

@@ -27,8 +27,8 @@ pub enum Wanted {
     Derivative,
 }
 
-/// A symmetric filter: a low-pass with a raised-cosine edge from `band_hz` to 1.4 times that, divided by the sinc of the
-/// gate over which the signal was averaged. Beyond the ends the record is continued by odd reflection.
+/// A symmetric filter: a low-pass with a raised-cosine edge from `band_hz` to 1.4 times that, divided by the sinc of
+/// the gate over which the signal was averaged. Beyond the ends the record is continued by odd reflection.
 #[derive(Debug, Clone, Copy)]
 pub struct ZeroPhase {
     /// Highest frequency that passes unchanged, Hz.

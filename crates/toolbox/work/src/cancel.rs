@@ -1,5 +1,5 @@
-//! Cancellation. Work that is no longer wanted ends by unwinding to the context that runs it, so that a search deep inside needs no
-//! error for it, and every guard on the way (a file that is half written, say) is dropped.
+//! Cancellation. Work that is no longer wanted ends by unwinding to the context that runs it, so that a search deep
+//! inside needs no error for it, and every guard on the way (a file that is half written, say) is dropped.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -64,7 +64,7 @@ impl Drop for Restore {
     }
 }
 
-/// Runs `work` on this thread, and tells whether it was cancelled.
+/// Runs `work` on this thread. A cancellation ends here, as an error.
 pub(crate) fn caught<R>(cancel: &Cancel, work: impl FnOnce() -> R) -> Result<R, Cancelled> {
     if cancel.is_cancelled() {
         return Err(Cancelled);
@@ -86,8 +86,8 @@ pub fn guarded<R>(work: impl FnOnce() -> R) -> Option<R> {
     }
 }
 
-/// Ends the work of this thread if its context was cancelled. It costs a few nanoseconds: call it in every loop that may take longer
-/// than some milliseconds. Outside of a context it does nothing.
+/// Ends the work of this thread if its context was cancelled. It costs a few nanoseconds: call it in every loop that
+/// may take longer than some milliseconds. Outside of a context it does nothing.
 pub fn checkpoint() {
     OF_THREAD.with_borrow(|cancel| {
         if let Some(cancel) = cancel {

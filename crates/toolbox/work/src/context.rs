@@ -1,4 +1,4 @@
-//! What a caller gives to long work.
+//! The context that a caller gives to long work.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use crate::progress::{Progress, State};
 
 type Listener = Arc<dyn Fn(&Progress) + Send + Sync>;
 
-/// What a caller gives to long work: who hears of its progress, the wish that ends it, and the threads that it may use. A context is
-/// also a step of the work; [`Context::step`] gives one for a part of it. Clones are of the same step.
+/// Context of long work: who hears of its progress, the wish that ends it, and the threads that it may use. A context
+/// is also a step of the work; [`Context::step`] gives one for a part of it. Clones are of the same step.
 #[derive(Clone)]
 pub struct Context {
     cancel: Cancel,
@@ -80,8 +80,8 @@ impl Context {
         ThreadPoolBuilder::new().num_threads(self.threads()).start_handler(enter).build().ok()
     }
 
-    /// Begins a part of the work, with so many parts of its own; 0 where these are not counted. It ends when it is dropped, and counts
-    /// as one part of this step. Ends the work if it was cancelled.
+    /// Begins a part of the work, with so many parts of its own; 0 where these are not counted. It ends when it is
+    /// dropped, and counts as one part of this step. Ends the work if it was cancelled.
     #[must_use]
     pub fn step(&self, what: impl Into<String>, parts: u64) -> Context {
         cancel::checkpoint();
@@ -106,8 +106,8 @@ impl Context {
         }
     }
 
-    /// Of this step, `done` parts of `total` are done, where their number shows only on the way, as the bytes of a file that is opened.
-    /// Ends the work if it was cancelled.
+    /// Of this step, `done` parts of `total` are done, where their number shows only on the way, as the bytes of a file
+    /// that is opened. Ends the work if it was cancelled.
     pub fn reach(&self, done: u64, total: u64) {
         cancel::checkpoint();
         if let Some(step) = &self.step {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// What a listener hears of a step.
+/// News of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Progress {
     /// The step, counted from 1 in the order of their beginning.

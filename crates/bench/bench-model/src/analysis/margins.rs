@@ -14,9 +14,9 @@ const POINTS: usize = 6000;
 /// Gain and phase margin of the speed loop L ([`BenchModel::open_loop`]) from 0.01 Hz to half the controller's rate.
 ///
 /// Where |L| crosses one several times, as it may about the resonance, the crossing with the smallest phase margin is
-/// reported; where L crosses the negative real axis several times, the one whose gain is nearest to one. A positive gain
-/// margin shows by how much the gain may grow, a negative one by how much it must fall (or, for a loop that is stable
-/// only within bounds, may fall). `None` without controller or torque control, or where there is no crossing.
+/// reported; where L crosses the negative real axis several times, the one whose gain is nearest to one. A positive
+/// gain margin shows by how much the gain may grow, a negative one by how much it must fall (or, for a loop that is
+/// stable only within bounds, may fall). `None` without controller or torque control, or where there is no crossing.
 ///
 /// # Source
 /// Åström & Murray, *Feedback Systems*, 2nd ed. 2021, §10.3.

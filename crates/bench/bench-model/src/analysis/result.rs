@@ -47,8 +47,9 @@ pub struct ParameterInfluence {
     pub parameter: ModelParameter,
     /// By how many per cent the result moves for one per cent of the parameter.
     pub elasticity: f64,
-    /// The part of the result's variance that would go if the parameter were known exactly, 0 … 1; parameters of one part
-    /// are known together, so that these parts need not add up to one. `None` where the parameter's uncertainty is not known.
+    /// The part of the result's variance that would go if the parameter were known exactly, 0 … 1; parameters of one
+    /// part are known together, so that these parts need not add up to one. `None` where the parameter's uncertainty is
+    /// not known.
     pub variance_share: Option<f64>,
 }
 
@@ -102,8 +103,8 @@ pub struct SinePoint {
     /// Gain of the model with the engine torque that acted, T_e = J_e dω_e/dt + T_shaft; to be compared with `gain`.
     /// `None` where N_e was not recorded.
     pub model_gain_with_engine: Option<f64>,
-    /// Measured gain without the part that the engine torque caused; to be compared with `model_gain`, and to be drawn on
-    /// the curve of (7.2). `None` where N_e was not recorded.
+    /// Measured gain without the part that the engine torque caused; to be compared with `model_gain`, and to be drawn
+    /// on the curve of (7.2). `None` where N_e was not recorded.
     pub gain_corrected_for_engine: Option<f64>,
     /// True where the sine meets an engine order, at which the fired engine excites the shaft by itself: not to be
     /// relied on.

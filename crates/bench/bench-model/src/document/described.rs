@@ -21,8 +21,8 @@ pub struct DescribedParameter {
     pub standard_error: Option<f64>,
     /// Degrees of freedom behind the standard error; null where they are infinite, or there is none.
     pub degrees_of_freedom: Option<f64>,
-    /// 95 % interval of the study. It may be wider than the standard error says, by what the recordings leave open: where a
-    /// delay acts, or estimates that contradict each other. Null where the study has none.
+    /// 95 % interval of the study. It may be wider than the standard error says, by what the recordings leave open:
+    /// where a delay acts, or estimates that contradict each other. Null where the study has none.
     #[serde(default)]
     pub interval_95: Option<(f64, f64)>,
 }

@@ -150,7 +150,8 @@ fn of_expected(expected: &str) -> String {
     }
 }
 
-/// Where a position in JSON is: the objects and lists around it, each with its last field or its number of entries before.
+/// Where a position in JSON is: the objects and lists around it, each with its last field or its number of entries
+/// before.
 #[derive(Debug, Default)]
 struct Place {
     levels: Vec<Level>,

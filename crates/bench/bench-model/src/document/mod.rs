@@ -1,8 +1,8 @@
-//! The bench model as a file of its own: parameters with their units and their uncertainty, where it is valid, what was not
-//! estimated, and where it comes from.
+//! The bench model as a file of its own: parameters with their units and their uncertainty, where it is valid, what was
+//! not estimated, and where it comes from.
 //!
-//! The text is JSON. `model` and `uncertainty` are what programs compute with; `parameters` has the same values for people, and a
-//! document in which the two contradict each other is refused.
+//! The text is JSON. `model` and `uncertainty` are what programs compute with; `parameters` has the same values for
+//! people, and a document in which the two contradict each other is refused.
 
 mod check;
 mod described;
@@ -69,7 +69,8 @@ struct Header {
     version: u64,
 }
 
-/// The `format` that a text in JSON states of itself; where it is the first field, also if the text has a fault behind it.
+/// The `format` that a text in JSON states of itself; where it is the first field, also if the text has a fault behind
+/// it.
 #[must_use]
 pub fn format_of(text: &str) -> Option<String> {
     #[derive(Deserialize)]

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// The lowest and the highest value.
 pub type Range = (f64, f64);
 
-/// The range of the recordings that a model was estimated from; null where they do not show it. Outside of it the model is an
-/// extrapolation that no recording has tested.
+/// The range of the recordings that a model was estimated from; null where they do not show it. Outside of it the model
+/// is an extrapolation that no recording has tested.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Validity {
     /// N_d, rad/s.

@@ -94,15 +94,17 @@ pub fn mean_over(time_s: f64, omega_rad_s: f64) -> Complex64 {
 }
 
 impl BenchModel {
-    /// Speed loop, opened at T_d*: PI, hold, torque control, mechanics with the engine at constant torque, encoder gate. Its
-    /// sign is that of a negative feedback: closed, 1 + L is the denominator. `None` without controller or torque control.
+    /// Speed loop, opened at T_d*: PI, hold, torque control, mechanics with the engine at constant torque, encoder
+    /// gate. Its sign is that of a negative feedback: closed, 1 + L is the denominator. `None` without controller or
+    /// torque control.
     pub fn open_loop(&self, omega_rad_s: f64) -> Option<Complex64> {
         let pi = self.speed_controller.as_ref()?;
         let gate = mean_over(self.encoder_gate_s, omega_rad_s);
         Some(-self.demand_to_speed(omega_rad_s)? * gate * pi.response(omega_rad_s))
     }
 
-    /// ω_d* → ω_d in speed control: P (FF − PI)/(1 + L), P being T_d* → ω_d. `None` without controller or torque control.
+    /// ω_d* → ω_d in speed control: P (FF − PI)/(1 + L), P being T_d* → ω_d. `None` without controller or torque
+    /// control.
     pub fn speed_demand_to_speed(&self, omega_rad_s: f64) -> Option<Complex64> {
         let pi = self.speed_controller.as_ref()?;
         let zero = Complex64::new(0.0, 0.0);

@@ -36,7 +36,8 @@ pub struct Mechanics {
 }
 
 /// The speed controller's PI part with its transport delay, T_d* = e^{−sτ}(K_p + K_i/s)(ω_d − ω_d*) (6.2, 6.6), as it
-/// runs: every `sample_time_s`, on the encoder's reading, its output held. The output of an update takes effect τ later.
+/// runs: every `sample_time_s`, on the encoder's reading, its output held. The output of an update takes effect τ
+/// later.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PiController {
     /// K_p, Nm s/rad.
@@ -45,7 +46,8 @@ pub struct PiController {
     pub integral_nm_per_rad: f64,
     /// τ, s.
     pub delay_s: f64,
-    /// The delay of ω_d* in the speed error, s: τ where the delay acts on that error, less where it acts on the measured speed.
+    /// The delay of ω_d* in the speed error, s: τ where the delay acts on that error, less where it acts on the
+    /// measured speed.
     pub demand_delay_s: f64,
     /// Time between updates, s.
     pub sample_time_s: f64,
@@ -72,8 +74,8 @@ pub struct TorqueControlModel {
     pub bandwidth_rad_s: Option<f64>,
 }
 
-/// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no torque control) or torque
-/// demand (no torque control) cannot be simulated.
+/// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no torque control) or
+/// torque demand (no torque control) cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BenchModel {
     /// Inertias and shaft.
@@ -91,18 +93,18 @@ pub struct BenchModel {
 }
 
 impl BenchModel {
-    /// Samples of the controller by which ω_d* is late in the speed error, beside the reading, and in the feed-forward. Both are those
-    /// of ω_d* as the controller has it, [`Self::demand_lead`] samples before recordings have it. Below zero the error waits so many
-    /// samples for its demand: its output is not needed before.
+    /// Samples of the controller by which ω_d* is late in the speed error, beside the reading, and in the feed-forward.
+    /// Both are those of ω_d* as the controller has it, [`Self::demand_lead`] samples before recordings have it. Below
+    /// zero the error waits so many samples for its demand: its output is not needed before.
     pub fn demand_lags(&self) -> (isize, usize) {
         let (error, feed_forward) = self.recorded_demand_lags();
         let lead = self.demand_lead() as isize;
         (error + lead, (feed_forward + lead).unsigned_abs())
     }
 
-    /// Samples by which recordings have ω_d* later than the controller has it: a recorded demand is advanced by as many before a model
-    /// takes it that runs in real time. At least so many that no delay of the demand is negative, and that the error has its demand
-    /// when its output acts.
+    /// Samples by which recordings have ω_d* later than the controller has it: a recorded demand is advanced by as many
+    /// before a model takes it that runs in real time. At least so many that no delay of the demand is negative, and
+    /// that the error has its demand when its output acts.
     pub fn demand_lead(&self) -> usize {
         let Some(pi) = self.speed_controller else { return 0 };
         let (error, _) = self.recorded_demand_lags();
@@ -120,8 +122,8 @@ impl BenchModel {
         (samples(pi.demand_delay_s - pi.delay_s), samples(self.feed_forward.map_or(0.0, |feed| feed.delay_s)))
     }
 
-    /// The same whose input is ω_d* as the controller has it. Recordings may have it whole samples later, so that a delay is
-    /// negative; without that, what runs in real time would have to know the demand in advance.
+    /// The same whose input is ω_d* as the controller has it. Recordings may have it whole samples later, so that a
+    /// delay is negative; without that, what runs in real time would have to know the demand in advance.
     #[must_use]
     pub fn with_demand_of_controller(&self) -> Self {
         let Some(pi) = self.speed_controller else { return self.clone() };

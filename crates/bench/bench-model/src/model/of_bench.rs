@@ -6,8 +6,8 @@ use rig::experiment::UPDATE_S;
 use super::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 
 impl BenchModel {
-    /// The linear model of a virtual bench, as an exact study would assemble it: two masses, PI with feed-forward, delay and lag.
-    /// Ripple, play, friction, a flywheel of two masses and the machine's inside are no part of it.
+    /// The linear model of a virtual bench, as an exact study would assemble it: two masses, PI with feed-forward,
+    /// delay and lag. Ripple, play, friction, a flywheel of two masses and the machine's inside are no part of it.
     #[must_use]
     pub fn of(bench: &BenchParameters) -> BenchModel {
         let bandwidth = bench.drive.machine.map_or(bench.drive.bandwidth_rad_s, |m| m.current_bandwidth_rad_s);

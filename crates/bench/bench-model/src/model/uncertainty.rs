@@ -118,7 +118,8 @@ impl ModelUncertainty {
         })
     }
 
-    /// The least eigenvalue of the correlations in each part, by its number: below 0 in no covariance, but for rounding.
+    /// The least eigenvalue of the correlations in each part, by its number: below 0 in no covariance, but for
+    /// rounding.
     pub(crate) fn least_eigenvalues(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.parts.iter().enumerate().map(|(number, (_, covariance, _))| (number, least_eigenvalue(covariance)))
     }
@@ -144,8 +145,8 @@ impl ModelUncertainty {
         Derived { value: function(model), standard_error: total.sqrt(), degrees_of_freedom }
     }
 
-    /// Of every parameter in a part, which share of the variance of a function of the model would go if it were known exactly:
-    /// (P ∇g)_i²/P_ii of the total, by the rule for the conditional variance of normal variables.
+    /// Of every parameter in a part, which share of the variance of a function of the model would go if it were known
+    /// exactly: (P ∇g)_i²/P_ii of the total, by the rule for the conditional variance of normal variables.
     ///
     /// # Source
     /// Anderson, *An Introduction to Multivariate Statistical Analysis*, 3rd ed. 2003, §2.5.
@@ -173,9 +174,9 @@ impl ModelUncertainty {
         removed.into_iter().map(|(parameter, variance)| (parameter, share(variance))).collect()
     }
 
-    /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and its
-    /// degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative damping,
-    /// inertia or delay) is drawn again; `None` where nearly all are such.
+    /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and
+    /// its degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative
+    /// damping, inertia or delay) is drawn again; `None` where nearly all are such.
     pub fn draw(&self, model: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
         self.parts.iter().try_fold(model.clone(), |model, (parameters, covariance, degrees_of_freedom)| {
             let factor = cholesky(covariance);

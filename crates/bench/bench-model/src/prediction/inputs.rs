@@ -18,7 +18,8 @@ pub struct PredictionInputs<'a> {
     pub model: &'a BenchModel,
     /// The engine: motored torque, throttle map, intake, speed control.
     pub engine: &'a EngineParameters,
-    /// An engine that fires adds its pulses, which vary from cycle to cycle as this seed says; without one it gives its mean torque.
+    /// An engine that fires adds its pulses, which vary from cycle to cycle as this seed says; without one it gives its
+    /// mean torque.
     pub firing_seed: Option<u64>,
     /// Friction of the dynamometer: in torque control the shaft has it in addition to T_d.
     pub friction: DynoFriction,

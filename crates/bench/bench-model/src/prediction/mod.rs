@@ -1,9 +1,9 @@
 //! Predicted behaviour of a bench in an experiment: the bench model under the plan's demands, and its peaks against the
 //! limits that the bench file states.
 //!
-//! The engine gives its mean torque and, where they are asked for, its pulses at the angle of its crank; those of a motored engine have
-//! the share of the virtual bench. In TN mode the engine's speed control, its intake and its ignition are those of the virtual bench. What
-//! a virtual bench adds beyond the model is no part of it.
+//! The engine gives its mean torque and, where they are asked for, its pulses at the angle of its crank; those of a
+//! motored engine have the share of the virtual bench. In TN mode the engine's speed control, its intake and its
+//! ignition are those of the virtual bench. What a virtual bench adds beyond the model is no part of it.
 
 mod demanded;
 mod inputs;
@@ -84,7 +84,8 @@ pub fn check_engine_speeds(speed_rad_s: &[f64], step_s: f64) -> Result<(), Predi
 /// Predicts an experiment.
 ///
 /// # Errors
-/// A part the plan needs is missing in the model, control of the shaft torque, a speed that no engine has, an unstable loop.
+/// A part the plan needs is missing in the model, control of the shaft torque, a speed that no engine has, an unstable
+/// loop.
 pub fn predict(inputs: &PredictionInputs<'_>) -> Result<Prediction, PredictionError> {
     if inputs.plan.has_shaft {
         check_engine_speeds(&inputs.demands.speed_rad_s, UPDATE_S)?;

@@ -3,8 +3,8 @@
 use signal::Signal;
 
 /// Once-a-turn error of the dynamometer's speed as recorded, as far as the speed controller does not answer it (that is
-/// how it is separated from a true variation): the recording shows N_d (1 + a cos φ + b sin φ), φ being the angle turned since
-/// the recording's start, φ_k = T Σ_{i ≤ k} N_d,i.
+/// how it is separated from a true variation): the recording shows N_d (1 + a cos φ + b sin φ), φ being the angle
+/// turned since the recording's start, φ_k = T Σ_{i ≤ k} N_d,i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
     /// a.

@@ -11,13 +11,13 @@ use crate::skews::SignalSkews;
 pub struct ReplayInputs<'a> {
     /// T_d at 1 kHz, on the clock of T_d,calc; T_d,calc itself, band-limited, where `None`.
     pub air_gap_torque: Option<&'a Signal>,
-    /// Offset and ripple of T_d as they were in this recording, on the clock of T_d,calc. They are put upon the modelled
-    /// T_d; without it the replay has none. Delay and lag are those of the bench model.
+    /// Offset and ripple of T_d as they were in this recording, on the clock of T_d,calc. They are put upon the
+    /// modelled T_d; without it the replay has none. Delay and lag are those of the bench model.
     pub ripple: Option<&'a DriveRipple>,
     /// Skews of N_e and T_d against N_d.
     pub skews: SignalSkews,
-    /// Once-a-turn error of the recorded N_d. It is taken out of the reconstruction and put onto the modelled N_d before
-    /// that is compared.
+    /// Once-a-turn error of the recorded N_d. It is taken out of the reconstruction and put onto the modelled N_d
+    /// before that is compared.
     pub encoder_error: Option<EncoderError>,
     /// Up to where torques are reconstructed, Hz; above it the reconstruction falls to zero at 1.4 times that.
     pub band_hz: f64,

@@ -1,8 +1,9 @@
 //! Speed control over a long time.
 //!
-//! Demand and engine torque are straight from one point of a coarse grid to the next. As long as the torque demand keeps away from
-//! its limit, controller and bench are linear. Their samples from one point to the next are then one matrix, which is found by
-//! stepping through them once. Near the limit, the bench is stepped sample by sample, with limit and anti-windup.
+//! Demand and engine torque are straight from one point of a coarse grid to the next. As long as the torque demand
+//! keeps away from its limit, controller and bench are linear. Their samples from one point to the next are then one
+//! matrix, which is found by stepping through them once. Near the limit, the bench is stepped sample by sample, with
+//! limit and anti-windup.
 
 use rig::results::Part;
 
@@ -14,8 +15,8 @@ use crate::simulate::inputs::InitialState;
 
 /// Part of the torque limit from which on every sample is stepped.
 const NEAR_LIMIT: f64 = 0.95;
-/// Speed demand of the error and of the feed-forward, each at the points before, at and after the late or early time at which a step
-/// begins; engine torque and friction at both ends of a step.
+/// Speed demand of the error and of the feed-forward, each at the points before, at and after the late or early time at
+/// which a step begins; engine torque and friction at both ends of a step.
 const INPUTS: usize = 10;
 /// First input of the speed error, of the feed-forward, of the engine and of friction.
 const OF_ERROR: usize = 0;
@@ -26,8 +27,8 @@ const OF_FRICTION: usize = 8;
 const INTEGRAL: usize = 4;
 /// Rows of the matrix of a step that are summed together.
 const ROWS: usize = 4;
-/// First of the controller's last outputs, the latest first; the last feed-forwards follow them, then the angles turned in the last
-/// samples and the speeds before them.
+/// First of the controller's last outputs, the latest first; the last feed-forwards follow them, then the angles turned
+/// in the last samples and the speeds before them.
 const OUTPUTS: usize = 5;
 
 /// Inputs of a long run: values at the points of a coarse grid, straight in between.
@@ -62,8 +63,8 @@ pub struct Course {
 
 /// Simulates speed control over a long time, see [`CourseInputs`].
 ///
-/// Speeds are those of the shaft's ends, and no readings of encoders. All else is what [`super::simulate`] gives at every sample of the
-/// straight inputs.
+/// Speeds are those of the shaft's ends, and no readings of encoders. All else is what [`super::simulate`] gives at
+/// every sample of the straight inputs.
 ///
 /// # Errors
 /// A part that speed control needs is missing, inputs of unequal length or fewer than two points.
@@ -254,7 +255,8 @@ impl Bench {
         gains.speed_nm_s_per_rad * now + gains.acceleration_nm_s2_per_rad * (now - before) / self.pi.sample_time_s
     }
 
-    /// The speed that the controller reads: the angle of the gate is the cubic between two samples with the speeds there.
+    /// The speed that the controller reads: the angle of the gate is the cubic between two samples with the speeds
+    /// there.
     fn reading(&self, z: &[f64]) -> f64 {
         if self.gate_samples <= 0.0 {
             return z[0];
@@ -274,8 +276,8 @@ impl Bench {
         (long + share * (short - long) - bend) / whole_s
     }
 
-    /// T_d* so many samples after the step has begun, without limit: the controller's output of then, or an older one, and the
-    /// feed-forward.
+    /// T_d* so many samples after the step has begun, without limit: the controller's output of then, or an older one,
+    /// and the feed-forward.
     fn wanted_nm(&self, z: &[f64], input: &[f64; INPUTS], sample: usize) -> f64 {
         let output = match samples_back(self.pi.delay_s / self.pi.sample_time_s, 0.0) {
             0 => {

@@ -8,8 +8,9 @@ use crate::intake::Air;
 use crate::simulate::error::SimulationError;
 use crate::simulate::inputs::Inputs;
 
-/// Engine speed control in TN mode, every sample: T_e = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), ω_e as the encoder
-/// reads it. The torque gets there straight, within a sample; that of an engine that fires, with the next firing.
+/// Engine speed control in TN mode, every sample: T_e = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), ω_e as the
+/// encoder reads it. The torque gets there straight, within a sample; that of an engine that fires, with the next
+/// firing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineSpeedControl<'a> {
     /// ω_e*, rad/s.

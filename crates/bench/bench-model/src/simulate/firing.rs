@@ -18,12 +18,12 @@ pub struct FiringEngine<'a> {
     pub is_motored: bool,
 }
 
-/// The engine, firing by firing: the torque that each [`PulseShape`] has, its level T_j the level at the firing times the factor of the
-/// cylinder and what varies from cycle to cycle.
+/// The engine, firing by firing: the torque that each [`PulseShape`] has, its level T_j the level at the firing times
+/// the factor of the cylinder and what varies from cycle to cycle.
 ///
-/// The angle must be that of the crank which the pulses themselves move. At the angle of a crank without pulses, a shaft near its
-/// resonance would get pulses of another phase: on the default virtual bench up to 10 Nm too much at 600 rpm, and mean torques up to 3 Nm
-/// too high.
+/// The angle must be that of the crank which the pulses themselves move. At the angle of a crank without pulses, a
+/// shaft near its resonance would get pulses of another phase: on the default virtual bench up to 10 Nm too much at 600
+/// rpm, and mean torques up to 3 Nm too high.
 pub(super) struct Firings<'a> {
     engine: &'a EngineParameters,
     is_motored: bool,
@@ -58,8 +58,9 @@ impl<'a> Firings<'a> {
         }
     }
 
-    /// T_e at both ends of the next interval, Nm: the straight line with the impulse of the pulses, which bend within a sample and jump
-    /// where a cylinder fires. The angle is that of the acceleration now; the impulse of the bend by Simpson's rule.
+    /// T_e at both ends of the next interval, Nm: the straight line with the impulse of the pulses, which bend within a
+    /// sample and jump where a cylinder fires. The angle is that of the acceleration now; the impulse of the bend by
+    /// Simpson's rule.
     pub(super) fn over(&mut self, plant: &Plant<'_>, level_nm: f64) -> [f64; 2] {
         let motion = plant.state();
         let from = self.start_rad + motion.engine_angle_rad;
@@ -89,7 +90,8 @@ impl<'a> Firings<'a> {
             PulseShape::of(self.engine, share(self.engine, self.is_motored), (level_nm * strength, speed_rad_s));
     }
 
-    /// How strong a firing is: the cylinder, which harmonics of the working cycle have in them, and what varies from cycle to cycle.
+    /// How strong a firing is: the cylinder, which harmonics of the working cycle have in them, and what varies from
+    /// cycle to cycle.
     fn strength(&mut self) -> f64 {
         let is_of_cycle = !self.engine.cycle_harmonics.is_empty();
         let factor = self.engine.cylinder_factors.get(self.cylinder).filter(|_| !is_of_cycle).copied().unwrap_or(1.0);

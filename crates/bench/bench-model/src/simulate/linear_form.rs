@@ -20,9 +20,9 @@ pub enum LoopMode {
 
 /// The bench as a discrete linear system: exactly what [`super::simulate`] does while T_d* is below its limit.
 ///
-/// Outputs: ω_d and ω_e as the encoders read them, T_d, T_shaft, T_d*. The engine torque is straight between the samples, so it
-/// enters the states before their time: the state at a sample is that of the bench less what the engine torque of that
-/// sample has brought about since the sample before.
+/// Outputs: ω_d and ω_e as the encoders read them, T_d, T_shaft, T_d*. The engine torque is straight between the
+/// samples, so it enters the states before their time: the state at a sample is that of the bench less what the engine
+/// torque of that sample has brought about since the sample before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearForm {
     /// The system, on the tick of the controller.
@@ -62,9 +62,11 @@ enum State {
 /// A linear function of the states, of both inputs at this sample, and of both at the next.
 type Form = Vec<f64>;
 
-/// The linear form of a model in a mode; in torque control with this sample time, in speed control with that of the controller.
+/// The linear form of a model in a mode; in torque control with this sample time, in speed control with that of the
+/// controller.
 ///
-/// Where the recordings have ω_d* later than the controller has it (a negative delay), the input is ω_d* as the controller has it.
+/// Where the recordings have ω_d* later than the controller has it (a negative delay), the input is ω_d* as the
+/// controller has it.
 ///
 /// # Errors
 /// The model lacks torque control, or in speed control the speed controller.
@@ -98,8 +100,8 @@ impl LinearForm {
         self.states.iter().map(name).collect()
     }
 
-    /// The state at the first sample, as a simulation from `start` has it, where the inputs at this sample are `first` (demand in
-    /// rad/s or Nm, and T_e in Nm).
+    /// The state at the first sample, as a simulation from `start` has it, where the inputs at this sample are `first`
+    /// (demand in rad/s or Nm, and T_e in Nm).
     #[must_use]
     pub fn initial(&self, start: &InitialState, first: [f64; 2], feed_forward_nm: f64) -> Vec<f64> {
         let plant = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm];

@@ -1,9 +1,9 @@
 //! The model in time: speed control (NT) and torque control (TN), with the torque limit and anti-windup.
 //!
-//! Between the instants at which a torque demand changes, the mechanics and the torque control's lag are discretised exactly
-//! (first-order hold on the engine torque), so the step of 1 ms costs no accuracy whatever the delays are. Inputs and
-//! outputs share one uniform grid, that of the controller. Before its first sample the bench is taken to have run at its
-//! initial speed and demand.
+//! Between the instants at which a torque demand changes, the mechanics and the torque control's lag are discretised
+//! exactly (first-order hold on the engine torque), so the step of 1 ms costs no accuracy whatever the delays are.
+//! Inputs and outputs share one uniform grid, that of the controller. Before its first sample the bench is taken to
+//! have run at its initial speed and demand.
 
 mod controller;
 mod course;
@@ -49,8 +49,8 @@ pub struct Response {
 
 /// Simulates the bench.
 ///
-/// At each sample the encoder is read, the controller updated (or T_d* taken), outputs are recorded, and the bench moves
-/// on to the next sample: T_d*(t_k) = v(t_k − τ) + FF(t_k), limited; T_d follows it after d through a/(s + a).
+/// At each sample the encoder is read, the controller updated (or T_d* taken), outputs are recorded, and the bench
+/// moves on to the next sample: T_d*(t_k) = v(t_k − τ) + FF(t_k), limited; T_d follows it after d through a/(s + a).
 ///
 /// # Errors
 /// A part the drive needs is missing, inputs of unequal length or none, inputs off the controller's clock.
@@ -87,9 +87,9 @@ pub fn simulate(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -
     simulate_with_ripple(model, inputs, Ripple::NONE, start)
 }
 
-/// Simulates the bench under a known ripple of its dyno: T_d = m (1 + r) + w, where m is what torque control and machine make
-/// of T_d*. The ripple brakes the dynamometer as all of T_d does. An air-gap torque that is given holds its own ripple,
-/// so then `ripple` plays no part.
+/// Simulates the bench under a known ripple of its dyno: T_d = m (1 + r) + w, where m is what torque control and
+/// machine make of T_d*. The ripple brakes the dynamometer as all of T_d does. An air-gap torque that is given holds
+/// its own ripple, so then `ripple` plays no part.
 ///
 /// # Errors
 /// Those of [`simulate`]; a ripple of another length than the inputs.
@@ -122,8 +122,8 @@ pub fn simulate_governed(
     simulate_acted_on(model, inputs, &Acting { control: Some(engine), ..Acting::default() }, start)
 }
 
-/// Simulates the bench with an engine that fires. The engine torque of `inputs`, and that of the speed control if there is one, is the
-/// level that the next firing takes up; pulses come at the angle that the crank has in the run itself.
+/// Simulates the bench with an engine that fires. The engine torque of `inputs`, and that of the speed control if there
+/// is one, is the level that the next firing takes up; pulses come at the angle that the crank has in the run itself.
 ///
 /// # Errors
 /// Those of [`simulate_governed`].

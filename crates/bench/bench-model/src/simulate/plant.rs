@@ -140,8 +140,8 @@ impl<'a> Plant<'a> {
         smooth + self.ripple.upon(smooth, k, 0.0)
     }
 
-    /// Moves on from sample `k` to the next, under a torque of the engine that is straight between these ends; beyond the last sample
-    /// inputs stay. Friction is that of the speed at the sample.
+    /// Moves on from sample `k` to the next, under a torque of the engine that is straight between these ends; beyond
+    /// the last sample inputs stay. Friction is that of the speed at the sample.
     pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize, engine_nm: [f64; 2]) {
         let friction_nm = self.friction.torque_nm(self.x[0]);
         for substep in &self.substeps {

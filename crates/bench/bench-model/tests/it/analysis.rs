@@ -133,8 +133,8 @@ fn exact_curves_and_margins_of_the_speed_loop() {
     assert!(margins(&raised).unwrap().gain_margin_db.abs() < 1e-6);
 }
 
-/// f_r of a lightly damped shaft is √(K (1/J_d + 1/J_e)), J_d = 0.6 and J_e = 0.28: half a per cent a per cent of K, and of each
-/// inertia half its part in 1/J_d + 1/J_e.
+/// f_r of a lightly damped shaft is √(K (1/J_d + 1/J_e)), J_d = 0.6 and J_e = 0.28: half a per cent a per cent of K,
+/// and of each inertia half its part in 1/J_d + 1/J_e.
 #[test]
 fn exact_what_each_parameter_does_to_the_resonance() {
     let mut model = bench_a();

@@ -232,7 +232,8 @@ fn regress_correlations_that_contradict_each_other_are_refused() {
     assert!(message.contains("-0.8") && message.contains("let `dynoid study bench.toml` write"), "{message}");
 }
 
-/// Each fault by line, field as the file has it, and what is wrong; no words of the reader of JSON, and no names of Rust.
+/// Each fault by line, field as the file has it, and what is wrong; no words of the reader of JSON, and no names of
+/// Rust.
 #[test]
 fn regress_faults_are_stated_in_the_words_of_the_file() {
     let text = document(36.0, 40.0).to_json().unwrap();

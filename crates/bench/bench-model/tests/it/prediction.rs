@@ -111,7 +111,8 @@ fn errors_fired(parameters: &BenchParameters, plan: &ExperimentPlan) -> (f64, f6
     ((sum / truth.len() as f64).sqrt(), peak(&found) - peak(&truth))
 }
 
-/// Order 1 of 1100 rpm and order 2 of 600 rpm are at the resonance: a crank angle without the pulses' own swing gives 10 and 50 Nm.
+/// Order 1 of 1100 rpm and order 2 of 600 rpm are at the resonance: a crank angle without the pulses' own swing gives
+/// 10 and 50 Nm.
 #[test]
 fn exact_firing_pulses_are_those_of_the_virtual_bench() {
     let plans = [
@@ -127,8 +128,8 @@ fn exact_firing_pulses_are_those_of_the_virtual_bench() {
     }
 }
 
-/// Of a half order at the resonance, the phase against the demands decides on the peak: over the seeds it takes every value of the cycle, not
-/// those of one firing interval.
+/// Of a half order at the resonance, the phase against the demands decides on the peak: over the seeds it takes every
+/// value of the cycle, not those of one firing interval.
 #[test]
 fn stat_the_cylinder_at_the_start_is_any_of_them() {
     let mut parameters = clean();

@@ -364,7 +364,8 @@ fn runs(bench: &crate::support::Bench, demand: Demand<'_>) -> usize {
     can(&inputs, &Context::new()).unwrap().unstable.count
 }
 
-/// Models that estimates give: ω_d* late or early in the error and in the feed-forward, with delays of parts of a sample.
+/// Models that estimates give: ω_d* late or early in the error and in the feed-forward, with delays of parts of a
+/// sample.
 #[test]
 fn regress_no_lead_of_the_demand_makes_a_test_fail() {
     let mut bench = bench();

@@ -1,7 +1,7 @@
 //! Predicted probabilities against virtual benches that run the test.
 //!
-//! Every bench is another one. The virtual bench has firing cylinders, an encoder and sensors; drive ripple, noise and eccentric encoders
-//! are no part of the prediction.
+//! Every bench is another one. The virtual bench has firing cylinders, an encoder and sensors; drive ripple, noise and
+//! eccentric encoders are no part of the prediction.
 
 use std::ops::RangeInclusive;
 
@@ -54,9 +54,10 @@ fn unlike(random: &mut Stream) -> BenchParameters {
     bench
 }
 
-/// An estimate, and the bench that it is of. The estimate comes first and the truth from its covariance, which is what the covariance says.
-/// An estimate about the truth would not do: B of these benches spreads as far as its estimate errs, so that the truth behind an
-/// unusual estimate is nearer to the usual, and exact predictions of 49 % occur on 30 to 42 %.
+/// An estimate, and the bench that it is of. The estimate comes first and the truth from its covariance, which is what
+/// the covariance says. An estimate about the truth would not do: B of these benches spreads as far as its estimate
+/// errs, so that the truth behind an unusual estimate is nearer to the usual, and exact predictions of 49 % occur on 30
+/// to 42 %.
 pub(crate) fn drawn(seed: u64) -> Known {
     let mut random = Stream::new(seed, 3);
     let mut bench = unlike(&mut random);

@@ -71,7 +71,8 @@ fn ref_a_cycle_at_one_speed_has_the_largest_values_of_a_plan() {
     }
 }
 
-/// A bench whose engine has compression without load, gas torque, and masses in one harmonic: what they add is not proportional to the torque.
+/// A bench whose engine has compression without load, gas torque, and masses in one harmonic: what they add is not
+/// proportional to the torque.
 pub(crate) fn bench_with_compression() -> Bench {
     let mut bench = bench();
     bench.engine.cycle_variation = 0.0;
@@ -90,7 +91,8 @@ fn ref_the_same_holds_where_pulses_do_not_grow_with_the_torque_alone() {
     }
 }
 
-/// Pulses that could come of a resonance that is held do not come of one that is passed. What comes depends on where a firing meets it.
+/// Pulses that could come of a resonance that is held do not come of one that is passed. What comes depends on where a
+/// firing meets it.
 #[test]
 fn ref_a_resonance_that_a_cycle_passes_gives_what_it_gives_a_plan() {
     assert_alike("passed", 0.15, both(450.0, 1200.0));

@@ -20,14 +20,16 @@ use crate::calibration::{Known, drawn};
 const BENCHES: u64 = 200;
 const LENGTH_S: f64 = 60.0;
 const DRAWS: usize = 40;
-/// Largest difference from the predicted median, as a part of the room that the limit gives: a verdict further from its limit stays.
+/// Largest difference from the predicted median, as a part of the room that the limit gives: a verdict further from its
+/// limit stays.
 const PART: f64 = 0.1;
-/// A difference by this part of the room changes no verdict: half a sample between the instants of a recording and those of a prediction
-/// makes as much of the errors of a speed that follows its demand well.
+/// A difference by this part of the room changes no verdict: half a sample between the instants of a recording and
+/// those of a prediction makes as much of the errors of a speed that follows its demand well.
 const NOTHING: f64 = 1e-3;
 /// Share of the benches that a band states.
 const IN_BAND: f64 = 0.9;
-/// Standard deviations by which a count of 200 benches may be off: one is 2.1 %, so that exact bands hold 87 … 93 % in 6 of 7 counts only.
+/// Standard deviations by which a count of 200 benches may be off: one is 2.1 %, so that exact bands hold 87 … 93 % in
+/// 6 of 7 counts only.
 const DEVIATIONS: f64 = 3.0;
 /// Share of the verdicts that agree at least.
 const AGREE: f64 = 0.95;
@@ -69,7 +71,8 @@ fn feedback(truth: &BenchParameters, seed: u64, plan: &ExperimentPlan) -> Feedba
     }
 }
 
-/// Of each number: its name, whether it is within the stated 90 % band, and how far from the median, as a part of the limit's room.
+/// Of each number: its name, whether it is within the stated 90 % band, and how far from the median, as a part of the
+/// limit's room.
 type Compared = Vec<(String, bool, f64)>;
 
 fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {

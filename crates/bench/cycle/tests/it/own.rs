@@ -203,8 +203,8 @@ fn exact_a_phase_does_not_depend_on_the_rasters() {
     }
 }
 
-/// A white demand that is held for 10 ms, a lag of 2 ms 6 ms later, and noise: the interval has the true phase as often as it says,
-/// and the samples every 4 ms, which fold the steps, do not change that.
+/// A white demand that is held for 10 ms, a lag of 2 ms 6 ms later, and noise: the interval has the true phase as often
+/// as it says, and the samples every 4 ms, which fold the steps, do not change that.
 #[test]
 fn stat_the_scatter_of_a_phase_holds() {
     let mut state = 7_u64;

@@ -184,7 +184,8 @@ fn exact_means_over_a_second_by_hand() {
         reference_means,
         ..requirement("1065.514").unwrap()
     };
-    // Means over 0 … 0.5, 0.5 … 1.5 and 1.5 … 2 s: 1025, 1075, 1025, of both. The feedback has a sample half before its start.
+    // Means over 0 … 0.5, 0.5 … 1.5 and 1.5 … 2 s: 1025, 1075, 1025, of both. The feedback has a sample half before its
+    // start.
     let found = validate(&reference, &feedback, &set(true)).unwrap();
     let [speed, torque, _] = found.regressions.map(Option::unwrap);
     assert!((speed.slope - 1.0).abs() < 2e-3 && speed.standard_error < 0.05, "{speed:?}");

@@ -22,9 +22,9 @@ struct Candidate {
     value: f64,
 }
 
-/// Looks for the binary demand with the lowest criterion at the limits: among maximal-length and random sequences of all
-/// clocks, and the signs of `wanted`, whose spectrum is the best one; then by moving single edges of the best, again and
-/// again.
+/// Looks for the binary demand with the lowest criterion at the limits: among maximal-length and random sequences of
+/// all clocks, and the signs of `wanted`, whose spectrum is the best one; then by moving single edges of the best,
+/// again and again.
 pub(super) fn search(
     task: &DesignTask,
     trials: &mut Trials<'_>,

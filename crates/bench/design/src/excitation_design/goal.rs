@@ -162,10 +162,11 @@ impl Measurements {
 }
 
 impl DesignTask {
-    /// The task of learning some goals in an experiment of `duration_s`. What is not asked for is unknown too as far as it shows in
-    /// what is measured: the rest of the shaft, the skew of N_e, the encoder's gate (to a tenth), delay and bandwidth of
-    /// the torque control, in speed control the controller and its feed-forward. J_d and J_e are known unless asked for.
-    /// T_e may do anything unless J_e is asked for; the torque control alone is learnt from T_d* and T_d.
+    /// The task of learning some goals in an experiment of `duration_s`. What is not asked for is unknown too as far as
+    /// it shows in what is measured: the rest of the shaft, the skew of N_e, the encoder's gate (to a tenth), delay and
+    /// bandwidth of the torque control, in speed control the controller and its feed-forward. J_d and J_e are known
+    /// unless asked for. T_e may do anything unless J_e is asked for; the torque control alone is learnt from T_d* and
+    /// T_d.
     ///
     /// # Errors
     /// [`DesignError::Task`] for goals that do not show in what is excited, or no goal.

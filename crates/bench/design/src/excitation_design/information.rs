@@ -16,8 +16,8 @@ const CANCELLED: f64 = 1e-12;
 
 /// Information per unit of power and second of a line at `omega`, as rows after rows: Re(G_θᴴ Λ⁻¹ G_θ).
 ///
-/// Λ = D + Σ v S vᴴ, noise on the samples and disturbances; its inverse one disturbance after the other, which needs 1/S
-/// alone: Λ⁻¹ ← Λ⁻¹ − Λ⁻¹v vᴴΛ⁻¹/(1/S + vᴴΛ⁻¹v).
+/// Λ = D + Σ v S vᴴ, noise on the samples and disturbances; its inverse one disturbance after the other, which needs
+/// 1/S alone: Λ⁻¹ ← Λ⁻¹ − Λ⁻¹v vᴴΛ⁻¹/(1/S + vᴴΛ⁻¹v).
 fn of_line(task: &DesignTask, neighbours: &Neighbours, omega: f64) -> Option<Vec<f64>> {
     let measured = &task.measurements;
     let noises = [

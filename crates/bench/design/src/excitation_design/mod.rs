@@ -1,7 +1,7 @@
 //! Excitation designed for the least variance of chosen parameters under limits on what the bench may bear.
 //!
-//! A linear model says how much every line of a demand shows about the parameters (Fisher's information, M) and how far it
-//! drives shaft torque, air-gap torque and speed. The best spectrum follows from that by a convex optimisation whose
+//! A linear model says how much every line of a demand shows about the parameters (Fisher's information, M) and how far
+//! it drives shaft torque, air-gap torque and speed. The best spectrum follows from that by a convex optimisation whose
 //! distance from the best is known; phases are then chosen so that the limited responses, not the demand, have low
 //! peaks; and a simulation scales the demand until the first limit is met. A binary demand is sought by trial among
 //! many. [`design`] does it all.
@@ -19,7 +19,8 @@
 //! length (12 s): predicted on the nominal bench, and measured with the shaft's estimator on virtual benches with
 //! skewed rasters, a fired engine at 1500 rpm and encoders with noise, rounding and a once-a-turn error, the resonance
 //! known within 5 %, as a first study leaves it, or within 15 %; T_d within 250 Nm and N_d within 100 rpm of the
-//! operating point. Limits and resolution were chosen on other benches. Intervals are of 95 %, from 480 benches each (15 %: 240):
+//! operating point. Limits and resolution were chosen on other benches. Intervals are of 95 %, from 480 benches each
+//! (15 %: 240):
 //!
 //! | demand | resonance within | K predicted | K measured | B predicted | B measured |
 //! | --- | --- | --- | --- | --- | --- |
@@ -29,8 +30,8 @@
 //! | binary | 15 % | 3.3 | 2.0 | 3.3 | 2.2 |
 //!
 //! Benches that differ from the nominal one gain less: the demand is scaled to the peak that it reaches there, and its
-//! phases and its spectrum are those of other resonances. Firing gives information about B with any demand: without it white
-//! noise leaves a third more variance of B, which a prediction does not know.
+//! phases and its spectrum are those of other resonances. Firing gives information about B with any demand: without it
+//! white noise leaves a third more variance of B, which a prediction does not know.
 //!
 //! Limits hold for deviations from the operating point, from rest on, the engine at a constant torque. A fired engine
 //! adds its own shaft torque.
@@ -103,8 +104,8 @@ pub struct DesignedExcitation {
     pub peaks: Peaks,
     /// The limit that is met.
     pub binding: LimitedQuantity,
-    /// The criterion over all models: the sum of relative variances, or the logarithm of the determinant of the relative
-    /// covariance.
+    /// The criterion over all models: the sum of relative variances, or the logarithm of the determinant of the
+    /// relative covariance.
     pub criterion: f64,
 }
 

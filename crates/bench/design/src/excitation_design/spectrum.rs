@@ -31,8 +31,8 @@ pub(super) struct Shares {
 
 /// Bands of neighbouring lines that the estimator uses.
 ///
-/// A line may have the power 1/(2 cost), that of the largest sine that keeps all limits. A band that takes the share τ of
-/// the time (or of the peak) gives each of its n lines τ/n of that. Powers of bands add up, their peaks do not where
+/// A line may have the power 1/(2 cost), that of the largest sine that keeps all limits. A band that takes the share τ
+/// of the time (or of the peak) gives each of its n lines τ/n of that. Powers of bands add up, their peaks do not where
 /// one follows the other, as in a sweep.
 pub(super) fn bands(task: &DesignTask, lines: &[Line]) -> Vec<Band> {
     let width = (task.resolution_hz * task.period_s).round().max(1.0) as usize;
@@ -60,8 +60,8 @@ pub(super) fn power_of(line: &Line, share: f64, count: usize) -> f64 {
     share / (2.0 * line.cost * count as f64)
 }
 
-/// Minimises the criterion over shares ξ ≥ 0 with Σ ξ = 1 by the multiplicative algorithm ξ_b ← ξ_b g_b^γ / Σ, with
-/// g_b = −∂Ψ/∂ξ_b, γ = 1/2 for variances and 1 for the determinant. `Err` with the parameter that no spectrum determines.
+/// Minimises the criterion over shares ξ ≥ 0 with Σ ξ = 1 by the multiplicative algorithm ξ_b ← ξ_b g_b^γ / Σ, with g_b
+/// = −∂Ψ/∂ξ_b, γ = 1/2 for variances and 1 for the determinant. `Err` with the parameter that no spectrum determines.
 ///
 /// The equivalence theorem says when it is there: Ψ is convex, so Ψ* ≥ Ψ + Σ ξ_b g_b − max g_b, and shares are the best
 /// where max g_b = Σ ξ_b g_b. In the worst case of several models their weights μ, Σ μ = 1, are sought with the

@@ -159,10 +159,10 @@ pub(super) fn beside_rotation(speed_rad_s: f64) -> Vec<(f64, f64)> {
 }
 
 impl DesignTask {
-    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period
-    /// 4 s. The skew of N_e, the delay of the
-    /// torque control (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
-    /// 1 to 110 Hz but 3 Hz on both sides of the rotational frequency.
+    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms,
+    /// period 4 s. The skew of N_e, the delay of the torque control (with it that of T_d) and the gate (to a tenth) are
+    /// unknown as they are to the shaft's estimator; it uses 1 to 110 Hz but 3 Hz on both sides of the rotational
+    /// frequency.
     pub fn shaft(model: BenchModel, mean_torque_nm: f64, speed_rad_s: f64, limits: PeakLimits) -> Self {
         let unknown = |unknown, standard_uncertainty| Nuisance { unknown, standard_uncertainty };
         DesignTask {
@@ -190,8 +190,8 @@ impl DesignTask {
         }
     }
 
-    /// Adds models whose resonance is off by ± half of `share` and ± `share`: K by (1 ± share)², so that frequencies are by 1 ± share; B alike,
-    /// so that the damping ratio is that of the nominal one.
+    /// Adds models whose resonance is off by ± half of `share` and ± `share`: K by (1 ± share)², so that frequencies
+    /// are by 1 ± share; B alike, so that the damping ratio is that of the nominal one.
     #[must_use]
     pub fn with_uncertain_resonance(mut self, share: f64) -> Self {
         let Some(nominal) = self.models.first().cloned() else { return self };

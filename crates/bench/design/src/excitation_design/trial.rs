@@ -165,7 +165,8 @@ impl HeldDemand {
         let mut all: Vec<f64> = std::iter::repeat_n(&one, repeats).flatten().copied().collect();
         // An experiment starts at its mean, where the bench has settled.
         all.iter_mut().take(samples_per_step).for_each(|first| *first = 0.0);
-        // Deviations are linear in the demand as long as the torque control is not at its limit, which is not for the design.
+        // Deviations are linear in the demand as long as the torque control is not at its limit, which is not for the
+        // design.
         let unlimited = BenchModel { torque_limit_nm: None, ..model.clone() };
         let dyno = match task.excited {
             ExcitedDemand::Torque => DynoInput::TorqueDemand(&all),

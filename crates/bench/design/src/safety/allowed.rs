@@ -7,8 +7,9 @@ use super::ladder::Ladder;
 use super::quantity::{largest, slew, speed_samples};
 use crate::safety::ladder::demand_samples;
 
-/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the torque limit,
-/// so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of it.
+/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the torque
+/// limit, so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of
+/// it.
 pub(crate) fn allowed_nm(
     inputs: &PredictionInputs<'_>,
     ladder: &Ladder<'_>,

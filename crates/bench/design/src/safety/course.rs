@@ -32,7 +32,8 @@ impl<'a> AtResonance<'a> {
         }
     }
 
-    /// The longest stay, in samples, and the sample at which it ends. Of a sine test, samples are the updates of its demands.
+    /// The longest stay, in samples, and the sample at which it ends. Of a sine test, samples are the updates of its
+    /// demands.
     pub fn longest_stay(&self, engine_speed_rad_s: &[f64]) -> (usize, usize) {
         let is_near = |hz: f64| (hz - self.resonance_hz).abs() <= RESONANCE_BAND * self.resonance_hz;
         let (mut longest, mut stay) = ((0, 0), 0);

@@ -1,8 +1,8 @@
 //! Safety of an experiment on a bench that is not known exactly. Many benches are drawn, each runs the demands, and
 //! every limit of the bench file gets the probability of being reached.
 //!
-//! An engine that fires adds its pulses, see [`bench_model::prediction`]. What counts in the end is how many benches reach any limit at
-//! all.
+//! An engine that fires adds its pulses, see [`bench_model::prediction`]. What counts in the end is how many benches
+//! reach any limit at all.
 
 mod allowed;
 mod checked;
@@ -47,8 +47,9 @@ pub struct SafetyInputs<'a> {
     pub spread: BenchSpread<'a>,
     /// Knowledge of the engine's firing pulses.
     pub pulses: &'a KnownPulses,
-    /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the resonance: its
-    /// bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see [`ASSUMED_ENGINE`].
+    /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the
+    /// resonance: its bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see
+    /// [`ASSUMED_ENGINE`].
     pub slowest_engine_control: f64,
     /// How the friction of their dynamometers differs; that of `prediction` has no part in it.
     pub friction: FrictionSpread,

@@ -30,7 +30,8 @@ pub enum Quantity {
     SpeedGradient,
     /// Largest |T_d* N_d|, W.
     Power,
-    /// Longest stay, s, during which the firing frequency, or the sine of a sine test, lies within 10 % of the resonance.
+    /// Longest stay, s, during which the firing frequency, or the sine of a sine test, lies within 10 % of the
+    /// resonance.
     TimeAtResonance,
     /// Lowest |N_d| or |N_e|, rad/s; no limit.
     LowestSpeed,

@@ -42,8 +42,8 @@ pub struct Proposal {
 }
 
 impl Proposal {
-    /// The demands of the test with every sine at its safe amplitude or, where that is lower, the planned one; `None` where
-    /// the plan is no such test.
+    /// The demands of the test with every sine at its safe amplitude or, where that is lower, the planned one; `None`
+    /// where the plan is no such test.
     pub fn demands(&self, plan: &ExperimentPlan, demands: &Demands) -> Option<Demands> {
         let ladder = Ladder::of(plan).filter(|ladder| ladder.frequencies_hz.len() == self.sines.len())?;
         let amplitudes: Vec<f64> = self.sines.iter().map(|sine| sine.safe_nm.min(sine.planned_nm)).collect();
@@ -51,8 +51,8 @@ impl Proposal {
     }
 }
 
-/// The proposal for a sine test: the largest amplitudes with which so few benches reach a limit at any of the frequencies
-/// that the test as a whole is safe.
+/// The proposal for a sine test: the largest amplitudes with which so few benches reach a limit at any of the
+/// frequencies that the test as a whole is safe.
 pub(super) fn propose(
     inputs: &PredictionInputs<'_>,
     benches: &[Drawn],
@@ -92,8 +92,8 @@ pub(super) fn propose(
     Ok(Some(proposal))
 }
 
-/// For each frequency the amplitude that a bench may have, one rank above the lowest as long as the benches that stay below
-/// at any frequency are few.
+/// For each frequency the amplitude that a bench may have, one rank above the lowest as long as the benches that stay
+/// below at any frequency are few.
 fn jointly_safe(outcomes: &[Outcome], rungs: usize) -> Vec<f64> {
     let mut ranked: Vec<Vec<f64>> =
         (0..rungs).map(|rung| outcomes.iter().map(|outcome| outcome.allowed_nm[rung]).collect()).collect();

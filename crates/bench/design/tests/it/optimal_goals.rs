@@ -114,7 +114,8 @@ fn column(rows: &[Vec<f64>], index: usize) -> Vec<f64> {
     rows.iter().map(|row| row[index]).collect()
 }
 
-/// The variance of 80 is known to ±16 % (standard deviations); the shaft's estimator looks through a window that makes a quarter more of it.
+/// The variance of 80 is known to ±16 % (standard deviations); the shaft's estimator looks through a window that makes
+/// a quarter more of it.
 #[test]
 #[ignore = "slow: Monte Carlo"]
 fn stat_stiffness_and_damping_scatter_as_predicted() {
@@ -237,8 +238,8 @@ fn stat_the_feed_forward_scatters_as_predicted() {
             .map(|s| found.estimate.parameter(s).unwrap().value)
             .to_vec()
     });
-    // K_p and K_i are known from the controller's own recording. The design counts on estimating them along, and so promises
-    // less than is kept.
+    // K_p and K_i are known from the controller's own recording. The design counts on estimating them along, and so
+    // promises less than is kept.
     let parameters = [ModelParameter::SpeedFeedForward, ModelParameter::AccelerationFeedForward];
     for (index, parameter) in parameters.into_iter().enumerate() {
         // Seven tenths of the record are estimated from, and of these what lies below a tenth of the rate.

@@ -186,8 +186,8 @@ fn prop_what_is_not_stated_is_not_checked() {
 
 #[test]
 fn stat_probability_is_that_of_the_one_uncertain_parameter() {
-    // A dwell of firing near the resonance: at 1200 rpm four cylinders fire at 40 Hz; a sine of 18 Hz is near the resonance
-    // where |18 − f| ≤ 0.1 f, so for f from 18/1.1 to 18/0.9.
+    // A dwell of firing near the resonance: at 1200 rpm four cylinders fire at 40 Hz; a sine of 18 Hz is near the
+    // resonance where |18 − f| ≤ 0.1 f, so for f from 18/1.1 to 18/0.9.
     let plan = ExperimentPlan {
         dyno_torque_nm: Waveform::SineLadder { mean: 60.0, amplitude: 1.0, frequencies_hz: vec![18.0], dwell_s: 0.5 },
         ..ExperimentPlan::sine_t_tn(1200.0, 0.5)

@@ -85,7 +85,8 @@ impl<'a> Description<'a> {
         self.variables.iter().position(|variable| variable.reference == wanted.reference).map_or(0, |index| index + 1)
     }
 
-    /// The inputs, states and parameters that an output, or a derivative, depends on; outputs of the controller's samples on none.
+    /// The inputs, states and parameters that an output, or a derivative, depends on; outputs of the controller's
+    /// samples on none.
     pub(super) fn dependencies(&self, of: &Variable) -> impl Iterator<Item = &Variable> {
         let wanted: &[&str] = match of.name.as_str() {
             "shaft_torque" => &["K", "B", "dyno_side_speed", "engine_side_speed", "twist"],

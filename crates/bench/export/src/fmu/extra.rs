@@ -1,4 +1,5 @@
-//! Files about the model in an FMU's folder `extra`, with the manifest of FMI-LS-REF (Layered Standard References, 1.0.0-alpha.1).
+//! Files about the model in an FMU's folder `extra`, with the manifest of FMI-LS-REF (Layered Standard References,
+//! 1.0.0-alpha.1).
 
 use bench_model::document::BenchModelDocument;
 

@@ -1,8 +1,10 @@
-//! A bench model or a linear model as an FMU: FMI 2.0 or 3.0, Co-Simulation and Model Exchange, for Linux, Windows and macOS.
+//! A bench model or a linear model as an FMU: FMI 2.0 or 3.0, Co-Simulation and Model Exchange, for Linux, Windows and
+//! macOS.
 //!
-//! An FMU is a ZIP archive. It has the model description, the runtime as binaries and as sources, the numbers of the model as a
-//! resource, a page of documentation, and files about the model in `extra`. The runtimes are in `crates/bench/export/runtime`: one for
-//! benches and one for linear models. Each is the same for every model, so that nothing is compiled here.
+//! An FMU is a ZIP archive. It has the model description, the runtime as binaries and as sources, the numbers of the
+//! model as a resource, a page of documentation, and files about the model in `extra`. The runtimes are in
+//! `crates/bench/export/runtime`: one for benches and one for linear models. Each is the same for every model, so that
+//! nothing is compiled here.
 
 mod archive;
 mod csv;
@@ -36,12 +38,12 @@ pub use ssp::ssp;
 
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// The FMU of a bench model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`. `report` is the report of its study, a page of HTML, which goes along in `extra`. The same model gives
-/// the same bytes.
+/// The FMU of a bench model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`. `report` is the report of its study, a page of HTML,
+/// which goes along in `extra`. The same model gives the same bytes.
 ///
 /// # Errors
-/// [`ExportError::Delay`] for a delay that the runtime cannot hold, [`ExportError::NoDraws`] for a covariance that hardly any bench fits,
-/// [`ExportError::Simulation`] where the reference trajectory cannot be made.
+/// [`ExportError::Delay`] for a delay that the runtime cannot hold, [`ExportError::NoDraws`] for a covariance that
+/// hardly any bench fits, [`ExportError::Simulation`] where the reference trajectory cannot be made.
 pub fn fmu(
     document: &BenchModelDocument,
     names: &Names,
@@ -69,7 +71,8 @@ pub fn is_archive(bytes: &[u8]) -> bool {
     unpack::is_archive(bytes)
 }
 
-/// The text of the model file that an FMU of dynoid holds: of a bench model or of a linear model. `None` for any other file.
+/// The text of the model file that an FMU of dynoid holds: of a bench model or of a linear model. `None` for any other
+/// file.
 #[must_use]
 pub fn model_in(bytes: &[u8]) -> Option<String> {
     let path = format!("extra/{}/{}", extra::FOLDER, extra::MODEL);

@@ -104,8 +104,8 @@ pub(super) fn add_to(archive: &mut Archive, version: FmiVersion, runtime: Runtim
     }
 }
 
-/// One file for both kinds of macOS machines, as FMI 2.0 has one folder for them: Mach-O's format for several architectures, in which a
-/// head of big-endian numbers has type, subtype, offset, size and alignment of each.
+/// One file for both kinds of macOS machines, as FMI 2.0 has one folder for them: Mach-O's format for several
+/// architectures, in which a head of big-endian numbers has type, subtype, offset, size and alignment of each.
 fn universal(of: &Binaries) -> Vec<u8> {
     const MAGIC: u32 = 0xcafe_babe;
     const ALIGNMENT: u32 = 14;

@@ -21,8 +21,8 @@ pub(super) struct Reference {
     pub(super) outputs: String,
 }
 
-/// The run, by the simulation of dynoid. The outputs at an instant are those that an importer gets when it has stepped there;
-/// so T_d* is that of the sample before.
+/// The run, by the simulation of dynoid. The outputs at an instant are those that an importer gets when it has stepped
+/// there; so T_d* is that of the sample before.
 ///
 /// # Errors
 /// Those of the simulation.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use super::csv;
 use super::numbers::BenchNumbers;
 
-/// The text of `resources/bench.txt`. Numbers are hexadecimal: exact, and the same whatever decimal sign a program uses.
+/// The text of `resources/bench.txt`. Numbers are hexadecimal: exact, and the same whatever decimal sign a program
+/// uses.
 pub(super) fn text(numbers: &BenchNumbers, token: &str) -> String {
     let mut text = String::from("dynoid-bench 0x1p+0\n");
     line(&mut text, format_args!("token {token}"));

@@ -1,4 +1,5 @@
-//! A bench and the place of an engine, connected, as a package of SSP 1.0: the bench's FMU of FMI 2.0 with its parameter set.
+//! A bench and the place of an engine, connected, as a package of SSP 1.0: the bench's FMU of FMI 2.0 with its
+//! parameter set.
 //!
 //! Source: Modelica Association, *System Structure and Parameterization* 1.0.1, chapters 3 and 5.
 
@@ -20,8 +21,8 @@ const ENGINE: &str = "engine";
 const ENGINE_TORQUE_OUT: &str = "tau";
 const ENGINE_SPEED_IN: &str = "w";
 
-/// The file `NAME.ssp`. Its engine is a component without a source: a place for an FMU that gives a torque at a speed. `report` goes
-/// into the FMU as in [`super::fmu`].
+/// The file `NAME.ssp`. Its engine is a component without a source: a place for an FMU that gives a torque at a speed.
+/// `report` goes into the FMU as in [`super::fmu`].
 ///
 /// # Errors
 /// Those of [`super::fmu`].

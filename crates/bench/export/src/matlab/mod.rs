@@ -1,4 +1,5 @@
-//! Models for MATLAB and Octave: a MAT-file with matrices, names, units and covariance, and a function that makes systems of it.
+//! Models for MATLAB and Octave: a MAT-file with matrices, names, units and covariance, and a function that makes
+//! systems of it.
 
 mod level5;
 mod linear;

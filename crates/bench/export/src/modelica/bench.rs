@@ -19,8 +19,9 @@ const ICON: &str = include_str!("icon.mo");
 const PLANT: [&str; 7] = ["J_d", "J_e", "K", "B", "tau_t", "a", "T_gate"];
 const CONTROLLER: [&str; 7] = ["K_p", "K_i", "tau_c", "k", "k_a", "T_s", "T_limit"];
 
-/// The file `NAME.mo`, a package with the models `Plant` and, where the bench has a speed controller, `SpeedController` and
-/// `SpeedControl`. `PlantFlange` and `SpeedControlFlange` have connectors of the Modelica Standard Library; the others do not need it.
+/// The file `NAME.mo`, a package with the models `Plant` and, where the bench has a speed controller, `SpeedController`
+/// and `SpeedControl`. `PlantFlange` and `SpeedControlFlange` have connectors of the Modelica Standard Library; the
+/// others do not need it.
 #[must_use]
 pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
     let model = &document.model;
@@ -93,8 +94,8 @@ fn demand_lead(model: &BenchModel) -> String {
     numbers::demand_lead(model).map_or_else(String::new, |words| format!("; {words}"))
 }
 
-/// The speed controller, with its demand as late as the recordings show. Where the speed error waits for its demand, the reading and
-/// the feed-forward of then go with it, and its output acts as much sooner after it.
+/// The speed controller, with its demand as late as the recordings show. Where the speed error waits for its demand,
+/// the reading and the feed-forward of then go with it, and its output acts as much sooner after it.
 fn controller(model: &BenchModel, pi: &PiController) -> String {
     let (in_error, feed_lag) = model.demand_lags();
     let (lag, wait) = (in_error.max(0).unsigned_abs(), in_error.min(0).unsigned_abs());

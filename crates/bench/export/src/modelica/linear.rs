@@ -11,7 +11,8 @@ use crate::linear::Matrices;
 use crate::names::Names;
 use crate::{ExportError, ExportedFile};
 
-/// The file `NAME.mo` with a model of inputs `u` and outputs `y`: continuous with its delays, or discrete on the clock of its data.
+/// The file `NAME.mo` with a model of inputs `u` and outputs `y`: continuous with its delays, or discrete on the clock
+/// of its data.
 ///
 /// # Errors
 /// [`ExportError::Model`] where the model has no state space.

@@ -1,4 +1,5 @@
-//! By how much a recorded speed demand is to be advanced: every target states it, and an independent simulation shows that it is right.
+//! By how much a recorded speed demand is to be advanced: every target states it, and an independent simulation shows
+//! that it is right.
 
 use bench_model::document::BenchModelDocument;
 use bench_model::model::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
@@ -20,8 +21,8 @@ const DEMAND_RAD_S: (f64, f64) = (320.0, 322.0);
 const ENGINE_NM: f64 = 30.0;
 const WORDS: &str = "recordings have it 1 T_s (1 ms) later: advance a recorded demand by as much";
 
-/// A bench whose recordings have ω_d* a sample after the controller has it: a feed-forward one sample before it, a speed error with
-/// no delay of the demand.
+/// A bench whose recordings have ω_d* a sample after the controller has it: a feed-forward one sample before it, a
+/// speed error with no delay of the demand.
 fn late_recordings() -> BenchModelDocument {
     let mut document = document();
     document.model = BenchModel {
@@ -54,10 +55,11 @@ fn recorded(sample: usize) -> f64 {
     if sample < RISES_AT { DEMAND_RAD_S.0 } else { DEMAND_RAD_S.1 }
 }
 
-/// The equations of the bench by Runge and Kutta, with the demand as recorded: readings of ω_d and T_shaft at each sample.
+/// The equations of the bench by Runge and Kutta, with the demand as recorded: readings of ω_d and T_shaft at each
+/// sample.
 ///
-/// The error at a sample takes the demand of τ_c − τ_n later, which has the same delay when the output acts; the feed-forward that of
-/// −τ_f later.
+/// The error at a sample takes the demand of τ_c − τ_n later, which has the same delay when the output acts; the
+/// feed-forward that of −τ_f later.
 fn independent(model: &BenchModel) -> Vec<(f64, f64)> {
     let (pi, feed, torque) =
         (model.speed_controller.unwrap(), model.feed_forward.unwrap(), model.torque_control.unwrap());
@@ -148,7 +150,8 @@ fn exact_every_target_states_the_lead_of_the_demand() {
     assert!(!of(&modelica::bench(&own, &names)).contains("advance a recorded demand"));
 }
 
-/// The differences to the independent simulation of a program in C whose demand is advanced by so many samples: rad/s and Nm.
+/// The differences to the independent simulation of a program in C whose demand is advanced by so many samples: rad/s
+/// and Nm.
 fn difference_in_c(document: &BenchModelDocument, lead: usize) -> Option<(f64, f64)> {
     let folder = folder_with("lead_c", &c_files(document, &Names::of("late")).unwrap());
     let program = format!(

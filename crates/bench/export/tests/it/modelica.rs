@@ -65,8 +65,8 @@ const FLANGED: (f64, f64) = (0.15, 55.0);
 const FRICTION: (f64, f64) = (3.0, 0.04);
 const RIPPLE: (f64, f64, f64) = (2.0, 0.05, 4.0);
 
-/// The plant with friction and ripple, held in torque control by a constant demand, turned by the engine at its flange: readings of
-/// ω_d, T_d and T_shaft at each sample, by Runge and Kutta.
+/// The plant with friction and ripple, held in torque control by a constant demand, turned by the engine at its flange:
+/// readings of ω_d, T_d and T_shaft at each sample, by Runge and Kutta.
 fn flanged(model: &BenchModel, demand_nm: f64) -> [Vec<f64>; 3] {
     const STEPS: usize = 20;
     let m = model.mechanics;
@@ -102,7 +102,8 @@ fn flanged(model: &BenchModel, demand_nm: f64) -> [Vec<f64>; 3] {
     rows
 }
 
-/// An engine with an inertia of its own is rigidly coupled at the flange; in speed control the model is that without a flange.
+/// An engine with an inertia of its own is rigidly coupled at the flange; in speed control the model is that without a
+/// flange.
 #[test]
 fn ref_rumoca_couples_an_engine_at_the_flange_with_friction_and_ripple() {
     let mut document = document();
@@ -137,8 +138,8 @@ fn ref_rumoca_couples_an_engine_at_the_flange_with_friction_and_ripple() {
     }
 }
 
-/// Recordings have ω_d* a sample later than the controller has it. The error waits for its demand, so that one sample is enough, and the
-/// table has the delays that all targets have.
+/// Recordings have ω_d* a sample later than the controller has it. The error waits for its demand, so that one sample
+/// is enough, and the table has the delays that all targets have.
 #[test]
 fn regress_the_table_of_parameters_has_the_delays_of_the_code() {
     let mut early = document();

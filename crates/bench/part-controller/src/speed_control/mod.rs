@@ -1,6 +1,6 @@
-//! The dynamometer's speed controller, as recordings show it: PI without and with delay side by side, its discrete form, what
-//! may be added to it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what noise does to the
-//! estimate.
+//! The dynamometer's speed controller, as recordings show it: PI without and with delay side by side, its discrete
+//! form, what may be added to it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what
+//! noise does to the estimate.
 
 mod discrete;
 
@@ -92,8 +92,9 @@ pub struct LimitRecording {
 
 /// Looks at the speed controller in recordings in speed control. Each is a part of a step of the work.
 ///
-/// PI and delay come from recordings with constant N_d* (BS_T_NT); the controller of the longest of them serves the others:
-/// the feed-forward from those in which N_d* moves (Levels_N_NT, Ramp_N_NT), judged on the next of these, and the limit.
+/// PI and delay come from recordings with constant N_d* (BS_T_NT); the controller of the longest of them serves the
+/// others: the feed-forward from those in which N_d* moves (Levels_N_NT, Ramp_N_NT), judged on the next of these, and
+/// the limit.
 #[must_use]
 pub fn speed_control(controllers: &SpeedControllers<'_>, context: &Context) -> SpeedControl {
     let (experiments, torque_limit_nm) = (&controllers.experiments, controllers.torque_limit_nm);
@@ -128,8 +129,8 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, context: &Context) -> S
     SpeedControl { limits, controllers: found, feed_forward }
 }
 
-/// Those in speed control: first the candidates for what is sought in their order, then others that are wanted, the longest
-/// first.
+/// Those in speed control: first the candidates for what is sought in their order, then others that are wanted, the
+/// longest first.
 fn in_order<'a>(
     sought: Sought,
     experiments: &[&'a Experiment],

@@ -36,8 +36,8 @@ pub(super) struct Data {
 }
 
 impl Data {
-    /// The longest stretch below the torque limit; of a long one the minutes in which N_d* moves most, or T_d* where N_d* is
-    /// constant.
+    /// The longest stretch below the torque limit; of a long one the minutes in which N_d* moves most, or T_d* where
+    /// N_d* is constant.
     pub(super) fn of(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Self, EstimateError> {
         let demand = &at_updates(need(experiment, Role::DynoTorqueDemand)?);
         let reference = need(experiment, Role::DynoSpeedDemand)?;
@@ -83,9 +83,9 @@ impl Data {
         self.part((centre - half_s, centre + half_s))
     }
 
-    /// The same stretch with all its signals below [`CUTOFF_PART`] of the sample rate, in phase. The model is linear, so it
-    /// holds between the filtered signals; what is gone is the noise that rounding puts onto T_d*, which would otherwise
-    /// make smoother interpolation, a longer gate, look better.
+    /// The same stretch with all its signals below [`CUTOFF_PART`] of the sample rate, in phase. The model is linear,
+    /// so it holds between the filtered signals; what is gone is the noise that rounding puts onto T_d*, which would
+    /// otherwise make smoother interpolation, a longer gate, look better.
     pub(super) fn smoothed(&self) -> Result<Self, EstimateError> {
         // One low-pass for all: of signals that went through different ones the model would not hold.
         let cutoff = CUTOFF_PART / self.demand.sample_time_s.max(self.speed.sample_time_s);
@@ -141,7 +141,8 @@ fn resolution(values: &[f64]) -> f64 {
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
-/// T_d* at the instants at which the controller computes it: a raster that is faster than the controller holds each value.
+/// T_d* at the instants at which the controller computes it: a raster that is faster than the controller holds each
+/// value.
 pub(super) fn at_updates(demand: &Signal) -> Signal {
     let Some(Stale { how: Staleness::Held { every }, samples }) = find_stale(&demand.samples) else {
         return demand.clone();

@@ -1,12 +1,13 @@
-//! By how many samples N_d* is late in the speed error and in the feed-forward, and what that says of the controller's delay.
+//! By how many samples N_d* is late in the speed error and in the feed-forward, and what that says of the controller's
+//! delay.
 //!
 //! T_d*(k) = K_p [n(kT − τ) − r(k − l)] + I(k) + k r(k − f) + k_a (r(k − f) − r(k − f − 1))/T, r = N_d*.
 //!
-//! With K_p, K_i and τ of a recording with constant N_d*, each pair (l, f) of whole samples leaves a linear least-squares problem
-//! in k and k_a. All pairs share one triangular factor.
+//! With K_p, K_i and τ of a recording with constant N_d*, each pair (l, f) of whole samples leaves a linear
+//! least-squares problem in k and k_a. All pairs share one triangular factor.
 //!
-//! Two pairs always describe the same sequence: (f + 1, f), and (f, f) with k greater by K_i T and k_a by (K_p − K_i T) T. Which
-//! of them a controller has, no recording can show; where its delay acts can often show it.
+//! Two pairs always describe the same sequence: (f + 1, f), and (f, f) with k greater by K_i T and k_a by (K_p − K_i T)
+//! T. Which of them a controller has, no recording can show; where its delay acts can often show it.
 
 use ident::{IdentError, Triangle};
 use rig::results::{DelayPlace, DemandLags};
@@ -160,7 +161,8 @@ pub(super) fn is_same(a: DemandLags, b: DemandLags) -> bool {
 }
 
 impl InverseController {
-    /// A series on the controller's clock as an encoder with the fit's gate reads it at the samples of N_d that are predicted.
+    /// A series on the controller's clock as an encoder with the fit's gate reads it at the samples of N_d that are
+    /// predicted.
     fn at_speed_samples(&self, theta: &[f64], series: Vec<f64>) -> Result<Vec<f64>, IdentError> {
         let spline = inverse::spline_of(series)?;
         let read = |i: usize| {

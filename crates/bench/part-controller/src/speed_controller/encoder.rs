@@ -7,8 +7,8 @@ use signal::Signal;
 const ASSUMED_GATE_DOUBT: f64 = 0.1;
 /// Relative standard uncertainty of a gate that the bench file states.
 const STATED_GATE_DOUBT: f64 = 0.01;
-/// An encoder that is read each time has a gate of one sample. One of more than so many samples, and of more than so many s, which by
-/// this many standard errors is no accident, is that of a mean or a filter behind the encoder.
+/// An encoder that is read each time has a gate of one sample. One of more than so many samples, and of more than so
+/// many s, which by this many standard errors is no accident, is that of a mean or a filter behind the encoder.
 const LONGEST_GATE: (f64, f64) = (2.5, 2.5e-3);
 const CERTAIN: f64 = 4.0;
 /// The fit has seen the encoder if its residual is at least this part of the noise floor of the logged speed; otherwise

@@ -1,7 +1,7 @@
 //! The feed-forward, from a recording in which N_d* moves, beside a controller that is known.
 //!
-//! K_p, K_i and τ are those of the recording with constant N_d*: beside a moving N_d* a wrong feed-forward would bend them. Their
-//! uncertainty is part of that of k and k_a.
+//! K_p, K_i and τ are those of the recording with constant N_d*: beside a moving N_d* a wrong feed-forward would bend
+//! them. Their uncertainty is part of that of k and k_a.
 
 use faer::Mat;
 use ident::covariance::at_least_white;
@@ -26,14 +26,14 @@ const DECISIVE: f64 = 24.0;
 /// Gains that come out here this many standard errors, and by this share, from the controller's contradict it.
 const CONTRADICTED: (f64, f64) = (8.0, 0.05);
 
-/// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), and where the controller's delay
-/// acts on N_d*.
+/// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), and where the controller's
+/// delay acts on N_d*.
 ///
 /// `judge` is another such recording, on which the estimate is judged; without one the last part of the first serves.
 ///
 /// # Errors
-/// A missing signal, a constant N_d*, too short a stretch below the torque limit, data that do not determine the parameters,
-/// or gains of the controller that contradict those of `controller`.
+/// A missing signal, a constant N_d*, too short a stretch below the torque limit, data that do not determine the
+/// parameters, or gains of the controller that contradict those of `controller`.
 pub fn estimate_feed_forward(
     experiment: &Experiment,
     judge: Option<&Experiment>,
@@ -202,8 +202,8 @@ impl Found<'_> {
         [k, k_a + if reading.is_forward { t * k } else { 0.0 }]
     }
 
-    /// The covariance of this fit, and what the uncertainty of the controller adds: ∂φ/∂η = −J_φ⁺ J_η, φ being estimated here
-    /// and η known.
+    /// The covariance of this fit, and what the uncertainty of the controller adds: ∂φ/∂η = −J_φ⁺ J_η, φ being
+    /// estimated here and η known.
     fn covariance(&self) -> Result<Mat<f64>, EstimateError> {
         let of = |e| ident_error(self.data, e);
         let (mut covariance, _) = at_least_white(&self.fit, BATCHES).map_err(of)?;

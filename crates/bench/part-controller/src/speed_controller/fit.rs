@@ -20,14 +20,15 @@ use super::lag::lagged;
 pub(super) const ESTIMATION_SHARE: f64 = 0.7;
 /// Stretches the robust covariance is built from.
 pub(super) const BATCHES: usize = 30;
-/// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
-/// found is then noise, and its root would bias the delay.
+/// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what
+/// was found is then noise, and its root would bias the delay.
 const SHORTEST_GATE: f64 = 0.5;
-/// Where the gate is not shown, a lead so near to a whole number of samples is that of a controller that reads what is logged:
-/// with a gate, and a delay of whole samples, it would be half a sample off. By chance it comes out so once in five.
+/// Where the gate is not shown, a lead so near to a whole number of samples is that of a controller that reads what is
+/// logged: with a gate, and a delay of whole samples, it would be half a sample off. By chance it comes out so once in
+/// five.
 const WHOLE_LEAD: f64 = 0.1;
-/// A controller that reads the samples that are logged shares their noise: what is left of a fit is then rounding, less than this
-/// part of the noise. Where more is left, a gate that is not found is not known to be absent.
+/// A controller that reads the samples that are logged shares their noise: what is left of a fit is then rounding, less
+/// than this part of the noise. Where more is left, a gate that is not found is not known to be absent.
 const SHARED: f64 = 0.6;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
@@ -141,7 +142,8 @@ impl Found {
     }
 }
 
-/// By how much a gate anywhere between those of two fits moves values: uniform from one end to the other, seen from the first.
+/// By how much a gate anywhere between those of two fits moves values: uniform from one end to the other, seen from the
+/// first.
 fn gate_moves(values: &[f64], others: &[f64]) -> Vec<f64> {
     values.iter().zip(others).map(|(value, other)| (other - value) / 3f64.sqrt()).collect()
 }
@@ -217,8 +219,8 @@ pub struct KnownController {
     pub sample_time_s: f64,
 }
 
-/// Once-a-turn error of N_d in a recording in speed control, as far as the controller does not answer it: coefficients of
-/// cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording cannot show.
+/// Once-a-turn error of N_d in a recording in speed control, as far as the controller does not answer it: coefficients
+/// of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording cannot show.
 pub fn once_a_turn(
     experiment: &Experiment,
     controller: &KnownController,
@@ -269,8 +271,8 @@ fn fit_without_delay(data: &Data, mut start: Vec<f64>, lags: DemandLags) -> Resu
     run(data, lags, &start, free)
 }
 
-/// Minimises the residual over the free parameters, from `start`; one number for each further term of the feed-forward may be
-/// missing there, which then starts at zero.
+/// Minimises the residual over the free parameters, from `start`; one number for each further term of the feed-forward
+/// may be missing there, which then starts at zero.
 pub(super) fn run(
     data: &Data,
     lags: DemandLags,

@@ -1,8 +1,9 @@
-//! PI and delay from T_d* as it follows from the speeds: right where all noise there is lies in what the controller saw and
-//! nobody logged, as in the study of §7.1. (Noise of the logged speed biases it; there the inverted controller is right.)
+//! PI and delay from T_d* as it follows from the speeds: right where all noise there is lies in what the controller saw
+//! and nobody logged, as in the study of §7.1. (Noise of the logged speed biases it; there the inverted controller is
+//! right.)
 //!
-//! ε = L (T_d* − K_p e − K_i ∫e dt − I_0), e the logged speed error τ ago. L is the inverted controller of the estimate before,
-//! under which noise on the speed is left as it is.
+//! ε = L (T_d* − K_p e − K_i ∫e dt − I_0), e the logged speed error τ ago. L is the inverted controller of the estimate
+//! before, under which noise on the speed is left as it is.
 //!
 //! # Source
 //! Ljung 1999, §4.3 and §7.6 (output error, prefilters).

@@ -59,8 +59,8 @@ pub(super) struct InverseController {
 }
 
 impl InverseController {
-    /// `demand`, `reference` and `further` share the controller's clock; `phase_rad` is the shaft angle at each sample of
-    /// `speed`. `further` are terms of the feed-forward beside N_d* and its change; their coefficients, Nm, are the
+    /// `demand`, `reference` and `further` share the controller's clock; `phase_rad` is the shaft angle at each sample
+    /// of `speed`. `further` are terms of the feed-forward beside N_d* and its change; their coefficients, Nm, are the
     /// parameters from [`COUNT`] on.
     pub(super) fn new(
         (demand, reference, further): (&Signal, &Signal, &[Signal]),

@@ -1,8 +1,8 @@
 //! The limit of T_d*, and what becomes of the integrator while T_d* rests there.
 //!
-//! While T_d* is not limited, the integrator's state can be read from it: I = T_d* − FF − K_p e. How much it changes over an
-//! episode at the limit depends on the anti-windup; each law predicts a change, and is rejected where the changes seen over all
-//! episodes are farther from it than the same readings scatter where nothing is limited.
+//! While T_d* is not limited, the integrator's state can be read from it: I = T_d* − FF − K_p e. How much it changes
+//! over an episode at the limit depends on the anti-windup; each law predicts a change, and is rejected where the
+//! changes seen over all episodes are farther from it than the same readings scatter where nothing is limited.
 //!
 //! # Source
 //! Åström & Hägglund, *Advanced PID Control*, 2006, §3.5 (integrator windup).
@@ -34,7 +34,8 @@ const WINDOW: usize = 40;
 const SKIPPED: usize = 3;
 /// Fewest readings without a limit by which their scatter is judged.
 const FEWEST_QUIET: usize = 10;
-/// Laws that differ by less than so many standard deviations of a reading are not separated, however many readings there are.
+/// Laws that differ by less than so many standard deviations of a reading are not separated, however many readings
+/// there are.
 const AT_STAKE: f64 = 5.0;
 /// Laws that are tested together.
 const LAWS: f64 = 3.0;
@@ -193,8 +194,8 @@ struct Judge {
 }
 
 impl Judge {
-    /// Each law against the readings. Back-calculation has a parameter of its own, and the laws without one as its limits; it is
-    /// tried where none of those is possible.
+    /// Each law against the readings. Back-calculation has a parameter of its own, and the laws without one as its
+    /// limits; it is tried where none of those is possible.
     fn laws(&self, of_law: &impl Fn(AntiWindup) -> Vec<f64>) -> Vec<LawTest> {
         let simple = [AntiWindup::None, AntiWindup::Clamping, AntiWindup::ConditionalIntegration];
         let mut tests: Vec<LawTest> = simple.iter().map(|law| self.test(*law, &of_law(*law), 0)).collect();

@@ -12,8 +12,8 @@
 //! Lags l and f show where the delay acts: on the measured speed, the speed error or the whole output.
 //!
 //! Integrating by backward or trapezoidal rule gives the same sequence with K_p less by K_i T or K_i T/2: the rule
-//! cannot be determined from data, so forward Euler, which is also the exact discretisation of (6.5) under a held input, is
-//! the convention here.
+//! cannot be determined from data, so forward Euler, which is also the exact discretisation of (6.5) under a held
+//! input, is the convention here.
 //!
 //! # Source
 //! Thesis (6.2), (6.5)–(6.7); Ljung 1999, §4.3 (output error), §9.4.

@@ -1,13 +1,13 @@
 //! Search for more in a speed controller than PI, delay and straight feed-forward. One term at a time is added to the
 //! inverted controller, and its estimate tested against zero.
 //!
-//! A test is Wald's, with the covariance that is robust to coloured residuals: t, or for several coefficients Hotelling's T²,
-//! on the degrees of freedom of its batches. Several terms on the same data are corrected by Holm, so that the level is that
-//! of finding anything where there is nothing.
+//! A test is Wald's, with the covariance that is robust to coloured residuals: t, or for several coefficients
+//! Hotelling's T², on the degrees of freedom of its batches. Several terms on the same data are corrected by Holm, so
+//! that the level is that of finding anything where there is nothing.
 //!
 //! # Source
-//! Holm, *A simple sequentially rejective multiple test procedure*, 1979; Hotelling, *The generalization of Student's ratio*,
-//! 1931.
+//! Holm, *A simple sequentially rejective multiple test procedure*, 1979; Hotelling, *The generalization of Student's
+//! ratio*, 1931.
 
 use faer::Mat;
 use ident::Minimum;
@@ -27,10 +27,12 @@ use super::inverse::{self, COUNT};
 
 /// Probability of finding any term where there is none.
 pub const LEVEL: f64 = 0.01;
-/// Share of the variance left of the speed that a term explains at least, to count as found: where data are long and nearly free
-/// of noise, what is estimated differs from zero by what is only almost right in the description of an encoder, too.
+/// Share of the variance left of the speed that a term explains at least, to count as found: where data are long and
+/// nearly free of noise, what is estimated differs from zero by what is only almost right in the description of an
+/// encoder, too.
 pub const MATTERS: f64 = 0.01;
-/// A term is not estimated where its 95 % interval would let it move the speed by more than this part of its standard deviation.
+/// A term is not estimated where its 95 % interval would let it move the speed by more than this part of its standard
+/// deviation.
 const SHORT: f64 = 0.1;
 /// Terms that are added to PI and delay at most.
 const MOST_TERMS: usize = 2;
@@ -168,8 +170,8 @@ impl Structure {
 
 /// Tests what may be added to PI and delay in a recording with constant N_d* (BS_T_NT).
 ///
-/// Terms that are found enter one after another, the one that explains most first, and the others are tested beside it: a
-/// filter that is left out looks like a derivative, and the reverse.
+/// Terms that are found enter one after another, the one that explains most first, and the others are tested beside it:
+/// a filter that is left out looks like a derivative, and the reverse.
 ///
 /// # Errors
 /// Those of [`super::estimate`].
@@ -199,7 +201,8 @@ pub fn structure(
     })
 }
 
-/// Tests the feed-forward in a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), with the lags of its straight form.
+/// Tests the feed-forward in a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), with the lags of its straight
+/// form.
 ///
 /// # Errors
 /// Those of [`super::estimate_feed_forward`].
@@ -347,8 +350,8 @@ fn one_sided(term: Term, theta: &[f64], p_value: f64) -> f64 {
     }
 }
 
-/// Probability of estimates as far from zero where all of `tested` are zero: T² = θᵀ P⁻¹ θ on n degrees of freedom, of which
-/// T² (n − m + 1)/(n m) is F with m and n − m + 1.
+/// Probability of estimates as far from zero where all of `tested` are zero: T² = θᵀ P⁻¹ θ on n degrees of freedom, of
+/// which T² (n − m + 1)/(n m) is F with m and n − m + 1.
 fn joint_p_value(fit: &Minimum, covariance: &Mat<f64>, freedom: f64, tested: &[usize]) -> f64 {
     let m = tested.len();
     let block = Mat::from_fn(m, m, |a, b| covariance[(tested[a], tested[b])]);
@@ -427,8 +430,8 @@ fn with_terms(data: &Data, fit: &Minimum, found: &[Term]) -> Result<Estimate, Es
     Ok(estimate)
 }
 
-/// Speeds from the lowest to the highest N_d*, and for each between the ends the function that is one there, zero at the
-/// next ones on either side, and straight in between: what a static map has beyond a straight line.
+/// Speeds from the lowest to the highest N_d*, and for each between the ends the function that is one there, zero at
+/// the next ones on either side, and straight in between: what a static map has beyond a straight line.
 fn tents(reference: &Signal) -> (Vec<f64>, Vec<Signal>) {
     let fold = |f: fn(f64, f64) -> f64, from: f64| reference.samples.iter().copied().fold(from, f);
     let (low, high) = (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY));
@@ -439,8 +442,8 @@ fn tents(reference: &Signal) -> (Vec<f64>, Vec<Signal>) {
     (knots, tents)
 }
 
-/// The sign of the last change of N_d*, zero before the first; and the same while N_d* moves, zero while it rests. N_d* that is
-/// given in steps moves as long as they follow each other as they usually do.
+/// The sign of the last change of N_d*, zero before the first; and the same while N_d* moves, zero while it rests. N_d*
+/// that is given in steps moves as long as they follow each other as they usually do.
 fn directions(reference: &Signal) -> (Signal, Signal) {
     let changes: Vec<usize> =
         (1..reference.len()).filter(|i| reference.samples[*i] != reference.samples[i - 1]).collect();

@@ -212,8 +212,8 @@ fn exact_a_limit_that_is_not_reached_is_not_found() {
     assert!(highest_nm > 40.0 && highest_nm < 100.0, "{highest_nm}");
 }
 
-/// On benches without anything beside PI, delay and a straight feed-forward, drawn at random, half of them with noise that the
-/// controller does not see, terms are found as often as the level says, not more.
+/// On benches without anything beside PI, delay and a straight feed-forward, drawn at random, half of them with noise
+/// that the controller does not see, terms are found as often as the level says, not more.
 #[test]
 #[ignore = "slow"]
 fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {

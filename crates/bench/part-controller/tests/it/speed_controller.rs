@@ -188,7 +188,8 @@ fn exact_a_speed_behind_a_filter_is_told_from_an_encoder() {
     }));
 }
 
-/// Noise that hides the gate does not make a controller of whole delays one that reads the samples half way between two of them.
+/// Noise that hides the gate does not make a controller of whole delays one that reads the samples half way between two
+/// of them.
 #[test]
 fn stat_a_gate_that_noise_hides_leaves_the_delay_right() {
     let mut held = 0;

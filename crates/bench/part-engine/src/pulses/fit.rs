@@ -1,10 +1,12 @@
-//! The harmonics of all recordings together: a linear regression of each on mean torque and speed, on top of what is known of the class.
+//! The harmonics of all recordings together: a linear regression of each on mean torque and speed, on top of what is
+//! known of the class.
 //!
-//! T_e,m = α + β T + γ ω², complex, with the class's variances as the prior of α, β and γ: what the recordings do not show stays as wide
-//! as that. Where ignition angles set the torque, the charge does not change with it: such a recording has a slope κ of its own below its
-//! largest torque. The crank's angle begins anywhere in each recording. The angle δ by which a recording is turned against the others is the one
-//! of the greatest evidence, in which it stands as Σ_m Re(e^{−imδ} c_m) alone. Where another cylinder at the place of the first would be
-//! nearly as probable, only the multiples of the firing order count.
+//! T_e,m = α + β T + γ ω², complex, with the class's variances as the prior of α, β and γ: what the recordings do not
+//! show stays as wide as that. Where ignition angles set the torque, the charge does not change with it: such a
+//! recording has a slope κ of its own below its largest torque. The crank's angle begins anywhere in each recording.
+//! The angle δ by which a recording is turned against the others is the one of the greatest evidence, in which it
+//! stands as Σ_m Re(e^{−imδ} c_m) alone. Where another cylinder at the place of the first would be nearly as probable,
+//! only the multiples of the firing order count.
 //!
 //! # Source
 //! Gelman et al., *Bayesian Data Analysis*, 3rd ed. 2013, §14.8.
@@ -20,23 +22,25 @@ use signal::Complex64;
 use super::windows::{Seen, encoder_error};
 use crate::source::Values;
 
-/// Windows overlap by a half. Neighbours under a Hann window have a correlation of 1/6, which makes the variance of a mean so many times
-/// larger.
+/// Windows overlap by a half. Neighbours under a Hann window have a correlation of 1/6, which makes the variance of a
+/// mean so many times larger.
 const OVERLAP: f64 = 4.0 / 3.0;
-/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, and than another cylinder in the place
-/// of the first.
+/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, and than
+/// another cylinder in the place of the first.
 const CLEAR: (f64, f64) = (10.0, 4.6);
 /// Angles tried for each of the harmonics.
 const ANGLES_EACH: usize = 16;
 /// Halvings of the step in which the best angle is looked for.
 const HALVINGS: usize = 30;
-/// Error of all parts of a harmonic alike: what K, J_d, the gate, and friction that changes with the speed leave uncertain.
+/// Error of all parts of a harmonic alike: what K, J_d, the gate, and friction that changes with the speed leave
+/// uncertain.
 const OF_MECHANICS: f64 = 0.01;
-/// A harmonic is estimated where recordings leave less than this part of the variance of the class, at the mean torque and speed.
+/// A harmonic is estimated where recordings leave less than this part of the variance of the class, at the mean torque
+/// and speed.
 const SHOWN: f64 = 0.1;
 
-/// Root mean square of κ over that of β. A late ignition leaves the charge and moves the burning: slider-cranks with Wiebe's burning give 0.3
-/// to 0.5 where the burning is as much weaker, and up to 1.4 where it is as much later.
+/// Root mean square of κ over that of β. A late ignition leaves the charge and moves the burning: slider-cranks with
+/// Wiebe's burning give 0.3 to 0.5 where the burning is as much weaker, and up to 1.4 where it is as much later.
 const BY_IGNITION: f64 = 0.8;
 
 /// The regressors of a recording: those of α, β and γ, the errors of both encoders, and κ.
@@ -263,8 +267,8 @@ impl Joined {
         self.each.push(own);
     }
 
-    /// By which angle of the cycle a recording is turned, and whether another cylinder in the place of the first is excluded; `None` where it
-    /// shows no pulses.
+    /// By which angle of the cycle a recording is turned, and whether another cylinder in the place of the first is
+    /// excluded; `None` where it shows no pulses.
     fn turned(&self, recording: &Recording, cylinders: usize) -> Option<(f64, bool)> {
         let common: Vec<Complex64> = self.sums.iter().zip(&recording.sums).map(common).collect();
         let evidence = |turned_rad: f64| {
@@ -280,8 +284,8 @@ impl Joined {
         (evidence(best) > CLEAR.0).then(|| (best, evidence(best) - next > CLEAR.1))
     }
 
-    /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the recordings, whose
-    /// mean torque is uncertain by `friction_nm`, the root of its mean square.
+    /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the
+    /// recordings, whose mean torque is uncertain by `friction_nm`, the root of its mean square.
     pub(super) fn pulses(
         &self,
         prior: &EnginePulses,
@@ -321,8 +325,9 @@ impl Joined {
         all
     }
 
-    /// The covariance at a harmonic, over the class's: P of the regression, and P Σ g gᵀ P by how recordings contradict what they give together,
-    /// g being the gradient of the fit to each. Errors that a whole recording has alike do not average out over its windows.
+    /// The covariance at a harmonic, over the class's: P of the regression, and P Σ g gᵀ P by how recordings contradict
+    /// what they give together, g being the gradient of the fit to each. Errors that a whole recording has alike do not
+    /// average out over its windows.
     fn covariance(&self, place: usize) -> [[f64; 3]; 3] {
         let (covariance, solution) = (self.sums[place].covariance(), self.sums[place].solution());
         let step = |own: &Vec<Sums>| -> [Complex64; 3] {
@@ -338,8 +343,8 @@ impl Joined {
     }
 }
 
-/// How unequal the cylinders are, as the variance over that of the class of the harmonics between multiples of the firing order: that of those
-/// that are estimated, at the mean torque and speed.
+/// How unequal the cylinders are, as the variance over that of the class of the harmonics between multiples of the
+/// firing order: that of those that are estimated, at the mean torque and speed.
 fn unequal(all: &[PulseHarmonic], prior: &EnginePulses, at: (f64, f64)) -> f64 {
     let is_between = |m: usize| !m.is_multiple_of(prior.cylinders as usize);
     let over_class = |(found, of_class): (&PulseHarmonic, &PulseHarmonic)| {
@@ -353,8 +358,9 @@ fn unequal(all: &[PulseHarmonic], prior: &EnginePulses, at: (f64, f64)) -> f64 {
     if all.is_empty() { 1.0 } else { (all.iter().sum::<f64>() / all.len() as f64).min(1.0) }
 }
 
-/// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. An error of the speed, e ω at
-/// the order o, makes a torque of the engine's inertia, o ω J_e e ω, and one of the shaft's stiffness, K e ω/(o ω).
+/// Standard deviations that an error of the engine's encoder adds to α, β and γ: nothing separates it from a motion. An
+/// error of the speed, e ω at the order o, makes a torque of the engine's inertia, o ω J_e e ω, and one of the shaft's
+/// stiffness, K e ω/(o ω).
 fn doubts(order: f64, values: &Values) -> [f64; 3] {
     let error = encoder_error(order) / SQRT_2;
     [error * values.stiffness / order, 0.0, error * values.engine_inertia * order]

@@ -1,9 +1,9 @@
-//! The firing pulses of the engine, of all recordings with a shaft together: how strong each harmonic of the working cycle is, over mean torque
-//! and speed, with its covariance.
+//! The firing pulses of the engine, of all recordings with a shaft together: how strong each harmonic of the working
+//! cycle is, over mean torque and speed, with its covariance.
 //!
-//! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. The mean
-//! torque of the engine is T_d + (J_d + J_e) dω/dt and the friction of the dynamometer's bearings. The middle of what that can be is taken, and
-//! its spread counts as an error.
+//! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. The mean torque
+//! of the engine is T_d + (J_d + J_e) dω/dt and the friction of the dynamometer's bearings. The middle of what that can
+//! be is taken, and its spread counts as an error.
 
 mod fit;
 mod friction;
@@ -29,7 +29,8 @@ use fit::{Class, Joined, Recording};
 use friction::Friction;
 use windows::{Record, Seen, firings_counted};
 
-/// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing order alone.
+/// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing
+/// order alone.
 const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
@@ -134,8 +135,8 @@ fn every(signal: &Signal, step: usize) -> Option<Signal> {
     (step > 1).then(|| Signal::new(signal.start_s, signal.sample_time_s * step as f64, samples).ok()).flatten()
 }
 
-/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order, over those of the harmonic, are apart in windows
-/// that share nothing, as if noise had no part of it. A window averages its firings.
+/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order, over those of the
+/// harmonic, are apart in windows that share nothing, as if noise had no part of it. A window averages its firings.
 fn variation<'a>(recordings: impl Iterator<Item = &'a [Seen]>, place: usize, firing: &PulseHarmonic) -> Option<f64> {
     let strength = |seen: &Seen| {
         let wave = (*seen.waves.get(place)?)?.torque_nm;

@@ -1,8 +1,9 @@
 //! The engine's torque at the harmonics of its working cycle, window by window of a recording.
 //!
-//! Least squares in the angle of the crank, weighted by a Hann window over [`TURNS`] turns, as for the tracks of orders: harmonics that
-//! fold are separated as far as the speed and the window allow. The amplitudes of N_e, N_d and T_d then go through the two masses and the
-//! shaft: T_e = jω J_e ω_e + T_shaft, where T_shaft is jω J_d ω_d + T_d on the one hand and (K/jω + B)(ω_e − ω_d) on the other.
+//! Least squares in the angle of the crank, weighted by a Hann window over [`TURNS`] turns, as for the tracks of
+//! orders: harmonics that fold are separated as far as the speed and the window allow. The amplitudes of N_e, N_d and
+//! T_d then go through the two masses and the shaft: T_e = jω J_e ω_e + T_shaft, where T_shaft is jω J_d ω_d + T_d on
+//! the one hand and (K/jω + B)(ω_e − ω_d) on the other.
 //!
 //! # Source
 //! Blough, Mechanical Systems and Signal Processing 17 (2003) 1185–1199; (2.7), (6.1), (6.4).
@@ -115,8 +116,8 @@ impl Record<'_> {
         Some(Seen { torque_nm, speed_rad_s, waves: in_own_angle(&waves, &swings_rad, orders) })
     }
 
-    /// T_e of the amplitudes of ω_e, ω_d and T_d, T_shaft by both ways as their variances weigh them. An error of the encoders, which
-    /// every turn has alike, counts in these weights.
+    /// T_e of the amplitudes of ω_e, ω_d and T_d, T_shaft by both ways as their variances weigh them. An error of the
+    /// encoders, which every turn has alike, counts in these weights.
     fn torque_of(
         &self,
         [engine, dyno, torque]: [(Complex64, f64); 3],
@@ -175,8 +176,9 @@ impl Record<'_> {
     }
 }
 
-/// Amplitudes in the angle of the engine's own crank, which the pulses swing by φ against the mean angle that they are given in: to the
-/// first order A_m = C_m − i Σ_k o_k C_k φ_{m−k}, both being two-sided. It is A_m = 1/2π ∮ T e^{−io_mθ} dθ with θ the mean angle + φ.
+/// Amplitudes in the angle of the engine's own crank, which the pulses swing by φ against the mean angle that they are
+/// given in: to the first order A_m = C_m − i Σ_k o_k C_k φ_{m−k}, both being two-sided. It is A_m = 1/2π ∮ T
+/// e^{−io_mθ} dθ with θ the mean angle + φ.
 fn in_own_angle(waves: &[Option<Wave>], swings_rad: &[Option<Complex64>], orders: &[f64]) -> Vec<Option<Wave>> {
     let both = || (0..orders.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]);
     let side = |value: Complex64, sign: f64| if sign > 0.0 { 0.5 * value } else { 0.5 * value.conj() };

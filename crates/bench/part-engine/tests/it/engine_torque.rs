@@ -27,8 +27,8 @@ fn centred(mut parameters: BenchParameters) -> BenchParameters {
     parameters
 }
 
-/// The mean of the true torque from an instant on: T_e jumps between its samples where another cylinder takes over, speeds do
-/// not.
+/// The mean of the true torque from an instant on: T_e jumps between its samples where another cylinder takes over,
+/// speeds do not.
 fn true_mean(truth: &HiddenTruth, from_s: f64, duration_s: f64) -> f64 {
     let place = |t: f64| ((t / truth.sample_time_s).floor() as usize, (t / truth.sample_time_s).fract());
     let at = |x: &[f64], t: f64| {
@@ -179,7 +179,8 @@ fn stat_unequal_cylinders_are_found_in_the_order_in_which_they_fire() {
     }
 }
 
-/// Equal cylinders and an encoder of which nothing is known: what comes back with every turn is not taken for a cylinder's.
+/// Equal cylinders and an encoder of which nothing is known: what comes back with every turn is not taken for a
+/// cylinder's.
 #[test]
 fn stat_an_encoder_error_is_not_taken_for_cylinders() {
     let mut bench = centred(BenchParameters::default());

@@ -109,8 +109,8 @@ fn regress_where_nothing_fires_there_are_no_pulses() {
     assert!(engine_pulses(&parts, &|_| true).is_err());
 }
 
-/// A disc that runs out gives order 1 a torque in which the mean torque has no part. Recordings begin at any angle of it, so that two with
-/// different mean torques show different ones.
+/// A disc that runs out gives order 1 a torque in which the mean torque has no part. Recordings begin at any angle of
+/// it, so that two with different mean torques show different ones.
 #[test]
 fn stat_once_a_turn_errors_of_encoders_do_not_grow_with_the_torque() {
     let file = bench_file("1.03", "0.2256", "600 Nm", BENCH_A);
@@ -133,8 +133,8 @@ fn stat_once_a_turn_errors_of_encoders_do_not_grow_with_the_torque() {
     assert!((amplitude - truth).abs() < 2.5 * error && error < 6.0, "{amplitude} ± {error}, {truth}");
 }
 
-/// Firings come at the crank's own angle. Against its mean angle, strong pulses of a light engine swing it, which would move torque from each
-/// harmonic to others.
+/// Firings come at the crank's own angle. Against its mean angle, strong pulses of a light engine swing it, which would
+/// move torque from each harmonic to others.
 #[test]
 fn stat_harmonics_are_those_of_the_angle_that_the_pulses_swing() {
     let mut bench = with_middle_friction(BenchParameters::default());

@@ -218,8 +218,8 @@ fn stat_intervals_of_inertia_and_friction_cover() {
     }
 }
 
-/// Where T_d* does not tell what T_d does between its samples: T_d,calc alone, and the load cell alone, 8 ms late and with a
-/// resonance at 75 Hz.
+/// Where T_d* does not tell what T_d does between its samples: T_d,calc alone, and the load cell alone, 8 ms late and
+/// with a resonance at 75 Hz.
 #[test]
 #[ignore = "slow"]
 fn stat_intervals_cover_without_the_demand_and_with_the_load_cell_alone() {
@@ -292,8 +292,8 @@ fn flywheel() -> Option<(Vec<f64>, Vec<f64>)> {
     Some(later.map(|row| (row[5] * 1e-3, row[3] * RPM_RAD_S)).unzip())
 }
 
-/// Published (spindown.m, with J = 0.8489 kg m²): dω/dt = −1.74e-7 ω³ + 2.903e-5 ω² − 3.222e-3 ω − 3.097e-2, from 4 s past the
-/// peak down to 4 rad/s.
+/// Published (spindown.m, with J = 0.8489 kg m²): dω/dt = −1.74e-7 ω³ + 2.903e-5 ω² − 3.222e-3 ω − 3.097e-2, from 4 s
+/// past the peak down to 4 rad/s.
 #[test]
 fn ref_run_out_of_a_flywheel_dynamometer() {
     let Some((time_s, speed)) = flywheel() else { return };

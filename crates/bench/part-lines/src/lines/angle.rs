@@ -47,8 +47,8 @@ impl<'a> Angle<'a> {
         (self.at(until_s) - self.at(from_s)) / (TAU * (until_s - from_s))
     }
 
-    /// The share of the time between two instants at which a multiple of an order is within a reach of a frequency, which may
-    /// itself depend on how fast it turns.
+    /// The share of the time between two instants at which a multiple of an order is within a reach of a frequency,
+    /// which may itself depend on how fast it turns.
     pub(super) fn share_at(
         &self,
         [from_s, until_s]: [f64; 2],
@@ -68,8 +68,8 @@ impl<'a> Angle<'a> {
         (0..count).filter(shows).count() as f64 / count as f64
     }
 
-    /// Twice the standard deviation of the speed between two instants, Hz: of its means over a working cycle, whose firings
-    /// move the speed without spreading an order.
+    /// Twice the standard deviation of the speed between two instants, Hz: of its means over a working cycle, whose
+    /// firings move the speed without spreading an order.
     pub(super) fn spread_hz(&self, from_s: f64, until_s: f64) -> f64 {
         let turns = (self.at(until_s) - self.at(from_s)) / TAU;
         let count = (turns / CYCLE_TURNS).floor().max(1.0);

@@ -6,7 +6,8 @@ use signal::periodicity::{Sinusoid, find_sinusoids};
 
 use crate::segments::steady_sines;
 
-/// Sines that a demand may be made of, at most; the share of it that they leave at most; the least of the largest that counts.
+/// Sines that a demand may be made of, at most; the share of it that they leave at most; the least of the largest that
+/// counts.
 const MOST_SINES: usize = 40;
 const REST: f64 = 0.1;
 const LEAST: f64 = 0.002;
@@ -18,7 +19,8 @@ const LONG_S: f64 = 2.0;
 /// Longest hold that is looked for, and the share of changes that keep to it.
 const LONGEST_HOLD_S: f64 = 0.2;
 const KEPT: f64 = 0.97;
-/// A demand that is held changes at so many of the instants at which it may; one that is made of sines hardly ever rests.
+/// A demand that is held changes at so many of the instants at which it may; one that is made of sines hardly ever
+/// rests.
 const OFTEN: f64 = 0.2;
 const MOVING: f64 = 0.7;
 

@@ -4,8 +4,8 @@ use super::cause::Cause;
 use super::reference::{MAINS_HZ, RIPPLE};
 use crate::lines::found::{Line, RecordingLines};
 
-/// Leaves what hangs on the mains that most of the recorded time shows, and takes back what was named by another: a bench
-/// hangs on one, and a short part may show a line where another's would be.
+/// Leaves what hangs on the mains that most of the recorded time shows, and takes back what was named by another: a
+/// bench hangs on one, and a short part may show a line where another's would be.
 #[must_use]
 pub fn on_one_mains(mut looks: Vec<RecordingLines>) -> Vec<RecordingLines> {
     let Some(mains_hz) = mains_hz(&looks) else { return looks };

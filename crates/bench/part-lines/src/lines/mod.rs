@@ -1,17 +1,17 @@
 //! Lines in the spectra of a recording before any model is made of it, each with its cause.
 //!
-//! A line is looked for behind the phase that its cause would give it: multiples of the crank angle, which are sharp however
-//! the speed moves, and found where they fold to above half a channel's sample rate; and fixed frequencies, of the demand, of
-//! the images that a held demand has, of the mains, and of sidebands of a ripple. Causes whose phases are too alike to
-//! be separated in a recording stay undecided, with a speed at which they lie apart. What stands out of the rest is a
-//! line without a cause, or broad: a resonance of the masses if several signals show it and N_d and N_e swing as two masses on a
-//! shaft do, one of a sensor if it alone shows it.
+//! A line is looked for behind the phase that its cause would give it: multiples of the crank angle, which are sharp
+//! however the speed moves, and found where they fold to above half a channel's sample rate; and fixed frequencies, of
+//! the demand, of the images that a held demand has, of the mains, and of sidebands of a ripple. Causes whose phases
+//! are too alike to be separated in a recording stay undecided, with a speed at which they lie apart. What stands out
+//! of the rest is a line without a cause, or broad: a resonance of the masses if several signals show it and N_d and
+//! N_e swing as two masses on a shaft do, one of a sensor if it alone shows it.
 //!
 //! A line that stays undecided is rightly named where its cause is among those that it is undecided between.
 //!
 //! # Source
-//! Glans & Kärnell, Chalmers EX112/2018, chapter 5; order tracking by the angle: Vold and Leuridan, *High resolution order
-//! tracking at extreme slew rates*, SAE 931288, 1993, for the idea.
+//! Glans & Kärnell, Chalmers EX112/2018, chapter 5; order tracking by the angle: Vold and Leuridan, *High resolution
+//! order tracking at extreme slew rates*, SAE 931288, 1993, for the idea.
 
 mod advice;
 mod amplitudes;
@@ -57,8 +57,8 @@ pub use track::OrderTrack;
 pub use track::TrackPoint;
 pub use tracking::{BANDWIDTH_ORDERS, TURNS};
 
-/// A broad peak this close to a multiple of half the firing order, Hz, for more than this share of the time, is of what varies
-/// from firing to firing; a line without a cause this close to any order is of it.
+/// A broad peak this close to a multiple of half the firing order, Hz, for more than this share of the time, is of what
+/// varies from firing to firing; a line without a cause this close to any order is of it.
 const OF_A_FIRING_HZ: f64 = 0.6;
 const OFTEN: f64 = 0.2;
 /// Time above which a change is the trend of a signal whose speed changes, s.
@@ -183,8 +183,9 @@ impl Looker<'_> {
         Some(Shown { role, signal, lines, broad: Vec::new(), tracks })
     }
 
-    /// Orders that can be followed through a change of speed, and the lines of the rest. An order's strength changes with the
-    /// speed: what a constant one leaves of it shows wherever another phase meets it, where the speed rests above all.
+    /// Orders that can be followed through a change of speed, and the lines of the rest. An order's strength changes
+    /// with the speed: what a constant one leaves of it shows wherever another phase meets it, where the speed rests
+    /// above all.
     fn followed(
         &self,
         engine: Engine,
@@ -198,8 +199,8 @@ impl Looker<'_> {
         (lines.of_changing(&tracks, Lines::of(&rest, self.angle, &others)), tracks)
     }
 
-    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over what a dynamometer is
-    /// asked for, which a hold shapes where it is broad.
+    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over what a
+    /// dynamometer is asked for, which a hold shapes where it is broad.
     fn broad(&self, one: &Shown, all: &[Shown], is_broad: bool) -> Vec<BroadPeak> {
         let of = |role: Role| all.iter().find(|shown| shown.role == role);
         let measured = SENSORS.iter().find(|(sensor, _)| *sensor == one.role).and_then(|(_, other)| of(*other));

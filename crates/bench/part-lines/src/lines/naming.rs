@@ -15,8 +15,8 @@ use crate::lines::shown::Shown;
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;
 /// A sideband is at most this share of what swings.
 const RIPPLED: f64 = 0.1;
-/// A torque follows its demand: of what T_d* holds it has at most this many times as much; and where nothing else adds to it,
-/// what its control lets through: what changes that by less than half is not counted as a cause.
+/// A torque follows its demand: of what T_d* holds it has at most this many times as much; and where nothing else adds
+/// to it, what its control lets through: what changes that by less than half is not counted as a cause.
 const FOLLOWED: f64 = 1.5;
 const ADDED: f64 = 0.5;
 /// Images that the torque control makes less than this share of show its bandwidth.
@@ -111,8 +111,8 @@ impl<'a> Naming<'a> {
         }
     }
 
-    /// How strongly the torque of the drive swings at a frequency, as far as a signal shows it: that of the shaft less than that of
-    /// the air gap, where the drive's ripple is.
+    /// How strongly the torque of the drive swings at a frequency, as far as a signal shows it: that of the shaft less
+    /// than that of the air gap, where the drive's ripple is.
     fn swing_at(&self, frequency_hz: f64, one: &Shown) -> f64 {
         let is_it = |shown: &&Shown| TORQUES.contains(&one.role) && shown.role == Role::AirGapTorque;
         let in_the_air_gap = self.all.iter().find(is_it).map_or(0.0, |shown| shown.lines.strength_at(frequency_hz));
@@ -164,7 +164,8 @@ impl<'a> Naming<'a> {
         std::iter::once(asked.clone()).chain(others).collect()
     }
 
-    /// The bandwidth of the torque control, as that of a lag: by what it leaves of the images of which nothing else makes a part.
+    /// The bandwidth of the torque control, as that of a lag: by what it leaves of the images of which nothing else
+    /// makes a part.
     fn bandwidth_hz(&self) -> Option<f64> {
         let of = |role: Role| self.all.iter().find(|shown| shown.role == role);
         let (demand, torque) = (of(Role::DynoTorqueDemand)?, of(Role::AirGapTorque)?);
@@ -249,14 +250,16 @@ fn is_sideband(reference: &Reference) -> bool {
     matches!(reference.cause, Cause::RippleSideband { .. })
 }
 
-/// The mains, Hz: a bench hangs on one, and its ripple shows which where no order covers it. None where it does not show.
+/// The mains, Hz: a bench hangs on one, and its ripple shows which where no order covers it. None where it does not
+/// show.
 fn mains_hz(all: &[Shown]) -> Option<f64> {
     let shown = |hz: f64| {
         let is_it = |r: &Reference| match r.cause {
             Cause::Mains { multiple, mains_hz } => mains_hz == hz && f64::from(multiple) == RIPPLE,
             _ => false,
         };
-        // Orders and images may be as strong; a multiple that folds onto the ripple, or a sideband of the other's, is not.
+        // Orders and images may be as strong; a multiple that folds onto the ripple, or a sideband of the other's, is
+        // not.
         let is_weak = |r: &Reference| is_sideband(r) || matches!(r.cause, Cause::Mains { .. });
         let is_covered = |line: &Found| !line.causes.iter().all(is_weak);
         let lines = all.iter().filter(|one| TORQUES.contains(&one.role)).flat_map(|one| &one.lines.found);
@@ -266,9 +269,9 @@ fn mains_hz(all: &[Shown]) -> Option<f64> {
     MAINS_HZ.into_iter().filter(|hz| shown(*hz) > 0.0).max_by(|a, b| shown(*a).total_cmp(&shown(*b)))
 }
 
-/// Of the peaks that several of the signals show which the masses move, the one that stands out most in all of them together, and
-/// whether N_d and N_e have the mode of two masses there; one that has it comes before those that do not. Two masses on a shaft
-/// have one resonance; of the two of a dual-mass flywheel this is the stronger.
+/// Of the peaks that several of the signals show which the masses move, the one that stands out most in all of them
+/// together, and whether N_d and N_e have the mode of two masses there; one that has it comes before those that do not.
+/// Two masses on a shaft have one resonance; of the two of a dual-mass flywheel this is the stronger.
 fn hump(all: &[Shown], inertias_kg_m2: [f64; 2], is_of_firing: impl Fn(f64) -> bool) -> Option<(f64, bool)> {
     let of_masses = || all.iter().filter(|shown| OF_THE_MASSES.contains(&shown.role));
     let excess = |peak: &BroadPeak| {

@@ -11,11 +11,12 @@ const PART_S: f64 = 2.0;
 const FEWEST: usize = 8;
 /// Frequencies about the peak that are averaged, in steps of a part's resolution.
 const BESIDE: i32 = 2;
-/// The speeds have at least this coherence, and are within this angle of opposition, rad: rasters may be some milliseconds apart.
+/// The speeds have at least this coherence, and are within this angle of opposition, rad: rasters may be some
+/// milliseconds apart.
 const COHERENT: f64 = 0.5;
 const APART_RAD: f64 = PI / 3.0;
-/// The ratio of the speeds is that of the inertias within this factor. Where an engine shakes the bench, it is off by this factor
-/// where a peak lies some 15 % beside the resonance.
+/// The ratio of the speeds is that of the inertias within this factor. Where an engine shakes the bench, it is off by
+/// this factor where a peak lies some 15 % beside the resonance.
 const OF_THE_MASSES: f64 = 1.5;
 
 /// Tells whether two speeds show the mode of their masses about a frequency: ω_d : ω_e = −J_e : J_d, whatever excites
@@ -78,7 +79,8 @@ mod tests {
     use super::*;
     use signal::excitation::Random;
 
-    /// Two masses on a shaft, shaken at the engine by noise about a frequency: their speeds there by the equations of motion.
+    /// Two masses on a shaft, shaken at the engine by noise about a frequency: their speeds there by the equations of
+    /// motion.
     fn is_mode_at(shaken_hz: f64) -> bool {
         let (inertias, resonance_hz) = ([0.6_f64, 0.3_f64], 20.0);
         // K = ω₀² J_d J_e/(J_d + J_e); ω_d : ω_e = K : (K − J_d ω²).

@@ -34,8 +34,8 @@ pub struct OverSpeed {
     pub sample_time_s: f64,
     /// Lowest and highest speed, rad/s; the classes of speed are of equal width between them.
     pub speed_rad_s: [f64; 2],
-    /// Root mean squares of the short spectra of each class, every [`ShortSpectrum::STEP_HZ`] from zero on, in SI; empty where no
-    /// recording has the speed.
+    /// Root mean squares of the short spectra of each class, every [`ShortSpectrum::STEP_HZ`] from zero on, in SI;
+    /// empty where no recording has the speed.
     pub map: Vec<Vec<f64>>,
     /// Orders over the speed that stand out anywhere, the strongest first; of recordings with the engine on the shaft.
     pub orders: Vec<OrderCurve>,
@@ -63,8 +63,8 @@ pub struct CurvePoint {
     pub amplitude: f64,
     /// Standard error of it.
     pub standard_error: f64,
-    /// Phase of the mean, rad, as that of a [`TrackPoint`]; none at a steady speed, and none of several recordings, whose crank
-    /// angles begin anywhere.
+    /// Phase of the mean, rad, as that of a [`TrackPoint`]; none at a steady speed, and none of several recordings,
+    /// whose crank angles begin anywhere.
     pub phase_rad: Option<f64>,
 }
 
@@ -180,8 +180,8 @@ fn order(cause: &Cause) -> Option<f64> {
     }
 }
 
-/// Means over classes of speed. Of amplitudes the noise does not average out, of powers less the noise's it does: |x + n|²
-/// has the mean A² + 2σ² and the variance 4A²σ² + 4σ⁴, σ the standard error of an amplitude (Rice's distribution).
+/// Means over classes of speed. Of amplitudes the noise does not average out, of powers less the noise's it does: |x +
+/// n|² has the mean A² + 2σ² and the variance 4A²σ² + 4σ⁴, σ the standard error of an amplitude (Rice's distribution).
 fn curve_points(points: &[TrackPoint], range: [f64; 2], has_phase: bool) -> Vec<CurvePoint> {
     let mut classes: BTreeMap<usize, Vec<&TrackPoint>> = BTreeMap::new();
     for point in points {

@@ -109,8 +109,8 @@ impl Setting<'_> {
         })
     }
 
-    /// Multiples of half the speed, as a working cycle has them, up to a multiple of the firing; and whether they are one of it.
-    /// Without an engine, whole multiples.
+    /// Multiples of half the speed, as a working cycle has them, up to a multiple of the firing; and whether they are
+    /// one of it. Without an engine, whole multiples.
     fn multiples(&self, highest: f64) -> impl Iterator<Item = (f64, bool)> {
         let firing = self.engine.map(Engine::firings_per_turn);
         let step = self.engine.map_or(1.0, |engine| 2.0 / f64::from(engine.strokes));
@@ -119,7 +119,8 @@ impl Setting<'_> {
         (1..=count).map(move |k| (step * k as f64, is_firing(step * k as f64)))
     }
 
-    /// Sidebands that a ripple gives a torque that swings with the engine, and images of the orders to which a demand answers.
+    /// Sidebands that a ripple gives a torque that swings with the engine, and images of the orders to which a demand
+    /// answers.
     fn of_orders(&self) -> Vec<Reference> {
         let mut all = Vec::new();
         for (order, _) in self.multiples(STRONG_FIRING) {

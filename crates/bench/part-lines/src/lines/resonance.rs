@@ -30,8 +30,8 @@ pub(super) struct BroadPeak {
     pub(super) excess: f64,
 }
 
-/// The broad peaks of what a signal leaves without its lines; where it is known what excites it, those that stand out over that
-/// too: an excitation that is held has lobes, and zeros at which noise stands out over nothing.
+/// The broad peaks of what a signal leaves without its lines; where it is known what excites it, those that stand out
+/// over that too: an excitation that is held has lobes, and zeros at which noise stands out over nothing.
 pub(super) fn broad_peaks(lines: &Lines, excitation: Option<&Signal>) -> Vec<BroadPeak> {
     let mut alone = peaks_over(lines, None);
     if let Some(excitation) = excitation {

@@ -22,13 +22,14 @@ const ABOUT: isize = 64;
 const LOBE: isize = 3;
 /// The power of a line over the mean of what lies about it: by chance once in 10⁸ times.
 const EXCESS: f64 = 18.0;
-/// Phases that are closer than this to another's cannot be separated from it; those farther than the second do not touch.
+/// Phases that are closer than this to another's cannot be separated from it; those farther than the second do not
+/// touch.
 const SAME: f64 = 0.9;
 const APART: f64 = 0.02;
 /// The mains stray: what is this like them, two bins away at a steady speed, may be theirs.
 const RESOLVED: f64 = 1.0 / 6.0;
-/// An amplitude is there where it is this many times its standard error, and this share of the largest beside it: what a
-/// reference leaves of a strong line looks like a weak one.
+/// An amplitude is there where it is this many times its standard error, and this share of the largest beside it: what
+/// a reference leaves of a strong line looks like a weak one.
 const CLEAR: f64 = 4.5;
 const SHARE: f64 = 0.2;
 /// A line is there where it is this share of the strongest.
@@ -38,8 +39,8 @@ const RISE: f64 = 6.0;
 const WIDE: f64 = 8.0;
 /// Frequencies within this share of each other are one.
 const AT: f64 = 0.005;
-/// Passes over what is left, and the share of the strongest line that one has to have for each but the last: the phase of an
-/// order wobbles as the engine fires, and so has a little of other frequencies in it.
+/// Passes over what is left, and the share of the strongest line that one has to have for each but the last: the phase
+/// of an order wobbles as the engine fires, and so has a little of other frequencies in it.
 const PASSES: usize = 5;
 const OF_THE_STRONGEST: f64 = 0.1;
 /// Samples over which a phasor turns before rounding is taken out.
@@ -367,8 +368,8 @@ impl<'a> Seen<'a> {
         found
     }
 
-    /// Two lines of which one may be of the mains, and the other is within its resolution: two phases share the power of a
-    /// line whose frequency lies between them, and that of the mains is not known better.
+    /// Two lines of which one may be of the mains, and the other is within its resolution: two phases share the power
+    /// of a line whose frequency lies between them, and that of the mains is not known better.
     fn unresolved(&self, group: &[Vec<Candidate>], lines: &[usize]) -> Option<(usize, usize)> {
         let causes = |i: usize| group[i].iter().map(|c| c.reference.clone()).collect::<Vec<_>>();
         let pairs = lines.iter().enumerate().flat_map(|(k, i)| lines[..k].iter().map(move |j| (*j, *i)));
@@ -425,8 +426,8 @@ impl<'a> Seen<'a> {
         new
     }
 
-    /// The orders, multiples of the mains and sidebands of a ripple that a frequency is as far as the recording shows: with noise
-    /// about it, what lies beside it may have hidden them.
+    /// The orders, multiples of the mains and sidebands of a ripple that a frequency is as far as the recording shows:
+    /// with noise about it, what lies beside it may have hidden them.
     fn at<'r>(&self, frequency_hz: f64, references: &'r [Reference]) -> impl Iterator<Item = &'r Reference> {
         let is_meant =
             |cause: &Cause| matches!(cause, Cause::Mains { .. } | Cause::RippleSideband { .. } | Cause::Order { .. });
@@ -489,8 +490,8 @@ fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate
     groups
 }
 
-/// Mean of noise powers, whose distribution is exponential, by their median and by what a tenth of them exceeds: few lines
-/// among them do not count, but the comb does that steps leave, which cannot be separated from lines.
+/// Mean of noise powers, whose distribution is exponential, by their median and by what a tenth of them exceeds: few
+/// lines among them do not count, but the comb does that steps leave, which cannot be separated from lines.
 fn mean_noise(powers: &[f64]) -> f64 {
     let mut powers = powers.to_vec();
     let mut exceeded = |share: f64| {

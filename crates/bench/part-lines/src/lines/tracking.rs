@@ -1,13 +1,13 @@
 //! Order tracking: amplitude and phase of each order while the speed changes.
 //!
-//! Least squares in a window that slides along: within it
-//! x(t) = Σ_k (a_k cos φ_k(t) + b_k sin φ_k(t)) + c_0 + c_1 u + c_2 u², φ_k = k θ(t) for an order k, 2πf_k t for a line that
-//! follows no speed, u the place in the window; every residual is weighted by a Hann window over [`TURNS`] turns of the
-//! crank. The phase is taken at the instants of the samples, so an order that folds is tracked like any other; orders
-//! that come close share their correlation out among them, which their standard errors show. A single order's
-//! estimate is that of the time-variant discrete Fourier transform; all at once, that with its orthogonality
-//! compensation. Its bandwidth is stated ([`BANDWIDTH_ORDERS`]), and its error follows from what is left beside the
-//! order, which a Vold–Kalman filter's does not without a model of how fast amplitudes wander.
+//! Least squares in a window that slides along: within it x(t) = Σ_k (a_k cos φ_k(t) + b_k sin φ_k(t)) + c_0 + c_1 u +
+//! c_2 u², φ_k = k θ(t) for an order k, 2πf_k t for a line that follows no speed, u the place in the window; every
+//! residual is weighted by a Hann window over [`TURNS`] turns of the crank. The phase is taken at the instants of the
+//! samples, so an order that folds is tracked like any other; orders that come close share their correlation out among
+//! them, which their standard errors show. A single order's estimate is that of the time-variant discrete Fourier
+//! transform; all at once, that with its orthogonality compensation. Its bandwidth is stated ([`BANDWIDTH_ORDERS`]),
+//! and its error follows from what is left beside the order, which a Vold–Kalman filter's does not without a model of
+//! how fast amplitudes wander.
 //!
 //! # Source
 //! Blough, *Development and analysis of time variant discrete Fourier transform order tracking*, Mechanical Systems and
@@ -50,8 +50,8 @@ const INSEPARABLE: f64 = 10.0;
 /// An order that stands this many standard errors above nothing on average is there.
 const CLEAR: f64 = 3.0;
 
-/// The orders of a signal, each over time, those that do not stand out left out; and the signal without them, each as strong as
-/// it is at the moment. Lines that follow no speed are fitted beside them.
+/// The orders of a signal, each over time, those that do not stand out left out; and the signal without them, each as
+/// strong as it is at the moment. Lines that follow no speed are fitted beside them.
 pub(super) fn order_tracks(
     signal: &Signal,
     angle: &Angle<'_>,

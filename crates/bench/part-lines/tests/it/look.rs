@@ -198,8 +198,8 @@ fn exact_what_folds_onto_the_ripple_is_undecided_and_parted_at_another_speed() {
     assert_eq!(causes(rpm), [Cause::Mains { multiple: 2, mains_hz: 50.0 }]);
 }
 
-/// Amplitude of an order of T_shaft about an instant as it really is: its Fourier coefficient over the true crank angle, as
-/// computed order tracking has it after resampling, through the same window.
+/// Amplitude of an order of T_shaft about an instant as it really is: its Fourier coefficient over the true crank
+/// angle, as computed order tracking has it after resampling, through the same window.
 fn true_amplitude(hidden: &HiddenTruth, angle: &[f64], order: f64, time_s: f64) -> f64 {
     let middle = angle[(time_s / hidden.sample_time_s) as usize];
     let place = |k: usize| (angle[k] - middle) / (TAU * TURNS);

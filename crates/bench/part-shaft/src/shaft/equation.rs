@@ -10,12 +10,14 @@ use super::places::{
 use super::springs::Springs;
 use crate::shaft::term::Term;
 
-/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + c s ω_d + s T_d when it is computed (c the slope of
-/// the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange measures it.
+/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + c s ω_d + s T_d when it is computed (c the slope
+/// of the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange
+/// measures it.
 ///
-/// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
-/// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample. Where
-/// the torque is what the torque control makes of its demand, its lag may be another than it was computed with.
+/// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is
+/// the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) = e^{−sT/2} sinc; the common factor e^{−sT/2}
+/// is divided out, which leaves e^{−sT/2} on the torque, a point sample. Where the torque is what the torque control
+/// makes of its demand, its lag may be another than it was computed with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
     pub(super) dating: Dating,
@@ -28,7 +30,8 @@ const ZERO: Complex64 = Complex64::ZERO;
 /// By how much N_e and torque were dated earlier than recorded before they were transformed, s.
 ///
 /// A delay is e^{−sδ} in the transform of a whole signal; under a window it is so only as far as the window does not
-/// change over δ. Signals are therefore dated by the skews of a first fit, which leaves the second nothing to err about.
+/// change over δ. Signals are therefore dated by the skews of a first fit, which leaves the second nothing to err
+/// about.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Dating {
     pub(super) engine_s: f64,

@@ -24,8 +24,8 @@ use crate::shaft::term::Term;
 
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
-/// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the model
-/// that happens once in e^20 bins.
+/// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the
+/// model that happens once in e^20 bins.
 const OUTLIER: f64 = 20.0;
 /// Bins about an outlier that its line reaches.
 const OUTLIER_REACH: usize = 4;
@@ -33,12 +33,13 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Frequencies this near, Hz, show what the equation leaves about one of them.
 const LEVEL_REACH_HZ: f64 = 2.5;
-/// Mean of |error|²/σ² about a frequency from which that counts as noise there: by chance it is never reached, with a hundred
-/// bins about each frequency.
+/// Mean of |error|²/σ² about a frequency from which that counts as noise there: by chance it is never reached, with a
+/// hundred bins about each frequency.
 const RAISED: f64 = 2.0;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
-/// A second mass is determined by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
+/// A second mass is determined by the first term of a series that holds up to its resonance; one below 40 Hz is no
+/// small change.
 const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
 /// A speed that varies less than this (standard deviation) excites nothing, rad/s.
 const STILL_RAD_S: f64 = 1e-6;
@@ -122,7 +123,8 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
     Ok(Some((solution.fit.fit.parameters[places::INERTIA], variance.sqrt())))
 }
 
-/// By how many times the equation leaves less with N_d and N_e exchanged: far beyond one where their channels are mixed up.
+/// By how many times the equation leaves less with N_d and N_e exchanged: far beyond one where their channels are mixed
+/// up.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -140,8 +142,8 @@ pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> 
     Ok(misfit(inputs)? / misfit(&exchanged)?)
 }
 
-/// K and B from bands of frequencies, each with gate and skews as the whole band shows them and, second, as if time stamps were
-/// exact and speeds momentary; nothing where a band shows nothing, K or B being at zero.
+/// K and B from bands of frequencies, each with gate and skews as the whole band shows them and, second, as if time
+/// stamps were exact and speeds momentary; nothing where a band shows nothing, K or B being at zero.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -190,9 +192,9 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
     Ok(Beyond::judged(simple_misfit, Term::ALL.into_iter().map(test).collect()))
 }
 
-/// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and damping B_2
-/// behind it, timing, and the mean of |error|²/σ², which is one where it and the noise levels are right. From the whole of a
-/// recording.
+/// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and
+/// damping B_2 behind it, timing, and the mean of |error|²/σ², which is one where it and the noise levels are right.
+/// From the whole of a recording.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -216,9 +218,9 @@ pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), E
 /// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
 /// stated where the torque is that of a flange.
 ///
-/// `demand`, T_d* in torque control and N_d* in speed control, shows J_e: what it moves cannot come from the engine, whose
-/// torque is not recorded. It has to be on the clock of N_d to some milliseconds.
-/// The engine's own speed control, which acts upon its next firing, is estimated along.
+/// `demand`, T_d* in torque control and N_d* in speed control, shows J_e: what it moves cannot come from the engine,
+/// whose torque is not recorded. It has to be on the clock of N_d to some milliseconds. The engine's own speed control,
+/// which acts upon its next firing, is estimated along.
 ///
 /// # Errors
 /// Those of [`estimate`], and a demand that moves nothing.
@@ -238,8 +240,8 @@ pub fn estimate_with_inertias(
     Ok(solution.with_engine_inertia(&stretch, &engine))
 }
 
-/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its friction, does so
-/// within about this time, s.
+/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its
+/// friction, does so within about this time, s.
 const WITHOUT_FIRING_S: f64 = 1e-5;
 
 /// Unknowns that a fit is to find.
@@ -600,7 +602,8 @@ fn starting_stiffness(spectra: &Spectra, inertia: f64) -> f64 {
     (product / power).max(1.0)
 }
 
-/// Weights by which frequencies where the equation leaves more than the noise count less; none where it does so nowhere.
+/// Weights by which frequencies where the equation leaves more than the noise count less; none where it does so
+/// nowhere.
 fn weights(spectra: &Spectra, fit: &FrequencyFit) -> Option<Vec<f64>> {
     let (bins, reach) = (&spectra.bins, (LEVEL_REACH_HZ * spectra.window.duration_s) as usize);
     let (mut first, mut end, mut sum) = (0, 0, 0.0);

@@ -23,8 +23,9 @@ pub struct ShaftInputs<'a> {
     pub torque: Vec<NoisyTorque>,
     /// J_d and its standard uncertainty, kg m²; `None` where the torque is that of a flange.
     pub inertia_kg_m2: Option<(f64, f64)>,
-    /// Slope of the dynamometer's friction over speed with its standard uncertainty, Nm s/rad, without which it would be taken
-    /// for damping of the shaft; without effect where the torque is that of a flange. See [`ShaftInputs::usual_friction`].
+    /// Slope of the dynamometer's friction over speed with its standard uncertainty, Nm s/rad, without which it would
+    /// be taken for damping of the shaft; without effect where the torque is that of a flange. See
+    /// [`ShaftInputs::usual_friction`].
     pub friction_slope_nm_s_per_rad: (f64, f64),
     /// Standard deviation of the encoders' noise, rad/s.
     pub encoder_noise_rad_s: f64,
@@ -51,8 +52,8 @@ pub struct TorqueDelay {
 const RUN_OUT_S: f64 = 60.0;
 
 impl ShaftInputs<'_> {
-    /// The slope of the friction where nothing was measured of it: that of a dynamometer that runs out with a time constant of a
-    /// minute is a standard deviation away from none.
+    /// The slope of the friction where nothing was measured of it: that of a dynamometer that runs out with a time
+    /// constant of a minute is a standard deviation away from none.
     #[must_use]
     pub fn usual_friction(inertia_kg_m2: f64) -> (f64, f64) {
         (0.0, inertia_kg_m2 / RUN_OUT_S)

@@ -1,10 +1,11 @@
 //! The shaft: stiffness and damping, estimated together with the encoder's gate and the skew of the rasters.
 //!
-//! A shift of one raster against another by a fraction of a millisecond looks like damping: e^{sδ}(K + Bs) ≈ K +
-//! (B + Kδ)s. Timing is therefore part of the model. Errors of all three signals are part of it too, since none of them is
-//! free of noise, and engine torque, which is not measured, does not enter: the equation holds on the dynamometer's side
-//! of the shaft, whatever the engine does and however the loop is closed. The once-a-turn errors of both encoders are estimated
-//! too: a speed that swings throws them over a wide band, so that leaving out their own frequency would not do.
+//! A shift of one raster against another by a fraction of a millisecond looks like damping: e^{sδ}(K + Bs) ≈ K + (B +
+//! Kδ)s. Timing is therefore part of the model. Errors of all three signals are part of it too, since none of them is
+//! free of noise, and engine torque, which is not measured, does not enter: the equation holds on the dynamometer's
+//! side of the shaft, whatever the engine does and however the loop is closed. The once-a-turn errors of both encoders
+//! are estimated too: a speed that swings throws them over a wide band, so that leaving out their own frequency would
+//! not do.
 //!
 //! # Source
 //! Thesis (6.1), (6.10), §6.3.5.2; Pintelon & Schoukens 2012, ch. 9.

@@ -18,7 +18,8 @@ pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
 pub(super) const FRICTION: usize = 10;
 /// Coefficient of a [`Term`].
 pub(super) const TERM: usize = 11;
-/// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
+/// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring
+/// behind it.
 pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
 /// Lag 1/a of the torque control, s.
 pub(super) const LAG: usize = 14;

@@ -85,8 +85,8 @@ pub(super) fn engine_side(spectra: &Spectra, theta: &[f64], k: usize) -> EngineS
     }
 }
 
-/// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited to
-/// the band of the estimate, the line of the once-a-turn encoder error left out.
+/// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited
+/// to the band of the estimate, the line of the once-a-turn encoder error left out.
 pub(super) fn validate(
     inputs: &ShaftInputs<'_>,
     theta: &[f64],

@@ -1,7 +1,8 @@
 //! Where the search for the shaft starts: the skews beside which K and B leave least.
 //!
-//! A skew of half a period of what moves the bench fits nearly as well as none, with another K and B, so that a descent from no
-//! skew at all may end at the wrong one. For given skews the equation is linear in K and B, which makes a grid of skews cheap.
+//! A skew of half a period of what moves the bench fits nearly as well as none, with another K and B, so that a descent
+//! from no skew at all may end at the wrong one. For given skews the equation is linear in K and B, which makes a grid
+//! of skews cheap.
 
 use std::ops::RangeInclusive;
 

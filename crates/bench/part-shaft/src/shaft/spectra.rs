@@ -48,8 +48,8 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// Transforms the part of the inputs from `from_s` to `to_s`, with N_e and torque dated earlier by `dating`, for a band
-    /// of frequencies within that of [`whole_band_hz`].
+    /// Transforms the part of the inputs from `from_s` to `to_s`, with N_e and torque dated earlier by `dating`, for a
+    /// band of frequencies within that of [`whole_band_hz`].
     pub(super) fn new(
         inputs: &ShaftInputs<'_>,
         (from_s, to_s): (f64, f64),
@@ -104,8 +104,9 @@ impl Spectra {
     }
 }
 
-/// ω cos θ and ω sin θ, θ being the angle turned since the first sample: what a once-a-turn error adds to a speed, sidebands
-/// about the rotational frequency included, which the swings of the angle throw far where the speed swings slowly.
+/// ω cos θ and ω sin θ, θ being the angle turned since the first sample: what a once-a-turn error adds to a speed,
+/// sidebands about the rotational frequency included, which the swings of the angle throw far where the speed swings
+/// slowly.
 fn once_a_turn(speed: &Signal) -> [Signal; 2] {
     let mut angle = 0.0;
     let mut before = speed.samples.first().copied().unwrap_or(0.0);
@@ -119,7 +120,8 @@ fn once_a_turn(speed: &Signal) -> [Signal; 2] {
     [speed.with_samples(cosine), speed.with_samples(sine)]
 }
 
-/// Bins onto which a speed's sampling folds pulses of the engine: they look like motion, and no noise level makes up for them.
+/// Bins onto which a speed's sampling folds pulses of the engine: they look like motion, and no noise level makes up
+/// for them.
 fn folded_pulses(inputs: &ShaftInputs<'_>, window: Window, last_bin: usize) -> Vec<bool> {
     let mut folded = vec![false; last_bin + 1];
     let speed = inputs.dyno_speed.slice(window.start_s, window.start_s + window.duration_s);

@@ -1,12 +1,12 @@
 //! Springs between ω_d and ω_e: one, or two with a mass between them.
 //!
-//! s T_shaft = H_e(s) ω_e − H_d(s) ω_d. One spring: H_d = H_e = K + B s. Two, with the mass J_2 between shaft and engine and
-//! the spring K_2 + B_2 s behind it (a dual-mass flywheel): with Z = K + B s and Z_2 = K_2 + B_2 s,
-//! H_e = Z Z_2/(J_2 s² + Z + Z_2), H_d = Z (J_2 s² + Z_2)/(J_2 s² + Z + Z_2).
+//! s T_shaft = H_e(s) ω_e − H_d(s) ω_d. One spring: H_d = H_e = K + B s. Two, with the mass J_2 between shaft and
+//! engine and the spring K_2 + B_2 s behind it (a dual-mass flywheel): with Z = K + B s and Z_2 = K_2 + B_2 s, H_e = Z
+//! Z_2/(J_2 s² + Z + Z_2), H_d = Z (J_2 s² + Z_2)/(J_2 s² + Z + Z_2).
 //!
-//! Under a window an operator H(p) is not H(s); with p = s + (p − s), H(p) x = H(s) x + H'(s) (p − s) x + ½ H''(s) (p − s)² x + …
-//! in which (p − s) takes a derivative of the window. A polynomial of second order is exact so, and two springs are as
-//! exact as H bends little over the width of a line.
+//! Under a window an operator H(p) is not H(s); with p = s + (p − s), H(p) x = H(s) x + H'(s) (p − s) x + ½ H''(s) (p −
+//! s)² x + … in which (p − s) takes a derivative of the window. A polynomial of second order is exact so, and two
+//! springs are as exact as H bends little over the width of a line.
 //!
 //! # Source
 //! Thesis §3.3 and (2.7); Shinbrot 1957.

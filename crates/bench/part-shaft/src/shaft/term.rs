@@ -8,8 +8,8 @@ use serde::Serialize;
 pub enum Term {
     /// K (1 + iη) in place of K: damping that does not grow with frequency.
     LossFactor,
-    /// A mass between shaft and engine: ω_e (1 − m s²) in place of ω_e, m = J/K of that mass and the spring behind it, the
-    /// first effect of a dual-mass flywheel.
+    /// A mass between shaft and engine: ω_e (1 − m s²) in place of ω_e, m = J/K of that mass and the spring behind it,
+    /// the first effect of a dual-mass flywheel.
     SecondMass,
     /// That flywheel as it is: a mass, and a spring with damping behind it. It has three parameters and is no
     /// `TermTest`; see [`super::estimate_dual_mass`].

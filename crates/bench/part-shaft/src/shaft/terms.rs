@@ -1,8 +1,9 @@
 //! Tests of terms that may be in a shaft beyond K and B, each held against the data by itself.
 //!
-//! A term enters the equation with one parameter that is zero in the simple shaft; it is estimated with K, B and the timing,
-//! and tested by its own standard error. Stiffness and damping that change with torque or speed multiply a weight of time:
-//! dT_shaft/dt = K (1 + p w(t)) Δω + d(B Δω)/dt, K (1 + p w) being the tangent of the spring, or B + p w in place of B.
+//! A term enters the equation with one parameter that is zero in the simple shaft; it is estimated with K, B and the
+//! timing, and tested by its own standard error. Stiffness and damping that change with torque or speed multiply a
+//! weight of time: dT_shaft/dt = K (1 + p w(t)) Δω + d(B Δω)/dt, K (1 + p w) being the tangent of the spring, or B + p
+//! w in place of B.
 //!
 //! # Source
 //! Loss factor: Den Hartog, *Mechanical Vibrations*, 1956, §8.2 (structural damping); score and Wald tests: Ljung 1999,

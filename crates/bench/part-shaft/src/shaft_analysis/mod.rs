@@ -1,5 +1,5 @@
-//! The shaft of every recording: by band of frequencies, with both inertias, against what may be in a shaft beyond K and B,
-//! and of all recordings together (thesis §6.3.5, §7.2).
+//! The shaft of every recording: by band of frequencies, with both inertias, against what may be in a shaft beyond K
+//! and B, and of all recordings together (thesis §6.3.5, §7.2).
 
 mod recording;
 mod together;
@@ -44,7 +44,8 @@ pub struct ShaftAnalysis {
 /// Looks at the shaft in every recording that has one, on all processors. Each is a part of a step of the work.
 ///
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
-/// recording that is chosen for it, gate and noise of the encoder those of the chosen speed controller, where there is one.
+/// recording that is chosen for it, gate and noise of the encoder those of the chosen speed controller, where there is
+/// one.
 #[must_use]
 pub fn shaft_analysis(parts: &Parts<'_>, context: &Context) -> ShaftAnalysis {
     // Chosen before the recordings are shared out.
@@ -87,8 +88,8 @@ fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
     ShaftRecording { file, label, shaft, inertia_contradiction, bands, beyond, dual_mass, routes, inertias }
 }
 
-/// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for the shaft:
-/// beside a demand that moves T_d it is little, beside a motored engine alone it is most of T_d.
+/// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for
+/// the shaft: beside a demand that moves T_d it is little, beside a motored engine alone it is most of T_d.
 fn folded_torque(file: &str, inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Reason> {
     let apart_s = inputs.torque.iter().map(|torque| torque.signal.sample_time_s).fold(f64::INFINITY, f64::min);
     let is_coarse = bench.variant == BenchVariant::LoadCell && apart_s > COARSE_S;

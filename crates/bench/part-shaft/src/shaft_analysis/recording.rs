@@ -26,8 +26,8 @@ pub struct ShaftRecording {
     /// Terms that may be in the shaft beyond K and B.
     #[serde(serialize_with = "write_found")]
     pub beyond: Outcome<Beyond>,
-    /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
-    /// with such a flywheel.
+    /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which
+    /// goes with such a flywheel.
     #[serde(serialize_with = "write_if_sought")]
     pub dual_mass: Option<Outcome<DualMass>>,
     /// K and B by other routes, each of which errs in its own way.
@@ -46,7 +46,8 @@ pub struct DualMass {
     pub misfit: f64,
 }
 
-/// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all are.
+/// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all
+/// are.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Routes {
     /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).

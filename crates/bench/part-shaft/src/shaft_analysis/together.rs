@@ -13,8 +13,8 @@
 //! of each recording there.
 //!
 //! # Source
-//! Rao, *Linear Statistical Inference and its Applications*, 2nd ed., §4a.2 and §6a.2; Birge, *The calculation of errors by
-//! the method of least squares*, Phys. Rev. 40, 1932 (recordings that disagree).
+//! Rao, *Linear Statistical Inference and its Applications*, 2nd ed., §4a.2 and §6a.2; Birge, *The calculation of
+//! errors by the method of least squares*, Phys. Rev. 40, 1932 (recordings that disagree).
 
 use faer::{Mat, MatRef};
 use ident::distributions::chi_squared_tail;
@@ -180,8 +180,8 @@ mod tests {
     /// K and B of a recording, their covariance, and the error they share with other recordings.
     type Recorded = ([f64; 2], [[f64; 2]; 2], SharedError);
 
-    /// Estimates of the recordings of one bench: `of_noise` is the standard deviation of K and B by a recording's own noise, as
-    /// parts of K and B.
+    /// Estimates of the recordings of one bench: `of_noise` is the standard deviation of K and B by a recording's own
+    /// noise, as parts of K and B.
     fn campaign(random: &mut Random, recordings: usize, of_noise: f64) -> Vec<Recorded> {
         let inertia_error = INERTIA_UNCERTAINTY * random.normal();
         let own = [of_noise * TRUTH[0], of_noise * TRUTH[1]];

@@ -1,28 +1,29 @@
 //! J_d, J_e, K and B from the coefficients of a black-box model T_d → ω_d.
 //!
-//! The engine's torque is a disturbance. What of it repeats with the crank angle is given to the model as cos nθ and sin nθ,
-//! θ from ω_e, for the orders n of a working cycle; the rest is noise of a spectrum of its own,
-//! ω_d = B/F T_d + Σ orders + e/D. An ARMAX model, whose noise shares the poles of the dynamics, does as well where the engine
-//! is motored; beside a fired engine, whose torque scatters about its firing lines, it bends the poles.
+//! The engine's torque is a disturbance. What of it repeats with the crank angle is given to the model as cos nθ and
+//! sin nθ, θ from ω_e, for the orders n of a working cycle; the rest is noise of a spectrum of its own, ω_d = B/F T_d +
+//! Σ orders + e/D. An ARMAX model, whose noise shares the poles of the dynamics, does as well where the engine is
+//! motored; beside a fired engine, whose torque scatters about its firing lines, it bends the poles.
 //!
-//! The sampled two-mass system has three poles, one of them at z = 1 (free rotation), and five coefficients in B where the
-//! input is straight within samples and given by its means. Its eight coefficients ρ(θ) are compared with those estimated,
-//! V(θ) = (ρ(θ) − ρ̂)ᵀ P⁻¹ (ρ(θ) − ρ̂), P the covariance of ρ̂: at the minimum V is χ² with four degrees of freedom where the
-//! bench has two masses, and (JᵀP⁻¹J)⁻¹ is the covariance of θ = (J_d, J_e, K, B).
+//! The sampled two-mass system has three poles, one of them at z = 1 (free rotation), and five coefficients in B where
+//! the input is straight within samples and given by its means. Its eight coefficients ρ(θ) are compared with those
+//! estimated, V(θ) = (ρ(θ) − ρ̂)ᵀ P⁻¹ (ρ(θ) − ρ̂), P the covariance of ρ̂: at the minimum V is χ² with four degrees of
+//! freedom where the bench has two masses, and (JᵀP⁻¹J)⁻¹ is the covariance of θ = (J_d, J_e, K, B).
 //!
-//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees: with it the system has four
-//! poles, and θ has P and I too. The control is taken to act at once. One that acts at firings is late by half the time between
-//! them, which near the resonance turns P from damping into inertia: B is then too small by up to P times the square of
-//! J_d/J_e, J_e off by some per cent, and V too large where the data are good enough to show it.
+//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees: with it the
+//! system has four poles, and θ has P and I too. The control is taken to act at once. One that acts at firings is late
+//! by half the time between them, which near the resonance turns P from damping into inertia: B is then too small by up
+//! to P times the square of J_d/J_e, J_e off by some per cent, and V too large where the data are good enough to show
+//! it.
 //!
-//! The model has samples 1 ms apart, or as far as those of N_d, whatever T_d was recorded on; what is above half of T_d's own rate
-//! is folded there, into the noise as a rule. A T_d that is not straight within a sample bends the inertias by more than the
-//! coefficients scatter: with samples 2 ms apart, J_d by 0.1 % and J_e by 0.2 %.
+//! The model has samples 1 ms apart, or as far as those of N_d, whatever T_d was recorded on; what is above half of
+//! T_d's own rate is folded there, into the noise as a rule. A T_d that is not straight within a sample bends the
+//! inertias by more than the coefficients scatter: with samples 2 ms apart, J_d by 0.1 % and J_e by 0.2 %.
 //!
 //! # Source
-//! Söderström, Stoica & Friedlander, *An indirect prediction error method for system identification*, Automatica 27, 1991;
-//! thesis (2.4), (6.9), §6.3.5.1; Langthaler & del Re, *Robust model predictive control of combustion engine test benches*
-//! (motored engine over crank angle).
+//! Söderström, Stoica & Friedlander, *An indirect prediction error method for system identification*, Automatica 27,
+//! 1991; thesis (2.4), (6.9), §6.3.5.1; Langthaler & del Re, *Robust model predictive control of combustion engine test
+//! benches* (motored engine over crank angle).
 
 use faer::{Mat, MatMut, mat};
 use ident::distributions::chi_squared_tail;
@@ -258,8 +259,8 @@ impl Around {
         all.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(Unsuitable::NotTwoMasses)
     }
 
-    /// The model once more, from the parameters of one with samples further apart. Poles are close to one where samples are close:
-    /// a search may then miss the resonance of a shaft with little damping, which the noise model takes up.
+    /// The model once more, from the parameters of one with samples further apart. Poles are close to one where samples
+    /// are close: a search may then miss the resonance of a shaft with little damping, which the noise model takes up.
     fn started_coarsely(
         &self,
         coarse: &Prepared,
@@ -359,8 +360,8 @@ impl EngineControl {
         StateSpace::continuous(a, input, output, mat![[0.0]])
     }
 
-    /// ρ(θ): f_1 … f_n and b_0 … b_{n+1} of the system under inputs that are straight within samples, given by their means,
-    /// which are `skew_s` older than they should be.
+    /// ρ(θ): f_1 … f_n and b_0 … b_{n+1} of the system under inputs that are straight within samples, given by their
+    /// means, which are `skew_s` older than they should be.
     fn coefficients(self, p: &[f64], skew_s: f64, sample_time_s: f64) -> Result<Vec<f64>, LtiError> {
         let n = self.poles();
         let straight = self.system(p)?.to_discrete_foh(sample_time_s)?;
@@ -477,8 +478,8 @@ impl Coefficients {
     }
 }
 
-/// ρ(θ) − ρ̂ in coordinates in which the covariance of ρ̂ is one; θ ends with what is left of the torque's skew, of which the last
-/// residual says what is known.
+/// ρ(θ) − ρ̂ in coordinates in which the covariance of ρ̂ is one; θ ends with what is left of the torque's skew, of
+/// which the last residual says what is known.
 struct Whitened<'a> {
     measured: &'a Coefficients,
     factor: Mat<f64>,

@@ -1,13 +1,13 @@
 //! K and B in the time domain: (T_d, ω_e) → ω_d, thesis (6.11).
 //!
 //! J_d dω_d/dt = K φ + B (ω_e − ω_d) − T_d, dφ/dt = ω_e − ω_d: two states, sampled exactly under inputs that are
-//! band-limited, the state at the start estimated. Nothing is differentiated, and nothing is said of the engine. A constant
-//! offset of the torque is a twist at the start. All signals pass one band-pass, which leaves the equation as it is and takes
-//! away drifts, friction that changes slowly, and what folds; they are then taken every 2 ms or so.
+//! band-limited, the state at the start estimated. Nothing is differentiated, and nothing is said of the engine. A
+//! constant offset of the torque is a twist at the start. All signals pass one band-pass, which leaves the equation as
+//! it is and takes away drifts, friction that changes slowly, and what folds; they are then taken every 2 ms or so.
 //!
-//! The errors are those of a simulation (output error): their covariance is taken from what autocorrelation they show. An
-//! error of ω_e is one of an input. It bends the minimum by what K, B and J_d do to the power that the encoders' noise has at
-//! the output, which is taken off again.
+//! The errors are those of a simulation (output error): their covariance is taken from what autocorrelation they show.
+//! An error of ω_e is one of an input. It bends the minimum by what K, B and J_d do to the power that the encoders'
+//! noise has at the output, which is taken off again.
 //!
 //! # Source
 //! Thesis (6.11), §6.3.5.3; Söderström, *Errors-in-variables methods in system identification*, Automatica 43, 2007
@@ -186,8 +186,8 @@ impl Structure for Shaft {
         parameters
     }
 
-    /// A record r(t) = x(t − δ) holds x = r + δ dr/dt; the derivative of an input is taken out of the equation by the change of
-    /// states x − δ B r, which leaves B + δ A B and δ C B.
+    /// A record r(t) = x(t − δ) holds x = r + δ dr/dt; the derivative of an input is taken out of the equation by the
+    /// change of states x − δ B r, which leaves B + δ A B and δ C B.
     fn system(&self, p: &[f64]) -> Result<StateSpace, LtiError> {
         let (stiffness, damping, inertia) = (p[STIFFNESS], p[DAMPING], p[INERTIA]);
         let a = mat![[-damping / inertia, stiffness / inertia], [-1.0, 0.0]];
@@ -301,9 +301,9 @@ impl Record {
         Ok((found.parameters[0].max(1.0), found.parameters[1].max(1e-3)))
     }
 
-    /// By how much the white noise of the encoders moves the minimum: −H⁻¹ ½ N ∂V/∂θ, with V the power that it has at the
-    /// output and H = ΨᵀΨ, Ψ the slopes of what is simulated; and by how much the scatter of Ψᵀε between stretches widens
-    /// the intervals, where errors go with the inputs, as what folds of ω_e does.
+    /// By how much the white noise of the encoders moves the minimum: −H⁻¹ ½ N ∂V/∂θ, with V the power that it has at
+    /// the output and H = ΨᵀΨ, Ψ the slopes of what is simulated; and by how much the scatter of Ψᵀε between stretches
+    /// widens the intervals, where errors go with the inputs, as what folds of ω_e does.
     fn judge(&self, inputs: &ShaftInputs<'_>, fit: &Fit<GreyBoxModel<Shaft>>) -> Result<Judged, IdentError> {
         let theta = fit.parameters();
         let data = self.part(self.estimation())?;

@@ -1,5 +1,5 @@
-//! The shaft by state space, black box and sample maximum likelihood: virtual benches drawn at random, and one simulated by
-//! others.
+//! The shaft by state space, black box and sample maximum likelihood: virtual benches drawn at random, and one
+//! simulated by others.
 
 use std::f64::consts::TAU;
 
@@ -343,7 +343,8 @@ fn stat_multisine_of_16_benches() {
     );
 }
 
-/// Where two masses explain the coefficients, the parameters are near the truth; where they do not, intervals are wide enough.
+/// Where two masses explain the coefficients, the parameters are near the truth; where they do not, intervals are wide
+/// enough.
 #[test]
 #[ignore = "slow: 16 benches"]
 fn stat_black_box_of_16_motored_benches() {

@@ -237,8 +237,8 @@ impl Structure {
         }
     }
 
-    /// Estimates it from the first stretch, the search begun at the best of these starts, and simulates the second; with its
-    /// coefficients. None where the data do not determine it.
+    /// Estimates it from the first stretch, the search begun at the best of these starts, and simulates the second;
+    /// with its coefficients. None where the data do not determine it.
     pub(super) fn scan(&self, record: &Record, starts: Vec<Vec<f64>>) -> Option<(Scanned, Vec<f64>)> {
         let fit = self.fit(record, record.first(), (ROUGHLY, starts)).ok()?;
         let (closed, follows) = self.follows(&fit.model);

@@ -1,13 +1,15 @@
-//! Models of the torque control: a delay, a delay and a lag, or a black box; each compared with the reference that T_d is
-//! T_d* one sample of T_d,calc ago, on recordings that the dynamometer moved and on such that the engine moved (thesis §6.3.2).
+//! Models of the torque control: a delay, a delay and a lag, or a black box; each compared with the reference that T_d
+//! is T_d* one sample of T_d,calc ago, on recordings that the dynamometer moved and on such that the engine moved
+//! (thesis §6.3.2).
 //!
-//! Of each recording the first half gives models of all orders, the next fifth chooses among them, both together give the chosen
-//! ones, and the rest judges: what was searched for among hundreds is judged by what it has not seen. The drive's ripple is taken
-//! out first, so that no model has to explain what T_d* cannot. A black box from T_d* − T_d (6.3) is judged with its loop closed,
-//! by T_d* alone: fed with T_d* − T_d as measured, it knows T_d before it predicts it.
+//! Of each recording the first half gives models of all orders, the next fifth chooses among them, both together give
+//! the chosen ones, and the rest judges: what was searched for among hundreds is judged by what it has not seen. The
+//! drive's ripple is taken out first, so that no model has to explain what T_d* cannot. A black box from T_d* − T_d
+//! (6.3) is judged with its loop closed, by T_d* alone: fed with T_d* − T_d as measured, it knows T_d before it
+//! predicts it.
 //!
-//! Black boxes know T_d* at the samples of T_d,calc alone, where a demand may have changed since the last. Delay and lag know when
-//! it changed; what they find below a sample is what black boxes cannot.
+//! Black boxes know T_d* at the samples of T_d,calc alone, where a demand may have changed since the last. Delay and
+//! lag know when it changed; what they find below a sample is what black boxes cannot.
 
 mod black_box;
 mod excited;
@@ -147,8 +149,8 @@ pub struct Judgement {
     pub verdict: Verdict,
 }
 
-/// The beginning of the held-out part of a recording, as it was and as models have it: the bar, delay and lag, and of the
-/// black boxes of each recording that which errs least there.
+/// The beginning of the held-out part of a recording, as it was and as models have it: the bar, delay and lag, and of
+/// the black boxes of each recording that which errs least there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
     /// Mover of T_d*.
@@ -190,8 +192,9 @@ pub enum ModelComparisonError {
     },
 }
 
-/// Studies the torque control on one recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN,
-/// Step_T_TN) and one that the engine moved (BS_T_NT), the first of each that can be used; either may be missing.
+/// Studies the torque control on one recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN,
+/// Binary_T_TN, Step_T_TN) and one that the engine moved (BS_T_NT), the first of each that can be used; either may be
+/// missing.
 ///
 /// Needs T_d* and T_d,calc. Each recording is a part of a step of the work.
 ///
@@ -291,8 +294,8 @@ fn choose(scanned: &[Scanned]) -> Vec<(Structure, Vec<ChosenBy>)> {
     chosen
 }
 
-/// A model and what moved T_d* in the recording that it was estimated from, with its T_d in another recording; `None` where
-/// it does not settle.
+/// A model and what moved T_d* in the recording that it was estimated from, with its T_d in another recording; `None`
+/// where it does not settle.
 type Response = ((Model, Excited), Option<Vec<f64>>);
 
 /// Responses of all models of all recordings to the demand of one.

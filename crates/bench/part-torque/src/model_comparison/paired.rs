@@ -18,8 +18,8 @@ pub struct PairedTest {
     pub p_value: f64,
 }
 
-/// Compares squared errors by their means over batches of half a second: what hangs together within a batch, such as a held
-/// demand or ripple, counts once.
+/// Compares squared errors by their means over batches of half a second: what hangs together within a batch, such as a
+/// held demand or ripple, counts once.
 ///
 /// # Source
 /// Diebold & Mariano, *Comparing predictive accuracy*, J. Business & Economic Statistics 13, 1995, with the variance of

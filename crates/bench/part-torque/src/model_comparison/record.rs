@@ -17,8 +17,8 @@ use crate::torque_control::{self, HeldDemand, SecondOrder, SecondOrderTest, Torq
 const SHARES: [f64; 2] = [0.5, 0.7];
 /// How much of the held-out part is drawn, s.
 const SHOWN_S: f64 = 0.5;
-/// A sample of T_d,calc taken as the demand changes meets the new demand, for all that its stamp is rounded, in parts of the
-/// demand's sample.
+/// A sample of T_d,calc taken as the demand changes meets the new demand, for all that its stamp is rounded, in parts
+/// of the demand's sample.
 const ROUNDING: f64 = 1e-6;
 
 /// T_d* and T_d,calc of one recording at the samples of T_d,calc, without means and ripple.

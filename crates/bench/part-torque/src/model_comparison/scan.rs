@@ -1,8 +1,8 @@
 //! Black boxes of all orders on one recording.
 //!
-//! Output-error models with as many coefficients in B as in F are searched for from the data alone. All others start at those of one
-//! coefficient less, and at the poles of the former, which takes a fraction of the time. The best are then searched for from the data
-//! alone as well: what may be chosen is the lower of two minima.
+//! Output-error models with as many coefficients in B as in F are searched for from the data alone. All others start at
+//! those of one coefficient less, and at the poles of the former, which takes a fraction of the time. The best are then
+//! searched for from the data alone as well: what may be chosen is the lower of two minima.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -15,7 +15,8 @@ use super::record::Record;
 
 /// Structures tried between two reports of progress.
 const BATCH: usize = 16;
-/// So many output-error models of each input are searched for once more: of the best by fit and of the best by criterion.
+/// So many output-error models of each input are searched for once more: of the best by fit and of the best by
+/// criterion.
 const BEST: usize = 2;
 
 /// Every structure that the data determine; each is a part of a step of the work.

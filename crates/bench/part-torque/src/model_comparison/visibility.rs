@@ -10,8 +10,8 @@ use crate::torque_control::{CRITICALLY_DAMPED, HeldDemand, SecondOrder, distance
 
 /// Rates of T_d,calc looked at, Hz.
 const RATES_HZ: [f64; 5] = [250.0, 500.0, 1000.0, 2000.0, 4000.0];
-/// Times for which a demand is held that are looked at, s. With 250 Hz, 9 ms meets every millisecond of the response, 10 ms
-/// every second one, 4 ms always the same.
+/// Times for which a demand is held that are looked at, s. With 250 Hz, 9 ms meets every millisecond of the response,
+/// 10 ms every second one, 4 ms always the same.
 const HOLDS_S: [f64; 4] = [10e-3, 9e-3, 4e-3, 1e-3];
 /// A recording of this length is looked at, s.
 pub const RECORDING_S: f64 = 60.0;
@@ -34,7 +34,8 @@ pub struct Visibility {
     pub control: (f64, f64),
     /// Standard deviation of the demand, Nm.
     pub demand_nm: f64,
-    /// Standard deviation of what is left of each sample of T_d,calc, Nm. It is taken as white and as large at every rate.
+    /// Standard deviation of what is left of each sample of T_d,calc, Nm. It is taken as white and as large at every
+    /// rate.
     pub noise_nm: f64,
     /// Length of the recording, s.
     pub recording_s: f64,

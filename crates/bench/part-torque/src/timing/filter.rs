@@ -60,7 +60,8 @@ pub struct FilterCandidate {
     pub difference: Difference,
     /// Delay of the filter alone, s: (N − 1)/2 samples of a moving average, the time constant of a lag.
     pub filter_delay_s: f64,
-    /// Delay of the acceleration in all, on the clocks as recorded: with the difference quotient and further samples, s.
+    /// Delay of the acceleration in all, on the clocks as recorded: with the difference quotient and further samples,
+    /// s.
     pub delay_s: f64,
     /// J_d in T_d,shaft,calc = T_d,calc + J_d·filtered dω_d/dt, kg m².
     pub inertia_kg_m2: f64,
@@ -73,8 +74,8 @@ pub struct FilterCandidate {
 pub struct ShaftFilter {
     /// The best.
     pub best: FilterCandidate,
-    /// The best moving average of another length, the best lag, the best delay; the best first. What makes the same of the speed as
-    /// the best is not among them.
+    /// The best moving average of another length, the best lag, the best delay; the best first. What makes the same of
+    /// the speed as the best is not among them.
     pub others: Vec<FilterCandidate>,
     /// ln of how much likelier the best is than the second, as if what is left were white, and no less than rounding.
     pub log_likelihood_ahead: f64,
@@ -99,8 +100,8 @@ impl ShaftFilter {
     }
 }
 
-/// Finds what reproduces T_d,shaft,calc = T_d,calc + J_d·filtered dω_d/dt: a moving average of 1 to 64 samples, a first-order lag
-/// or a delay; J_d and an offset are free, since the system's J_d need not be the bench file's.
+/// Finds what reproduces T_d,shaft,calc = T_d,calc + J_d·filtered dω_d/dt: a moving average of 1 to 64 samples, a
+/// first-order lag or a delay; J_d and an offset are free, since the system's J_d need not be the bench file's.
 ///
 /// `None` where nothing leaves less than three tenths of the spread of T_d,shaft,calc − T_d,calc.
 ///
@@ -123,8 +124,8 @@ pub(super) fn detect(speed: &Signal, torque: &Signal, shaft: &Signal) -> Result<
     Ok((best.residual_nm < EXPLAINED * spread_nm).then_some(found))
 }
 
-/// The best of each kind beside the best of all; of averages, the best of another length. An average over one sample is a
-/// delay, and is not compared with itself.
+/// The best of each kind beside the best of all; of averages, the best of another length. An average over one sample is
+/// a delay, and is not compared with itself.
 fn others(all: &[FilterCandidate], best: &FilterCandidate) -> Vec<FilterCandidate> {
     let is_one = |filter: &Filter| matches!(filter, Filter::MovingAverage { length: 1 } | Filter::Delay);
     let is_other = |kind: fn(&Filter) -> bool| {
@@ -187,7 +188,8 @@ impl<'a> Search<'a> {
         let target: Vec<f64> = target.iter().map(|y| y - mean).collect();
         let power = target.iter().map(|y| y * y).sum();
         let positions: Vec<f64> = times.iter().map(|t| (t - speed.start_s) / step).collect();
-        // Rasters that are offset by a part of a sample are so throughout: no position is then rounded up, the next down.
+        // Rasters that are offset by a part of a sample are so throughout: no position is then rounded up, the next
+        // down.
         let turn = |p: &f64| signal::Complex64::from_polar(1.0, std::f64::consts::TAU * p);
         let offset = positions.iter().map(turn).sum::<signal::Complex64>().arg() / std::f64::consts::TAU;
         let places = positions.iter().map(|p| (p - offset).round().max(0.0) as usize).collect();

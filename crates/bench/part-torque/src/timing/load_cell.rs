@@ -49,8 +49,8 @@ struct Reading {
     slope: Vec<f64>,
 }
 
-/// The exact step of the cell from one fine sample of T_d to the next: of its two states, each from both states and from T_d now
-/// and next.
+/// The exact step of the cell from one fine sample of T_d to the next: of its two states, each from both states and
+/// from T_d now and next.
 type Step = [[f64; 4]; 2];
 
 /// A state of the cell, or how it changes with a parameter: its reading and the slope of that.
@@ -112,8 +112,8 @@ impl CellModel<'_> {
         Ok(reading)
     }
 
-    /// Where an instant lies on the clock of T_d, late by a delay: the fine sample before it, and how far on the way to the next; at
-    /// the ends of T_d whether it lies beyond them.
+    /// Where an instant lies on the clock of T_d, late by a delay: the fine sample before it, and how far on the way to
+    /// the next; at the ends of T_d whether it lies beyond them.
     fn place(&self, time_s: f64, delay_s: f64) -> (usize, f64, bool) {
         let last = self.torque.len().saturating_sub(2) as f64;
         let position = (time_s - delay_s - self.torque.start_s) / self.torque.sample_time_s;
@@ -122,8 +122,8 @@ impl CellModel<'_> {
         (below as usize, within - below, within != position)
     }
 
-    /// Goes through T_d once and hands over what the cell reads at each observed instant, with its derivatives by delay, ω_n and ζ. The
-    /// states are kept for a step alone: T_d is long.
+    /// Goes through T_d once and hands over what the cell reads at each observed instant, with its derivatives by
+    /// delay, ω_n and ζ. The states are kept for a step alone: T_d is long.
     fn pass(
         &self,
         [delay_s, natural, damping]: [f64; 3],
@@ -244,8 +244,8 @@ impl ResidualModel for CellModel<'_> {
     }
 }
 
-/// Fits the load cell behind a torque control whose τ and a have the covariance `known`, to at most two minutes. T_d is that
-/// of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does.
+/// Fits the load cell behind a torque control whose τ and a have the covariance `known`, to at most two minutes. T_d is
+/// that of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does.
 ///
 /// # Errors
 /// Too few samples, or data that do not determine the parameters.

@@ -41,12 +41,12 @@ const COHERENT: f64 = 0.8;
 /// - *phase slope*: of the cross-spectrum with T_d*, weighted by coherence, less half a sample for the hold;
 /// - *correlation peak*: to a fraction of a sample, less half a sample for the hold.
 ///
-/// `against_demand` is the first of these that applies; the peak stays a route. Shaft
-/// torques follow T_d* through the whole driveline, which is no delay: they have none of these. Against the bend in N_d,
-/// where coherence allows (an open loop, TN, and a demand that reaches so high): T_d,calc by the phase of −J_d dω_d/dt
-/// against the modelled T_d at 50…90 Hz, where inertia dominates (negative: N_d, a mean over its gate, comes later than
-/// T_d); T_d,meas from there by its own delay; T_d,shaft,calc by the moving average found in it, (N − 1)/2 samples
-/// of N_d; the flange by its phase against T_d + J_d dω_d/dt.
+/// `against_demand` is the first of these that applies; the peak stays a route. Shaft torques follow T_d* through the
+/// whole driveline, which is no delay: they have none of these. Against the bend in N_d, where coherence allows (an
+/// open loop, TN, and a demand that reaches so high): T_d,calc by the phase of −J_d dω_d/dt against the modelled T_d at
+/// 50…90 Hz, where inertia dominates (negative: N_d, a mean over its gate, comes later than T_d); T_d,meas from there
+/// by its own delay; T_d,shaft,calc by the moving average found in it, (N − 1)/2 samples of N_d; the flange by its
+/// phase against T_d + J_d dω_d/dt.
 ///
 /// Delays in s, positive when later; `dynamometer_inertia_kg_m2` is J_d.
 ///

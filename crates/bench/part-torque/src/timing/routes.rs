@@ -109,8 +109,8 @@ fn regress_phase(spectrum: &CrossSpectrum, (low, high): (f64, f64), curvature: C
     })
 }
 
-/// Phases without jumps of whole turns, from cross-spectra and coherences. The phase of an incoherent bin, as that on an engine
-/// order, is by chance: none follows it.
+/// Phases without jumps of whole turns, from cross-spectra and coherences. The phase of an incoherent bin, as that on
+/// an engine order, is by chance: none follows it.
 fn unwrapped(values: impl Iterator<Item = (Complex64, f64)>) -> Vec<f64> {
     let mut last = 0.0;
     let unwrap = |(z, coherence): (Complex64, f64)| {
@@ -123,8 +123,8 @@ fn unwrapped(values: impl Iterator<Item = (Complex64, f64)>) -> Vec<f64> {
     values.map(unwrap).collect()
 }
 
-/// Delay by the peak of the cross-correlation, if it lies inside the range searched, with the standard error that the scatter
-/// between stretches of equal length gives it; infinite where these are too few.
+/// Delay by the peak of the cross-correlation, if it lies inside the range searched, with the standard error that the
+/// scatter between stretches of equal length gives it; infinite where these are too few.
 ///
 /// # Errors
 /// Those of the cross-correlation.

@@ -57,9 +57,9 @@ pub(crate) struct ModeSample {
 
 /// The mode dx/dt = a (u − x), i.e. a/(s + a), with real or complex rate a, on a held demand.
 ///
-/// At the demand's instants x_n = c x_{n−1} + (1 − c) u_{n−1} with c = e^{−aT}; a time θ < T later
-/// x = u_n + e^{−aθ} (x_n − u_n). Sampled every T with a delay mT + φ this is
-/// y_k = c y_{k−1} + (1 − e^{−a(T−φ)}) u_{k−1−m} + (e^{−a(T−φ)} − c) u_{k−2−m}. The mode starts at rest at the first value.
+/// At the demand's instants x_n = c x_{n−1} + (1 − c) u_{n−1} with c = e^{−aT}; a time θ < T later x = u_n + e^{−aθ}
+/// (x_n − u_n). Sampled every T with a delay mT + φ this is y_k = c y_{k−1} + (1 − e^{−a(T−φ)}) u_{k−1−m} +
+/// (e^{−a(T−φ)} − c) u_{k−2−m}. The mode starts at rest at the first value.
 ///
 /// A stable transfer function with distinct poles −a_i and gain one at rest is a sum of such modes, weighted to one.
 ///

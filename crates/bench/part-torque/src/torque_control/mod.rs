@@ -51,7 +51,8 @@ const WEAK_NM: f64 = 0.1;
 const MOST_SATURATED: f64 = 0.5;
 /// A delay that is negative by this many standard errors is no accident.
 const EARLY: f64 = 4.0;
-/// A lag that is known to no better than this part of itself may be even less certain than the slopes at the minimum say.
+/// A lag that is known to no better than this part of itself may be even less certain than the slopes at the minimum
+/// say.
 const WEAK_LAG: f64 = 0.02;
 /// Parts of a weak lag from which another minimum is looked for.
 const RIVAL_LAGS: [f64; 3] = [0.5, 2.0, 4.0];
@@ -91,7 +92,8 @@ impl TorqueControlFit {
     }
 }
 
-/// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
+/// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN,
+/// BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
     Sought::TorqueControl.candidates(experiments).into_iter().find(|e| e.label.excitation == Excitation::Torque)
 }
@@ -99,13 +101,13 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.
 ///
 /// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
-/// out. Of a long recording the four minutes are used in which T_d* changes most. Their first 70 % are estimated from, the
-/// rest validates. Offset and ripple lines are estimated jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain
-/// that differs from one by more than its 99 % interval is reported in the diagnostics, and the intervals reach to the
-/// estimates beside a free gain. Covariances are robust to coloured residuals.
+/// out. Of a long recording the four minutes are used in which T_d* changes most. Their first 70 % are estimated from,
+/// the rest validates. Offset and ripple lines are estimated jointly (see [`AirGapTorqueModel`]); the gain is one, and
+/// a gain that differs from one by more than its 99 % interval is reported in the diagnostics, and the intervals reach
+/// to the estimates beside a free gain. Covariances are robust to coloured residuals.
 ///
-/// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
-/// before the demand (at most 5 ms).
+/// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is
+/// dated before the demand (at most 5 ms).
 ///
 /// Returns τ in s, a in rad/s and the total delay τ + 1/a in s (by the delta method), the same for a delay alone, and
 /// the model.
@@ -121,8 +123,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     if is_separated { Ok(fit) } else { Err(EstimateError::Inseparable { file: experiment.file.clone() }) }
 }
 
-/// As [`estimate`], and whether delay and lag were separated. Where not, the torque at the samples is still that of the model, but
-/// neither number is worth anything by itself.
+/// As [`estimate`], and whether delay and lag were separated. Where not, the torque at the samples is still that of the
+/// model, but neither number is worth anything by itself.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -298,8 +300,8 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     Ok(Lagged { model, covariance, freedom, gain, beside_gain, fit })
 }
 
-/// A usual drive, where it explains the samples as well as the one found: among delays and lags that the samples cannot separate,
-/// the one found is any.
+/// A usual drive, where it explains the samples as well as the one found: among delays and lags that the samples cannot
+/// separate, the one found is any.
 fn usual_drive(held: &HeldDemand, observed: &Observed, found: &AirGapTorqueModel) -> Option<AirGapTorqueModel> {
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &[USUAL.to_vec()], &USUAL.map(|value| Bounds::new(value, value))).ok()?;

@@ -53,8 +53,8 @@ pub struct AirGapTorqueModel {
 }
 
 impl AirGapTorqueModel {
-    /// The model of a torque control that is known, with the lines of a ripple that has no size yet: a recording gives it
-    /// ([`AirGapTorqueModel::refit_ripple`]).
+    /// The model of a torque control that is known, with the lines of a ripple that has no size yet: a recording gives
+    /// it ([`AirGapTorqueModel::refit_ripple`]).
     pub fn known((delay_s, lag_rad_s): (f64, f64), ripple_hz: &[f64], torque_limit_nm: Option<f64>) -> Self {
         let line =
             |frequency_hz: &f64| RippleLine { frequency_hz: *frequency_hz, additive_nm: [0.0; 2], relative: [0.0; 2] };
@@ -124,8 +124,8 @@ impl AirGapTorqueModel {
         Ok(seen.map(|frequency_hz| strongest_near(&spectrum, bins_per_hz, frequency_hz)).collect())
     }
 
-    /// Lines of the ripple that samples of T_d,calc so far apart fold to zero frequency: what the torque does there by itself, they do
-    /// not show.
+    /// Lines of the ripple that samples of T_d,calc so far apart fold to zero frequency: what the torque does there by
+    /// itself, they do not show.
     pub(crate) fn unseen_lines_hz(&self, sample_time_s: f64) -> Vec<f64> {
         let lines = self.ripple.lines.iter().map(|line| line.frequency_hz);
         lines.filter(|frequency_hz| stands_still(*frequency_hz, sample_time_s)).collect()
@@ -151,8 +151,8 @@ impl AirGapTorqueModel {
     }
 }
 
-/// The frequency within [`DRIFT_HZ`] of `about_hz` where a spectrum, that of a raster of even length, has most power; it may be
-/// beyond half the raster's rate.
+/// The frequency within [`DRIFT_HZ`] of `about_hz` where a spectrum, that of a raster of even length, has most power;
+/// it may be beyond half the raster's rate.
 fn strongest_near(spectrum: &[Complex64], bins_per_hz: f64, about_hz: f64) -> f64 {
     let length = 2 * (spectrum.len() - 1);
     let power = |bin: &i64| {

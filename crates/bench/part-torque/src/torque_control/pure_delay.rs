@@ -60,8 +60,8 @@ fn delayed(held: &HeldDemand, observed: &Observed, delay_s: f64) -> Vec<f64> {
     observed.times_s.iter().map(|t| held.at(t - delay_s)).collect()
 }
 
-/// Middle and width of the range of delays with the smallest cost. Offset and ripple are the lagged model's: they hardly
-/// depend on the response.
+/// Middle and width of the range of delays with the smallest cost. Offset and ripple are the lagged model's: they
+/// hardly depend on the response.
 fn best_step(held: &HeldDemand, observed: &Observed, lagged: &AirGapTorqueModel) -> (f64, f64) {
     let cell_s = held.sample_time_s() / PARTS as f64;
     let count = ((LONGEST_DELAY_S + EARLIEST_S) / cell_s).ceil() as usize;

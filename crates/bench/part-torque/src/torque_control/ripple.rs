@@ -17,13 +17,14 @@ const NEIGHBOURHOOD_HZ: f64 = 10.0;
 const SEPARATION_HZ: f64 = 1.0;
 /// Chance of taking noise for a line.
 const FALSE_ALARM: f64 = 0.01;
-/// Where an inverter's ripple is, Hz: at twice and six times the frequency of mains of 50 and 60 Hz (a rectifier's pulses).
+/// Where an inverter's ripple is, Hz: at twice and six times the frequency of mains of 50 and 60 Hz (a rectifier's
+/// pulses).
 const OF_MAINS_HZ: [f64; 4] = [100.0, 120.0, 300.0, 360.0];
 /// A line this near to a multiple of the sample rate, in parts of that, cannot be separated from what stands still.
 const STANDS_STILL: f64 = 1e-3;
 
-/// The ripple of mains that samples this far apart fold to zero frequency, Hz: what it adds looks like an offset, and what it
-/// multiplies by looks like a gain.
+/// The ripple of mains that samples this far apart fold to zero frequency, Hz: what it adds looks like an offset, and
+/// what it multiplies by looks like a gain.
 pub(crate) fn folded_to_zero_hz(sample_time_s: f64) -> Option<f64> {
     OF_MAINS_HZ.into_iter().find(|frequency_hz| stands_still(*frequency_hz, sample_time_s))
 }

@@ -97,7 +97,8 @@ impl<'a, R: Response> RippledModel<'a, R> {
         self.lines = lines;
     }
 
-    /// Bounds: the response's, the gain fixed unless ripple folds to it, frequencies within `reach_hz` of where they are.
+    /// Bounds: the response's, the gain fixed unless ripple folds to it, frequencies within `reach_hz` of where they
+    /// are.
     pub(crate) fn bounds(&self, response: &[Bounds], parameters: &[f64], reach_hz: f64) -> Vec<Bounds> {
         let n = self.response_count();
         let mut bounds = response.to_vec();
@@ -121,7 +122,8 @@ impl<'a, R: Response> RippledModel<'a, R> {
         self.observed.times_s.iter().map(at).collect()
     }
 
-    /// Cost of the response with gain one, a ripple of known factors and addends, and the best offset, for coarse searches.
+    /// Cost of the response with gain one, a ripple of known factors and addends, and the best offset, for coarse
+    /// searches.
     pub(crate) fn coarse_cost(&mut self, response: &[f64], ripple: &[(f64, f64)]) -> f64 {
         self.response.evaluate(response, &self.observed.times_s, &mut self.values, None);
         let n = self.observed.len() as f64;
@@ -175,8 +177,8 @@ impl<'a, R: Response> RippledModel<'a, R> {
     }
 }
 
-/// The line at a multiple of the sample rate that multiplies the torque by `gain` at the samples. What it does between them, and
-/// what it adds, the samples do not show.
+/// The line at a multiple of the sample rate that multiplies the torque by `gain` at the samples. What it does between
+/// them, and what it adds, the samples do not show.
 fn folded_line(frequency_hz: f64, gain: f64, observed: &Observed) -> RippleLine {
     let first_s = observed.times_s.first().map_or(0.0, |first| first - observed.reference_s);
     let (sin, cos) = (TAU * frequency_hz * first_s).sin_cos();

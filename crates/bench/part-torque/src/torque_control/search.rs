@@ -38,8 +38,8 @@ pub(crate) fn fit_with_ripple<R: Response>(
         frequencies.push(line);
         let Ok(mut next) = fit_with_lines(model, &fit.parameters, bounds, &frequencies) else { break };
         if frequencies.len() == 1 {
-            // Unexplained, the strongest ripple can lead the response away to where no slope leads back from, such as to a jump
-            // of the held demand.
+            // Unexplained, the strongest ripple can lead the response away to where no slope leads back from, such as
+            // to a jump of the held demand.
             let lines = model.linear_of(&next.parameters).1;
             let afresh = fit_from_best(model, starts, bounds, &lines);
             next = afresh.ok().filter(|afresh| afresh.cost < next.cost).unwrap_or(next);
@@ -131,8 +131,8 @@ pub(crate) fn robust_covariance(fit: &Minimum, sample_time_s: f64) -> Result<(Ma
 
 /// [`robust_covariance`], but the widest of those at the fit and `reach` beside its first parameter, a delay.
 ///
-/// Where samples and steps of a held demand fall on the same instants, the cost has a kink: to one side of it a delay meets the
-/// next step, to the other it moves along the one before, which may show next to nothing of it.
+/// Where samples and steps of a held demand fall on the same instants, the cost has a kink: to one side of it a delay
+/// meets the next step, to the other it moves along the one before, which may show next to nothing of it.
 ///
 /// # Errors
 /// Those of [`robust_covariance`].
@@ -158,9 +158,9 @@ pub(crate) fn covariance_beside_kinks<R: Response>(
     Ok(widest)
 }
 
-/// By how much the standard error of the second parameter, a lag, has to be larger than the slopes at the minimum say: two of
-/// these errors away to either side the cost should have risen by what two standard errors are worth. Where delay and lag hardly
-/// differ in their effect, it rises less.
+/// By how much the standard error of the second parameter, a lag, has to be larger than the slopes at the minimum say:
+/// two of these errors away to either side the cost should have risen by what two standard errors are worth. Where
+/// delay and lag hardly differ in their effect, it rises less.
 ///
 /// # Source
 /// Profile likelihood: Bates & Watts, *Nonlinear Regression Analysis and Its Applications*, 1988, ch. 6.
@@ -178,14 +178,16 @@ pub(crate) fn flatness<R: Response>(
         let (mut start, mut fixed) = (fit.parameters.clone(), all.clone());
         (start[1], fixed[1]) = (moved, Bounds::new(moved, moved));
         let Ok(there) = minimise(model, &start, &fixed, NonlinearOptions::default()) else { continue };
-        // By the robust variance: a rise of the cost counts as one error where the white one would with the white variance.
+        // By the robust variance: a rise of the cost counts as one error where the white one would with the white
+        // variance.
         let errors = ((there.cost - fit.cost) * fit.unscaled_covariance[(1, 1)] / variance).max(0.0).sqrt();
         flatness = flatness.max((moved / lag).ln().abs() * lag / error / errors.max(LEAST_ERRORS));
     }
     flatness
 }
 
-/// The delay and lag of another minimum with the same total delay, beyond a step of the held demand, that fits about as well.
+/// The delay and lag of another minimum with the same total delay, beyond a step of the held demand, that fits about as
+/// well.
 pub(crate) fn rival<R: Response>(
     model: &mut RippledModel<'_, R>,
     fit: &Minimum,

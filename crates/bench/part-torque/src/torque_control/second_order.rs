@@ -1,8 +1,8 @@
 //! Torque control beyond delay and lag: e^{−sτ}/(1 + s/a + κ (s/a)²), with κ = 1/(4ζ²) for a damping ζ.
 //!
-//! κ is zero for a lag, 1/4 for a critically damped loop, 1/2 for one of damping 0.7. Near zero it cannot be separated from a
-//! delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ has no standard
-//! error at zero, and tests of it compare whole fits.
+//! κ is zero for a lag, 1/4 for a critically damped loop, 1/2 for one of damping 0.7. Near zero it cannot be separated
+//! from a delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ
+//! has no standard error at zero, and tests of it compare whole fits.
 
 use faer::Mat;
 use ident::distributions::f_tail;
@@ -23,7 +23,8 @@ pub const CRITICALLY_DAMPED: f64 = 0.25;
 const TERM: (f64, f64) = (0.01, 2.0);
 /// κ from which it is looked for.
 const STARTS: [f64; 3] = [0.05, 0.25, 0.6];
-/// Two poles nearer to each other than this part of their size are taken apart by it: for equal ones there is no sum of modes.
+/// Two poles nearer to each other than this part of their size are taken apart by it: for equal ones there is no sum of
+/// modes.
 const APART: f64 = 1e-5;
 /// Steps of the differences by τ (s), a and κ (in parts of them).
 const STEPS: [f64; 3] = [1e-8, 1e-5, 1e-5];
@@ -194,8 +195,8 @@ pub(crate) fn term_error(held: &HeldDemand, times_s: &[f64], truth: SecondOrder)
     standard_errors(&mut DelayAndSecondOrder(held), times_s, &theta).map(|errors| errors[2])
 }
 
-/// Root of the sum of squares, in Nm, by which the torque differs from the delay and lag that come nearest to it: for white noise
-/// of one Nm, the root of the noncentrality of the test of κ = 0.
+/// Root of the sum of squares, in Nm, by which the torque differs from the delay and lag that come nearest to it: for
+/// white noise of one Nm, the root of the noncentrality of the test of κ = 0.
 ///
 /// # Errors
 /// No fit.

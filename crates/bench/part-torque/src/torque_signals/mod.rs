@@ -1,5 +1,5 @@
-//! The torque signals of a bench: how late each is, what filter is in the system's own shaft torque, what the shaft torque
-//! really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
+//! The torque signals of a bench: how late each is, what filter is in the system's own shaft torque, what the shaft
+//! torque really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
 
 mod routes;
 mod shaft;
@@ -53,7 +53,8 @@ pub struct TorqueRecording {
 }
 
 impl TorqueSignals {
-    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that shows them best: that whose ω_n is sharpest.
+    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that shows them best: that whose ω_n is
+    /// sharpest.
     #[must_use]
     pub fn load_cell(&self) -> Option<(&str, &[Parameter])> {
         let all = self.recordings.iter().filter_map(|recording| {
@@ -69,9 +70,10 @@ impl TorqueSignals {
 
 /// Looks at the torque signals of recordings; `step` hears of each before its turn comes.
 ///
-/// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT), see
-/// [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from any with a shaft, N_d and
-/// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller shows it (BS_T_NT).
+/// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN,
+/// BS_T_NT), see [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from
+/// any with a shaft, N_d and T_d,calc. The encoder's once-a-turn error is taken out where the speed controller shows it
+/// (BS_T_NT).
 ///
 /// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]

@@ -5,8 +5,8 @@ const WINDOW_S: f64 = 1.0;
 /// The mean square of a difference counts where it exceeds that of the noise by so many of its standard deviations.
 const CLEARLY: f64 = 4.0;
 
-/// Root of the mean square difference about each value, less that of noise of this variance and band; zero where noise explains
-/// the difference.
+/// Root of the mean square difference about each value, less that of noise of this variance and band; zero where noise
+/// explains the difference.
 ///
 /// A mean square over a window W of noise of the band b has the relative standard deviation 1/√(bW).
 pub(super) fn beyond_noise(apart: &[f64], noise_variance: f64, (step_s, band_hz): (f64, f64)) -> Vec<f64> {

@@ -1,5 +1,5 @@
-//! The shaft torque rebuilt from N_d and T_d, T_shaft = J_d dω_d/dt + T_d (6.1): by a fixed-interval smoother, which says how
-//! certain it is, and by a filter without phase shift beside it.
+//! The shaft torque rebuilt from N_d and T_d, T_shaft = J_d dω_d/dt + T_d (6.1): by a fixed-interval smoother, which
+//! says how certain it is, and by a filter without phase shift beside it.
 
 use faer::Mat;
 use ident::IdentError;
@@ -63,8 +63,8 @@ pub struct RebuiltShaft {
 pub enum OnceATurn {
     /// Known from the speed controller and taken out of N_d: its amplitude as a torque, Nm.
     TakenOut(f64),
-    /// Not known: an error of 10⁻⁴ of the speed appears in T_shaft at order 1 with this amplitude, Nm, which is not in the
-    /// standard deviation.
+    /// Not known: an error of 10⁻⁴ of the speed appears in T_shaft at order 1 with this amplitude, Nm, which is not in
+    /// the standard deviation.
     Unknown(f64),
 }
 
@@ -134,8 +134,8 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     })
 }
 
-/// The standard deviation that the filter's derivative makes of white noise of one, in 1/s: the root of the sum of the squares of
-/// its answer to an impulse.
+/// The standard deviation that the filter's derivative makes of white noise of one, in 1/s: the root of the sum of the
+/// squares of its answer to an impulse.
 fn slope_noise(speed: &Signal, gate_s: f64) -> f64 {
     let half = (IMPULSE_S / speed.sample_time_s).ceil() as usize;
     let mut samples = vec![0.0; 2 * half + 1];

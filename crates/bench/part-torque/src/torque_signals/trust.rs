@@ -11,8 +11,8 @@ use signal::Signal;
 const BLOCK_S: f64 = 0.5;
 /// About as late as a load cell is, s.
 const EDGE_S: f64 = 0.012;
-/// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and as a part of
-/// the mean.
+/// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and
+/// as a part of the mean.
 const AT_REST: (f64, f64) = (5.0, 0.05);
 /// Fewest blocks.
 const FEWEST: usize = 12;
@@ -23,8 +23,8 @@ const LASTING_S: f64 = 60.0;
 /// An error of gain, 1, and of offset, Nm, up to which T_d,calc can be trusted.
 const TOLERATED: (f64, f64) = (0.01, 1.0);
 
-/// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how much T_d,calc
-/// rises from end to end over the length: what a load cell that is late by τ has not seen yet.
+/// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how
+/// much T_d,calc rises from end to end over the length: what a load cell that is late by τ has not seen yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrustCheck {
     /// o at T̄.

@@ -1,8 +1,8 @@
 //! The noise levels of greatest likelihood.
 //!
-//! Searched for are logarithms: of the density that drives the torque's slope, of the density of what is wrong with T_d, of
-//! the lines' damping ratio, of each line's density, and of every further speed's noise over that of the first, in parts of
-//! the guesses. All covariances have a scale in common.
+//! Searched for are logarithms: of the density that drives the torque's slope, of the density of what is wrong with
+//! T_d, of the lines' damping ratio, of each line's density, and of every further speed's noise over that of the first,
+//! in parts of the guesses. All covariances have a scale in common.
 
 use std::f64::consts::TAU;
 
@@ -41,8 +41,8 @@ pub struct NoiseLevels {
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,
-    /// By what the smoother's standard deviations are multiplied, √((1 + ρ)/(1 − ρ)) with ρ the largest positive of these
-    /// correlations: one or more.
+    /// By what the smoother's standard deviations are multiplied, √((1 + ρ)/(1 − ρ)) with ρ the largest positive of
+    /// these correlations: one or more.
     pub widening: f64,
 }
 
@@ -128,9 +128,9 @@ impl TorqueSmoother<'_> {
     }
 }
 
-/// By what the smoother's standard deviations are to be multiplied: innovations that hang together count less than as many
-/// white ones, (1 − ρ)/(1 + ρ) of them where each has the correlation ρ with the next and takes no more from those before.
-/// A once-a-turn error of an encoder does that.
+/// By what the smoother's standard deviations are to be multiplied: innovations that hang together count less than as
+/// many white ones, (1 − ρ)/(1 + ρ) of them where each has the correlation ρ with the next and takes no more from those
+/// before. A once-a-turn error of an encoder does that.
 ///
 /// # Source
 /// Bartlett, *Some aspects of the time-correlation problem*, Journal of the Royal Statistical Society 98, 1935.

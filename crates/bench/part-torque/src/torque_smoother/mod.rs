@@ -1,4 +1,5 @@
-//! A torque that was not recorded, from the speeds that answer it: a fixed-interval smoother, which says how certain it is.
+//! A torque that was not recorded, from the speeds that answer it: a fixed-interval smoother, which says how certain it
+//! is.
 //!
 //! The torque sought wanders (its slope is a random walk) and swings at the firing frequency and its multiples (damped
 //! oscillators that noise drives); the mechanics answer it and T_d exactly; what is wrong with T_d is white; speeds are
@@ -123,8 +124,8 @@ pub fn firing_lines(experiment: &Experiment, engine: Engine, speed: &Signal, hig
     (1..=LINES).map(|k| k as f64 * firing_hz).filter(|hz| *hz > 1.0 && *hz < highest_hz).collect()
 }
 
-/// Mechanics and what was observed of them. The states: means of the measured ones over the sample, those of the mechanics,
-/// the wandering part of the torque sought, its slope, and two for each line.
+/// Mechanics and what was observed of them. The states: means of the measured ones over the sample, those of the
+/// mechanics, the wandering part of the torque sought, its slope, and two for each line.
 pub struct TorqueSmoother<'a> {
     /// The mechanics.
     pub mechanics: &'a Mechanics,

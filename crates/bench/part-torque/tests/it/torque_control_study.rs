@@ -138,8 +138,8 @@ fn six_cylinders() -> BenchParameters {
     parameters
 }
 
-/// Without ripple in the model the best fit is a delay of one sample of T_d* and no lag, at a jump of the cost; from there the
-/// firing was taken for ripple.
+/// Without ripple in the model the best fit is a delay of one sample of T_d* and no lag, at a jump of the cost; from
+/// there the firing was taken for ripple.
 #[test]
 fn regress_ripple_leads_no_lag_away_where_the_engine_moves_the_demand() {
     let experiment = recorded(&six_cylinders(), &ExperimentPlan::bs_t_nt(1200.0, 60.0), 1);

@@ -32,7 +32,8 @@ fn of_all(experiments: &[&Experiment]) -> TorqueSignals {
     torque_signals(parts, &bench, &work::Context::new())
 }
 
-/// Root mean square error of smoother and filter, and how often the smoother's 95 % band holds the truth, without the ends.
+/// Root mean square error of smoother and filter, and how often the smoother's 95 % band holds the truth, without the
+/// ends.
 fn against_truth(shaft: &RebuiltShaft, truth: &HiddenTruth) -> (f64, f64, f64) {
     let edge = (0.5 / shaft.sample_time_s) as usize;
     let (mut smoothed, mut filtered, mut inside, mut count) = (0.0, 0.0, 0.0, 0.0);
@@ -87,7 +88,8 @@ fn stat_the_smoother_is_nearer_to_the_shaft_torque_than_the_filter_and_knows_how
     }
 }
 
-/// In a ramp no order has one frequency, so the smoother has no oscillation for it. What it leaves out, the filter shows.
+/// In a ramp no order has one frequency, so the smoother has no oscillation for it. What it leaves out, the filter
+/// shows.
 #[test]
 fn stat_where_the_speed_changes_the_band_of_the_smoother_still_holds_the_shaft_torque() {
     let (experiment, truth) =
@@ -137,8 +139,8 @@ fn exact_the_length_of_the_moving_average() {
     }
 }
 
-/// With noise of its own upon the system's shaft torque, as much as its acceleration part has, and an inertia that is not the
-/// bench file's.
+/// With noise of its own upon the system's shaft torque, as much as its acceleration part has, and an inertia that is
+/// not the bench file's.
 #[test]
 #[ignore = "slow"]
 fn stat_the_length_of_the_moving_average_of_every_length_under_noise() {

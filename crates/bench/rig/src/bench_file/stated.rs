@@ -38,8 +38,8 @@ pub struct BenchFile {
     pub limits: Limits,
     /// Prior knowledge of the shaft.
     pub shaft: ShaftPrior,
-    /// Fields of [`BenchParameters`](crate::bench_parameters::BenchParameters) for simulations of this bench; empty where
-    /// none is stated.
+    /// Fields of [`BenchParameters`](crate::bench_parameters::BenchParameters) for simulations of this bench; empty
+    /// where none is stated.
     pub virtual_bench: toml::Table,
     /// Channel of each role.
     pub channels: BTreeMap<Role, ChannelMapping>,
@@ -103,7 +103,8 @@ pub struct Limits {
     pub drive_heat: Option<DriveHeat>,
 }
 
-/// The I²t of a drive: its heat θ, as a part of that of the continuous torque T_c, follows τ dθ/dt = (T/T_c)² − θ, and may reach 1.
+/// The I²t of a drive: its heat θ, as a part of that of the continuous torque T_c, follows τ dθ/dt = (T/T_c)² − θ, and
+/// may reach 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveHeat {
     /// T_c, which the drive gives for any time, Nm.
@@ -113,8 +114,8 @@ pub struct DriveHeat {
 }
 
 impl DriveHeat {
-    /// That of a drive that gives an overload for so long, cold, before its heat is that of the continuous torque; `None` of an overload
-    /// that is none.
+    /// That of a drive that gives an overload for so long, cold, before its heat is that of the continuous torque;
+    /// `None` of an overload that is none.
     ///
     /// # Example
     /// ```

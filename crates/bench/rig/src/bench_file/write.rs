@@ -38,8 +38,8 @@ const REPORT_HINT: &str = r#"
 "#;
 
 impl BenchFile {
-    /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot show
-    /// (inertias, cylinders) is left as [`PLACEHOLDER`], which is refused until a person has filled it in.
+    /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot
+    /// show (inertias, cylinders) is left as [`PLACEHOLDER`], which is refused until a person has filled it in.
     pub fn to_commented_toml(draft: &Draft<'_>) -> String {
         let variant = variant_key(draft.guess.variant());
         let mut text = String::new();

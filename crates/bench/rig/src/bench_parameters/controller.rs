@@ -12,8 +12,8 @@ use crate::results::DelayPlace;
 ///
 /// In discrete form, with e the measured speed error of update j and T = 1 ms: v_j = K_p e_j + I_j, I_{j+1} = I_j + K_i
 /// T e_j; the integrator rests while the limit is exceeded and e_j would drive it further. v_j takes effect τ later and
-/// the feed-forward at once, unless the delay acts on the measured speed alone or on both; dN_d*/dt is the backward difference of
-/// N_d* over T.
+/// the feed-forward at once, unless the delay acts on the measured speed alone or on both; dN_d*/dt is the backward
+/// difference of N_d* over T.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ControllerParameters {

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::bench_parameters::{InductionMachine, ParameterError, require, require_not_negative, require_positive};
 
-/// The drive, inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit, or, in place of the lag, an
-/// induction machine under field-oriented control; the real air-gap torque is T_d = g (T (1 + r_m sin(2π f t)) + r_a
+/// The drive, inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit, or, in place of the lag,
+/// an induction machine under field-oriented control; the real air-gap torque is T_d = g (T (1 + r_m sin(2π f t)) + r_a
 /// sin(2π f t)), with g one where the drive knows its machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -22,9 +22,9 @@ pub struct Harmonic {
     pub phase_rad: f64,
 }
 
-/// A harmonic m of the working cycle: Re[(α + β L + γ ω²) e^{i m 2π θ/θ_cycle}], L the mean torque, ω the speed, θ the crank's angle.
-/// Complex numbers are real and imaginary part. Gas torque grows with the load, compression is there without it, and the torque of the
-/// reciprocating masses grows with ω².
+/// A harmonic m of the working cycle: Re[(α + β L + γ ω²) e^{i m 2π θ/θ_cycle}], L the mean torque, ω the speed, θ the
+/// crank's angle. Complex numbers are real and imaginary part. Gas torque grows with the load, compression is there
+/// without it, and the torque of the reciprocating masses grows with ω².
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CycleHarmonic {
@@ -63,8 +63,8 @@ pub struct EngineParameters {
     pub strokes: u32,
     /// a_n, φ_n: harmonics of the firing order, first harmonic first.
     pub firing_harmonics: Vec<Harmonic>,
-    /// Harmonics of the working cycle, the first first, in place of the cylinders' factors and the harmonics of the firing order: T_e is
-    /// then T_j with all of them, p being 1. Empty: those.
+    /// Harmonics of the working cycle, the first first, in place of the cylinders' factors and the harmonics of the
+    /// firing order: T_e is then T_j with all of them, p being 1. Empty: those.
     pub cycle_harmonics: Vec<CycleHarmonic>,
     /// Cylinders on a crankshaft in place of the harmonics; none: the harmonics.
     pub slider_crank: Option<SliderCrank>,
@@ -141,14 +141,15 @@ impl EngineParameters {
         f64::from(self.strokes) * PI
     }
 
-    /// The complex amplitudes of the torque at the harmonics of the working cycle, the first first, Nm, of the engine fired with a mean
-    /// torque at a speed. Unequal cylinders give harmonics below that of the firing. The cylinders on a crankshaft are no part of it.
+    /// The complex amplitudes of the torque at the harmonics of the working cycle, the first first, Nm, of the engine
+    /// fired with a mean torque at a speed. Unequal cylinders give harmonics below that of the firing. The cylinders on
+    /// a crankshaft are no part of it.
     pub fn waves(&self, torque_nm: f64, speed_rad_s: f64) -> Vec<Complex64> {
         self.harmonics_of_cycle().iter().map(|harmonic| harmonic.at(torque_nm, speed_rad_s)).collect()
     }
 
-    /// The harmonics of the working cycle, the first first: those given, or what the factors of the cylinders and the harmonics of the
-    /// firing order make.
+    /// The harmonics of the working cycle, the first first: those given, or what the factors of the cylinders and the
+    /// harmonics of the firing order make.
     pub fn harmonics_of_cycle(&self) -> Cow<'_, [CycleHarmonic]> {
         if !self.cycle_harmonics.is_empty() {
             return Cow::Borrowed(&self.cycle_harmonics);
@@ -175,8 +176,8 @@ impl EngineParameters {
         self.cylinder_factors[k / phases] * (1.0 + self.firing_harmonics.iter().zip(1..).map(wave).sum::<f64>())
     }
 
-    /// The cylinder whose part of the cycle a crank angle lies in, counted in firing order. A start that is drawn over the whole cycle so
-    /// begins with any of them.
+    /// The cylinder whose part of the cycle a crank angle lies in, counted in firing order. A start that is drawn over
+    /// the whole cycle so begins with any of them.
     pub fn cylinder_at(&self, angle_rad: f64) -> usize {
         let cylinders = self.cylinder_factors.len().max(1);
         let part = (angle_rad / self.cycle_rad() * cylinders as f64).floor();

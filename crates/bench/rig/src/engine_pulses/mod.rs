@@ -1,4 +1,5 @@
-//! The firing pulses of an engine, with what is uncertain of them: as recordings show them, or as engines of the class have them.
+//! The firing pulses of an engine, with what is uncertain of them: as recordings show them, or as engines of the class
+//! have them.
 
 mod prior;
 
@@ -12,8 +13,8 @@ use crate::bench_parameters::{CycleHarmonic, EngineParameters};
 /// Part of a variance by which rounding may make a direction of a covariance negative.
 const ROUNDING: f64 = 1e-6;
 
-/// The pulses of an engine as harmonics of its working cycle, see [`CycleHarmonic`]. No mark shows the cylinders, so the angle 0 is any
-/// angle of the crank.
+/// The pulses of an engine as harmonics of its working cycle, see [`CycleHarmonic`]. No mark shows the cylinders, so
+/// the angle 0 is any angle of the crank.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EnginePulses {
     /// Cylinders of the engine.
@@ -37,7 +38,8 @@ pub struct PulseHarmonic {
     pub order: f64,
     /// α, β, γ.
     pub value: CycleHarmonic,
-    /// Covariance of α, β and γ in Nm, 1 and Nm s²: the same of the real and of the imaginary parts, which are independent.
+    /// Covariance of α, β and γ in Nm, 1 and Nm s²: the same of the real and of the imaginary parts, which are
+    /// independent.
     pub covariance: [[f64; 3]; 3],
     /// True where recordings show it; otherwise it is the prior of the class.
     pub is_estimated: bool,

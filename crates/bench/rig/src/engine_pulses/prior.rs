@@ -1,9 +1,9 @@
 //! Prior of an engine's pulses, before anything was recorded of them.
 //!
-//! The class: three to six cylinders, petrol and diesel, at part and full load. Each part of a harmonic is a complex normal number about
-//! zero, since nothing shows its phase. The torque of a cylinder falls off with the harmonic, its gas torque grows with the load, and
-//! only integer orders have a torque of the reciprocating masses (Taylor, *The Internal-Combustion Engine in Theory and Practice*,
-//! vol. 2, ch. 8).
+//! The class: three to six cylinders, petrol and diesel, at part and full load. Each part of a harmonic is a complex
+//! normal number about zero, since nothing shows its phase. The torque of a cylinder falls off with the harmonic, its
+//! gas torque grows with the load, and only integer orders have a torque of the reciprocating masses (Taylor, *The
+//! Internal-Combustion Engine in Theory and Practice*, vol. 2, ch. 8).
 
 use super::{EnginePulses, PulseHarmonic};
 use crate::bench_parameters::CycleHarmonic;
@@ -11,8 +11,8 @@ use crate::facts::Engine;
 
 /// Multiples of the firing order.
 const FIRINGS: u32 = 4;
-/// Root mean square of |β| at the firing order: nine in ten engines are then between 0.4 and 2.9 of the mean torque. Each further
-/// multiple has [`DECAY`] of that.
+/// Root mean square of |β| at the firing order: nine in ten engines are then between 0.4 and 2.9 of the mean torque.
+/// Each further multiple has [`DECAY`] of that.
 const LOADED: f64 = 1.7;
 const DECAY: f64 = 0.5;
 /// The same of harmonics between, which unequal cylinders make: cylinders that differ by some 5 to 10 %.
@@ -31,8 +31,9 @@ const OTHER_MASSES: f64 = 0.0015;
 const UNEQUAL_COMPRESSION: f64 = 0.05;
 /// Orders of reciprocating masses that need no ratio of crank and rod.
 const LOW_ORDER: f64 = 2.0;
-/// The torque of friction and pumping that a charge without load overcomes, for each cylinder, Nm: about 1 bar of mean pressure on 0.3 to
-/// 0.6 litres (Heywood, *Internal Combustion Engine Fundamentals*, ch. 13). Gas torques that are in proportion to the torque have none.
+/// The torque of friction and pumping that a charge without load overcomes, for each cylinder, Nm: about 1 bar of mean
+/// pressure on 0.3 to 0.6 litres (Heywood, *Internal Combustion Engine Fundamentals*, ch. 13). Gas torques that are in
+/// proportion to the torque have none.
 const IDLE_NM: f64 = 4.0;
 /// How far α over the class's β is from that, root mean square for each cylinder, Nm.
 const IDLE_SPREAD_NM: f64 = 4.0;

@@ -11,8 +11,8 @@ use crate::{Experiment, Role};
 
 /// Within this part of the limit a torque counts as limited.
 const AT_LIMIT: f64 = 0.995;
-/// Longest part of a recording that a part is estimated from, s: of it noise already leaves K, the gains and the delays less
-/// uncertain than the models of the signals do.
+/// Longest part of a recording that a part is estimated from, s: of it noise already leaves K, the gains and the delays
+/// less uncertain than the models of the signals do.
 const LONGEST_S: f64 = 240.0;
 /// Time within which a signal has to change to count as lively, s: a change of speed within it twists the shaft.
 const TWISTING_S: f64 = 0.02;

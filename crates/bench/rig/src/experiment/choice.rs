@@ -69,8 +69,8 @@ const RULES: [Rule; 6] = [
         mode: None,
         missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::STEP_T_TN],
     },
-    // A designed excitation holds its power where it shows the shaft. A torque demand that does not answer to the engine shows J_d
-    // with the shaft; BS moves the shaft more, and leaves J_d as stated.
+    // A designed excitation holds its power where it shows the shaft. A torque demand that does not answer to the
+    // engine shows J_d with the shaft; BS moves the shaft more, and leaves J_d as stated.
     Rule {
         sought: Sought::Shaft,
         tests: &[Test::Multisine, Test::Binary, Test::WhiteNoise, Test::Bs, Test::Levels, Test::Ramp, Test::Step],
@@ -132,8 +132,8 @@ impl Sought {
         rule.tests.contains(&experiment.label.test) && rule.mode.is_none_or(|mode| experiment.label.mode == mode)
     }
 
-    /// The experiments that may give it, in the order in which they are tried: by the preference of their tests, the longest of
-    /// a test first.
+    /// The experiments that may give it, in the order in which they are tried: by the preference of their tests, the
+    /// longest of a test first.
     pub fn candidates<'a>(self, experiments: &[&'a Experiment]) -> Vec<&'a Experiment> {
         let excitation = self.rule().excitation;
         let is_other = |e: &Experiment| excitation.is_some_and(|wanted| e.label.excitation != wanted);

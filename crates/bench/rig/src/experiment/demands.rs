@@ -53,8 +53,8 @@ impl Demands {
 
 impl Demands {
     /// The demand file of a plan: speeds every millisecond, all others on the automation system's clock of
-    /// [`DEMAND_HOLD_S`](super::DEMAND_HOLD_S), in the units people use. As [`free_form::plan`](super::free_form::plan) reads
-    /// it, it gives these demands again.
+    /// [`DEMAND_HOLD_S`](super::DEMAND_HOLD_S), in the units people use. As [`free_form::plan`](super::free_form::plan)
+    /// reads it, it gives these demands again.
     pub fn recording(&self, plan: &ExperimentPlan) -> Recording {
         let held = (DEMAND_HOLD_S / UPDATE_S).round() as usize;
         let updates = self.speed_rad_s.len();

@@ -178,9 +178,10 @@ fn names() -> String {
 ///
 /// Speeds run straight between their stamps and are taken every millisecond; all others are held until their next stamp
 /// and taken every 10 ms, as an automation system does. Before its first stamp a demand has its first value, after the
-/// last one its last. Time counts from the first stamp. Which controls what follows from the demands: `dyno_speed_demand`
-/// means NT, a torque of the dynamometer TN. A label in `file`, the recording's name, is kept, and says whether the engine
-/// is motored (`Unfired`) and the shaft off (`NoShaft`); without one the test is called `FreeForm`.
+/// last one its last. Time counts from the first stamp. Which controls what follows from the demands:
+/// `dyno_speed_demand` means NT, a torque of the dynamometer TN. A label in `file`, the recording's name, is kept, and
+/// says whether the engine is motored (`Unfired`) and the shaft off (`NoShaft`); without one the test is called
+/// `FreeForm`.
 ///
 /// # Errors
 /// [`FreeFormError`], each with its remedy.

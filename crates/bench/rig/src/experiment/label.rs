@@ -74,8 +74,8 @@ pub struct LabelError {
 impl FromStr for ExperimentLabel {
     type Err = LabelError;
 
-    /// Finds the label in a text such as a file's name: `BS_T_NT`, `BS_T_NT_1200`, `2018-05-03 BS_T_NT 1200rpm`. The letter
-    /// case of the test does not matter.
+    /// Finds the label in a text such as a file's name: `BS_T_NT`, `BS_T_NT_1200`, `2018-05-03 BS_T_NT 1200rpm`. The
+    /// letter case of the test does not matter.
     fn from_str(text: &str) -> Result<Self, LabelError> {
         let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
         words.windows(3).find_map(label_from_words).ok_or_else(|| LabelError { text: text.to_owned() })

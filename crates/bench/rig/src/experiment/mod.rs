@@ -1,9 +1,9 @@
 //! Experiments: what they are called, what is demanded in them, and what was recorded.
 //!
 //! A *plan* ([`ExperimentPlan`]) is what is to be done to a bench, demands as waveforms; plans come from the catalogue
-//! ([`catalogue`], the experiments of the method with their parameters) or from demands of one's own ([`free_form`]). Its
-//! [`Demands`] are the same numbers wherever they are used: written to a demand file, predicted, or run on the virtual
-//! bench. An [`Experiment`] is a labelled recording of one, in SI.
+//! ([`catalogue`], the experiments of the method with their parameters) or from demands of one's own ([`free_form`]).
+//! Its [`Demands`] are the same numbers wherever they are used: written to a demand file, predicted, or run on the
+//! virtual bench. An [`Experiment`] is a labelled recording of one, in SI.
 
 pub mod catalogue;
 mod choice;

@@ -150,8 +150,8 @@ impl ExperimentPlan {
         Self { speed_rad_s, has_shaft: false, ..plan }
     }
 
-    /// Where the engine's torque is switched faster than it fires at the plan's speed: the time of a level and that of a
-    /// firing, s. A level that no cylinder takes up is lost.
+    /// Where the engine's torque is switched faster than it fires at the plan's speed: the time of a level and that of
+    /// a firing, s. A level that no cylinder takes up is lost.
     pub fn switches_within_a_firing(&self, engine: Engine) -> Option<(f64, f64)> {
         let (Waveform::RandomBinary { clock_s, .. }, Waveform::Constant { value }) =
             (&self.engine_torque_nm, &self.speed_rad_s)

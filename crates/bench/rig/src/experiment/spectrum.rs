@@ -20,8 +20,8 @@ pub struct ExcitationSpectrum {
 }
 
 impl Demands {
-    /// The spectrum of what is excited: of the demands that change, the one the label speaks of first. None where no demand
-    /// changes.
+    /// The spectrum of what is excited: of the demands that change, the one the label speaks of first. None where no
+    /// demand changes.
     ///
     /// # Errors
     /// An experiment too short for a spectrum.

@@ -126,8 +126,8 @@ impl Waveform {
         values
     }
 
-    /// Where the bench settles before an excitation about a mean starts: a bench that settles at the first value it happens
-    /// to have drifts until its mean has arrived.
+    /// Where the bench settles before an excitation about a mean starts: a bench that settles at the first value it
+    /// happens to have drifts until its mean has arrived.
     fn rest(&self) -> Option<f64> {
         match self {
             Self::WhiteNoise { mean, .. } | Self::Multisine { mean, .. } => Some(*mean),

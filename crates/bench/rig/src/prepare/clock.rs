@@ -16,8 +16,8 @@ const SHORT_GAP_S: f64 = 0.02;
 const SHORT_GAP_SAMPLES: usize = 5;
 /// Above this share of samples that are not numbers a channel is refused.
 const MOST_NOT_A_NUMBER: f64 = 0.1;
-/// A uniform clock with more samples than this many times those that were recorded is none: stamps come in bursts, as of a logger that
-/// writes in batches. What is interpolated would be nearly all, and more than a memory holds.
+/// A uniform clock with more samples than this many times those that were recorded is none: stamps come in bursts, as
+/// of a logger that writes in batches. What is interpolated would be nearly all, and more than a memory holds.
 const MOST_TICKS: f64 = 10.0;
 /// Time stamps further from a uniform clock than this share of the sample time are interpolated onto one.
 const JITTER_SHARE: f64 = 0.1;
@@ -74,7 +74,8 @@ fn unwrap(angle: &mut [f64]) {
     }
 }
 
-/// The speed of an angle: its mean from the sample before, dated at the end, as that of an encoder with a gate of one sample.
+/// The speed of an angle: its mean from the sample before, dated at the end, as that of an encoder with a gate of one
+/// sample.
 fn rate(angle: &Signal) -> Option<Signal> {
     let step_s = angle.sample_time_s;
     let speeds = angle.samples.windows(2).map(|pair| (pair[1] - pair[0]) / step_s).collect();

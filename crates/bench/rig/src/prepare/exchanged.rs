@@ -8,8 +8,9 @@ use crate::prepare::log::Log;
 use crate::prepare::source::Source;
 use crate::role::Role;
 
-/// A torque that rests for this share of its samples is held, as a demand is, and one that rests for less than the other moves, as
-/// a real torque does. On 16 simulated benches T_d* rests for 0.9 of its samples in torque control, and T_d,calc for none.
+/// A torque that rests for this share of its samples is held, as a demand is, and one that rests for less than the
+/// other moves, as a real torque does. On 16 simulated benches T_d* rests for 0.9 of its samples in torque control, and
+/// T_d,calc for none.
 const HELD: f64 = 0.5;
 const MOVES: f64 = 0.1;
 /// A torque follows another if it is so much later, s, and if their changes have this correlation.

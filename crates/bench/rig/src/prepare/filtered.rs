@@ -1,7 +1,8 @@
 //! Check of a dynamometer speed that was recorded behind a low-pass filter or a moving mean.
 //!
-//! Above a tenth of its sample rate hardly anything moves N_d by as much as its encoder's noise, which is white. Behind a filter the
-//! noise falls, and behind a mean it has zeros. N_e shows no such thing: multiples of the firing frequency are above its noise.
+//! Above a tenth of its sample rate hardly anything moves N_d by as much as its encoder's noise, which is white. Behind
+//! a filter the noise falls, and behind a mean it has zeros. N_e shows no such thing: multiples of the firing frequency
+//! are above its noise.
 
 use std::f64::consts::TAU;
 
@@ -23,11 +24,11 @@ const BANDS: (f64, f64, f64) = (0.1, 0.48, 0.02);
 const FEWEST: usize = 40;
 /// This part of the lines of a band is of the floor: lines of the engine are above it.
 const FLOOR: f64 = 0.2;
-/// A zero leaves less than this part of the noise at higher frequencies. On 100 recordings of 29 simulated benches the floor never
-/// rises from less than 0.04; a mean over three samples leaves 0.001.
+/// A zero leaves less than this part of the noise at higher frequencies. On 100 recordings of 29 simulated benches the
+/// floor never rises from less than 0.04; a mean over three samples leaves 0.001.
 const ZERO: f64 = 0.01;
-/// Bands between which the floor falls, as parts of the sample rate, and how far it does behind a filter: on these recordings to 0.24
-/// and more; behind a filter of second order to 0.001 at 100 Hz, and 0.03 at 300 Hz.
+/// Bands between which the floor falls, as parts of the sample rate, and how far it does behind a filter: on these
+/// recordings to 0.24 and more; behind a filter of second order to 0.001 at 100 Hz, and 0.03 at 300 Hz.
 const FALL: ([(f64, f64); 2], f64) = ([(0.20, 0.28), (0.42, 0.50)], 0.03);
 
 pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) {

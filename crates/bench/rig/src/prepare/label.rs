@@ -10,17 +10,18 @@ use crate::experiment::{ControlMode, Excitation, Experiment, Test};
 use crate::prepare::log::Log;
 use crate::role::Role;
 
-/// Correlation of the changes of T_d* with those of N_d from one mean over 0.1 s to the next. On recordings of ten simulated
-/// benches at a constant N_d* it is 0.61 and more in speed control, and 0.10 and less in torque control.
+/// Correlation of the changes of T_d* with those of N_d from one mean over 0.1 s to the next. On recordings of ten
+/// simulated benches at a constant N_d* it is 0.61 and more in speed control, and 0.10 and less in torque control.
 const ANSWERS: (f64, f64) = (0.3, 0.45);
 const ANSWERS_WITHIN_S: f64 = 0.1;
-/// The same from one sample to the next, T_d* up to so many samples later: 0.27 and more in speed control, 0.17 and less in torque
-/// control. A controller of the shaft torque answers to what moves N_d, and not to the noise of N_d.
+/// The same from one sample to the next, T_d* up to so many samples later: 0.27 and more in speed control, 0.17 and
+/// less in torque control. A controller of the shaft torque answers to what moves N_d, and not to the noise of N_d.
 const ANSWERS_TO_NOISE: (f64, usize) = (0.22, 6);
-/// A T_d* that is set rests for this share of its samples; one that a controller computes from a measured speed never rests, but
-/// where it is recorded in coarse steps.
+/// A T_d* that is set rests for this share of its samples; one that a controller computes from a measured speed never
+/// rests, but where it is recorded in coarse steps.
 const RESTS: f64 = 0.5;
-/// Correlation of the speeds, and relative difference of their means, from which on the engine turns with the dynamometer.
+/// Correlation of the speeds, and relative difference of their means, from which on the engine turns with the
+/// dynamometer.
 const TURNS_WITH: (f64, f64) = (0.9, 0.02);
 /// An inertia this many times J_d is not that of the dynamometer alone.
 const LARGER: f64 = 1.2;
@@ -107,7 +108,8 @@ fn turns_with(experiment: &Experiment) -> bool {
     compared().unwrap_or(false)
 }
 
-/// The inertia that T_d moves, kg m², where T_d is almost all that does: −∫T_d dt over the change of ω_d, by least squares.
+/// The inertia that T_d moves, kg m², where T_d is almost all that does: −∫T_d dt over the change of ω_d, by least
+/// squares.
 fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
     let [speed, torque] = blocks(experiment, [Role::DynoSpeed, Role::AirGapTorque], BLOCK_S)?;
     let acceleration: Vec<f64> = central_difference(&speed, BLOCK_S).ok()?;

@@ -16,8 +16,8 @@ use crate::role::Role;
 const SPIKE_FALSE_ALARM: f64 = 1e-6;
 /// A slower controller's demand rests for more of its samples.
 const MINORITY: f64 = 0.5;
-/// T_d* may rest where N_d rested up to so many samples before: a controller is no later. At this part of its repeats, beyond those by
-/// chance, it follows N_d.
+/// T_d* may rest where N_d rested up to so many samples before: a controller is no later. At this part of its repeats,
+/// beyond those by chance, it follows N_d.
 const LATEST: usize = 20;
 const FOLLOWS: f64 = 0.5;
 /// A demand with more pulses of one sample than this part of its samples is meant to have them.
@@ -25,8 +25,8 @@ const MOST_PULSES: f64 = 0.01;
 /// A torque this part of the demanded range beyond that range was not demanded: a drive overshoots less.
 const BEYOND_DEMAND: f64 = 0.5;
 
-/// Which samples of a channel are left out, one entry a sample, or none at all. Why is noted. A demand may be held: only a T_d*
-/// of a speed controller that rests for a minority of its samples does not.
+/// Which samples of a channel are left out, one entry a sample, or none at all. Why is noted. A demand may be held:
+/// only a T_d* of a speed controller that rests for a minority of its samples does not.
 pub(super) fn samples(source: &Source<'_>, all: &[Source<'_>], label: &ExperimentLabel, log: &mut Log) -> Vec<bool> {
     let is_computed = source.role == Role::DynoTorqueDemand && label.mode == ControlMode::Nt;
     if !is_measured(source.role) && !is_computed {
@@ -96,8 +96,8 @@ pub(super) fn spikes_if(source: &Source<'_>, is_impossible: &dyn Fn(&usize) -> b
     left_out(source, quality.spikes.into_iter().filter(is_impossible).collect(), log)
 }
 
-/// Single samples of a held demand beyond those before and after them, which rest: no controller asks for a torque or a speed for one
-/// sample. A demand that changes from sample to sample, or often for one, has none.
+/// Single samples of a held demand beyond those before and after them, which rest: no controller asks for a torque or a
+/// speed for one sample. A demand that changes from sample to sample, or often for one, has none.
 fn spikes_of_demand(source: &Source<'_>, log: &mut Log) -> Vec<bool> {
     let x = source.samples;
     let resting = x.windows(2).filter(|pair| pair[0] == pair[1]).count();
@@ -133,8 +133,9 @@ fn left_out(source: &Source<'_>, found: Vec<usize>, log: &mut Log) -> Vec<bool> 
     left_out
 }
 
-/// The range that a torque of the dynamometer can have by its demand, Nm: what the drive does in one sample may look like a spike.
-/// Any value is possible for a torque without a recorded demand; none of a speed beside its neighbours is.
+/// The range that a torque of the dynamometer can have by its demand, Nm: what the drive does in one sample may look
+/// like a spike. Any value is possible for a torque without a recorded demand; none of a speed beside its neighbours
+/// is.
 fn demanded(role: Role, all: &[Source<'_>]) -> Option<Range<f64>> {
     match role {
         Role::DynoSpeed | Role::EngineSpeed => return None,

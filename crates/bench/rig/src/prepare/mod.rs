@@ -1,4 +1,5 @@
-//! From a recording and a bench file to an [`Experiment`]: SI, roles, one uniform clock a signal, and every doubt on the way.
+//! From a recording and a bench file to an [`Experiment`]: SI, roles, one uniform clock a signal, and every doubt on
+//! the way.
 
 mod clock;
 mod cut;
@@ -61,9 +62,9 @@ pub enum PrepareError {
 ///
 /// Each role of the bench file whose channel is there and usable becomes a signal in SI, with the sign of the role's
 /// convention, on the uniform clock that its time stamps describe (rasters that start at different times stay so).
-/// Samples that only repeat or interpolate others, and spikes, are left out.
-/// Gaps and runs of NaN of at most 20 ms or five samples are interpolated; longer ones leave the longest stretch that is
-/// uninterrupted in every signal. What was refused, mended, cut or looks wrong is in the diagnostics.
+/// Samples that only repeat or interpolate others, and spikes, are left out. Gaps and runs of NaN of at most 20 ms or
+/// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal. What was
+/// refused, mended, cut or looks wrong is in the diagnostics.
 ///
 /// # Errors
 ///

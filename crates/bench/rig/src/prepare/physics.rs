@@ -8,7 +8,8 @@ use crate::experiment::{ControlMode, Experiment};
 use crate::prepare::log::Log;
 use crate::role::Role;
 
-/// Relative difference of mean speeds above which they disagree: of N_e, since what both ends of a shaft turn is counted, and of N_d*.
+/// Relative difference of mean speeds above which they disagree: of N_e, since what both ends of a shaft turn is
+/// counted, and of N_d*.
 const SPEED_TOLERANCES: (f64, f64) = (0.005, 0.02);
 /// Mean speed below which no ratio is formed, rad/s.
 const STANDSTILL_RAD_S: f64 = 1.0;
@@ -25,8 +26,8 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
     sign::check(experiment, bench_file, log);
 }
 
-/// Stretches, (start, end) in s, in which the torque demand is at ±`limit_nm`, or the air-gap torque where no demand was
-/// recorded. Stretches less than 20 ms apart are joined.
+/// Stretches, (start, end) in s, in which the torque demand is at ±`limit_nm`, or the air-gap torque where no demand
+/// was recorded. Stretches less than 20 ms apart are joined.
 pub fn saturated_stretches(experiment: &Experiment, limit_nm: f64) -> Vec<(f64, f64)> {
     let Some((signal, threshold)) = limited(experiment, limit_nm) else { return Vec::new() };
     let mut stretches: Vec<(f64, f64)> = Vec::new();

@@ -14,11 +14,13 @@ use crate::role::Role;
 const OFFSET_S: f64 = 0.1;
 /// An offset and a difference in length are separated by this ratio.
 const OFFSET_OVER_STRETCH: f64 = 10.0;
-/// Rasters whose lengths differ by more than this may have clocks that run apart by as much: small drifts are searched for anyway.
+/// Rasters whose lengths differ by more than this may have clocks that run apart by as much: small drifts are searched
+/// for anyway.
 const STRETCHED: f64 = 1.5e-3;
 /// A drift must exceed its standard error by this factor.
 const SIGNIFICANCE: f64 = 5.0;
-/// A drift must add up to this share of the fastest sample time over the recording; time stamps are not trusted further.
+/// A drift must add up to this share of the fastest sample time over the recording; time stamps are not trusted
+/// further.
 const TRUSTED_SHARE: f64 = 0.05;
 
 pub(super) fn check(sources: &[Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
@@ -53,7 +55,8 @@ fn ends(time_s: &[f64]) -> Option<(f64, f64)> {
     Some((*time_s.first()?, *time_s.last()?))
 }
 
-/// The drift of a signal against a reference: a small one, or one that makes both rasters equally long, if the signals confirm it.
+/// The drift of a signal against a reference: a small one, or one that makes both rasters equally long, if the signals
+/// confirm it.
 fn drift(reference: &Signal, signal: &Signal) -> Option<Drift> {
     let stretch = signal.duration_s() / reference.duration_s();
     let as_stamped = relative_drift(reference, signal).ok();
@@ -70,8 +73,8 @@ fn drift(reference: &Signal, signal: &Signal) -> Option<Drift> {
     as_stamped.into_iter().chain(of_shrunk).min_by(|a, b| a.standard_error.total_cmp(&b.standard_error))
 }
 
-/// A clock that runs apart, by the channels of two rasters that show it best. T_d* is the cause of the torques, so their relation is
-/// that of one input; N_d has the engine as a second one.
+/// A clock that runs apart, by the channels of two rasters that show it best. T_d* is the cause of the torques, so
+/// their relation is that of one input; N_d has the engine as a second one.
 fn check_drift(references: &[&Source<'_>], raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
     let pairs = references.iter().flat_map(|first| raster.iter().map(move |source| (first, source)));
     let drifts = pairs.filter_map(|(first, source)| {

@@ -19,9 +19,9 @@ const FASTEST_RAD_S2: f64 = 1570.0;
 
 /// Maps, converts and mends what a judgement compares: of each list the first role whose channel is there and usable.
 ///
-/// Other channels are not looked at, so that none of them can cost a part of the run. Samples that rest or repeat are values of
-/// their time. Only what is no value is left out: what is no number, and spikes of a speed. Gaps are treated as in
-/// [`prepare`](super::prepare).
+/// Other channels are not looked at, so that none of them can cost a part of the run. Samples that rest or repeat are
+/// values of their time. Only what is no value is left out: what is no number, and spikes of a speed. Gaps are treated
+/// as in [`prepare`](super::prepare).
 ///
 /// # Errors
 ///
@@ -57,7 +57,8 @@ fn usable(recording: &Recording, role: Role, run: &RunChannels, log: &mut Log) -
     samples::is_plausible(&source, longest(&stretches)?, run.speed_limit_rad_s, log).then_some(stretches)
 }
 
-/// A torque may have any value. A speed has none from which it would have to change faster than any engine does, to both sides.
+/// A torque may have any value. A speed has none from which it would have to change faster than any engine does, to
+/// both sides.
 fn left_out(source: &Source<'_>, log: &mut Log) -> Vec<bool> {
     if !matches!(source.role, Role::DynoSpeed | Role::EngineSpeed) {
         return Vec::new();

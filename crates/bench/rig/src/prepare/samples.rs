@@ -18,8 +18,8 @@ const FAST_RAD_S: f64 = 700.0;
 const BEYOND_LIMIT: f64 = 2.0;
 /// Steps of a measured speed beyond this are coarse, rad/s: 0.3 rpm. In steps of 1 rpm, k was estimated 30 % wrong.
 const COARSE_RAD_S: f64 = 0.03;
-/// N_d is slow beyond the first, s: every 2 ms, the skew of T_d,calc was estimated 3 ms wrong and K by 1.3 %. Beyond the second its stamps
-/// are in ms.
+/// N_d is slow beyond the first, s: every 2 ms, the skew of T_d,calc was estimated 3 ms wrong and K by 1.3 %. Beyond
+/// the second its stamps are in ms.
 const SLOW_S: (f64, f64) = (0.0015, 0.2);
 /// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
 const CLIPPED_SHARE: f64 = 0.005;

@@ -1,8 +1,8 @@
 //! The sign of the dynamometer's torque, from its effect on the speed.
 //!
-//! J_d dω_d/dt = T_shaft − T_d (6.1). Well below the shaft's resonance the train turns as one inertia, so −dω_d/dt follows
-//! a torque that brakes with a positive sign. A speed controller moreover brakes when the dynamometer is too fast: in
-//! control mode NT T_d follows ω_d itself when the disturbance comes from the engine.
+//! J_d dω_d/dt = T_shaft − T_d (6.1). Well below the shaft's resonance the train turns as one inertia, so −dω_d/dt
+//! follows a torque that brakes with a positive sign. A speed controller moreover brakes when the dynamometer is too
+//! fast: in control mode NT T_d follows ω_d itself when the disturbance comes from the engine.
 
 use signal::Signal;
 use signal::derivative::central_difference;
@@ -51,8 +51,8 @@ pub fn believable(experiment: &Experiment) -> Result<(), EstimateError> {
     }
 }
 
-/// Correlation of a torque with what it does as a brake, positive if it brakes with a positive sign. Of the indicators that
-/// the control mode allows, the clearer one.
+/// Correlation of a torque with what it does as a brake, positive if it brakes with a positive sign. Of the indicators
+/// that the control mode allows, the clearer one.
 fn braking_correlation(experiment: &Experiment, role: Role) -> Option<f64> {
     let window = common_window(experiment, &[role, Role::DynoSpeed])?;
     let torque = cut(experiment.signal(role)?, window.0, window.1);

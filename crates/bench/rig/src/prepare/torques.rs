@@ -16,20 +16,22 @@ use crate::role::Role;
 const BLOCK_S: f64 = 1.0;
 /// Blocks that a comparison needs.
 const FEWEST_BLOCKS: usize = 5;
-/// Torques change enough to show a gain where the means of either have this standard deviation, Nm; else where one is so large, Nm.
+/// Torques change enough to show a gain where the means of either have this standard deviation, Nm; else where one is
+/// so large, Nm.
 const ENOUGH_NM: (f64, f64) = (2.0, 10.0);
 /// The means of two torques with another correlation than this have nothing in common but noise.
 const RELATED: f64 = 0.9;
-/// Gains that differ by more than this disagree, and offsets by more than so many Nm and this part of the torque. On 40 recordings
-/// of ten simulated benches gains differ by 1.2 %, offsets by 0.05 Nm; a torque of a real drive is true to some per cent.
+/// Gains that differ by more than this disagree, and offsets by more than so many Nm and this part of the torque. On 40
+/// recordings of ten simulated benches gains differ by 1.2 %, offsets by 0.05 Nm; a torque of a real drive is true to
+/// some per cent.
 const GAIN: f64 = 0.05;
 const OFFSET: (f64, f64) = (2.0, 0.03);
 /// Where only the means show it, what differs by less than this is an offset.
 const OF_THE_MEANS: f64 = 0.25;
 /// A gain this close to that of a unit is explained by it.
 const EXPLAINED: f64 = 0.03;
-/// By how many times what folds to rest on a raster two torques may differ: T_d* is free of it, the load cell shows it another way
-/// than T_d,calc.
+/// By how many times what folds to rest on a raster two torques may differ: T_d* is free of it, the load cell shows it
+/// another way than T_d,calc.
 const FOLDED: (f64, f64) = (1.0, 2.0);
 /// Up to this part of half its sample rate N_d shows what folds to rest.
 const SHOWN_BY_SPEED: f64 = 0.9;
@@ -38,7 +40,8 @@ const AT_LIMIT: f64 = 0.999;
 /// Nm in a lbf ft.
 const POUND_FOOT_NM: f64 = 1.355_817_948;
 
-/// Notes each torque that is not what T_d,calc is. Without the shaft torques are short peaks, whose means depend on when they are read.
+/// Notes each torque that is not what T_d,calc is. Without the shaft torques are short peaks, whose means depend on
+/// when they are read.
 pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) {
     if experiment.label.is_without_shaft() || wrong_sign(experiment, Role::AirGapTorque).is_some() {
         return;
@@ -58,8 +61,8 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
     }
 }
 
-/// Amplitude of T_d at multiples of the sample rate of T_d,calc, Nm, where it looks like rest: ripple of the drive, and orders of the
-/// engine. N_d shows it, which is faster: J_d dω_d/dt.
+/// Amplitude of T_d at multiples of the sample rate of T_d,calc, Nm, where it looks like rest: ripple of the drive, and
+/// orders of the engine. N_d shows it, which is faster: J_d dω_d/dt.
 fn folded_to_rest_nm(experiment: &Experiment, inertia_kg_m2: f64) -> f64 {
     let signals = (experiment.signal(Role::AirGapTorque), experiment.signal(Role::DynoSpeed));
     let (Some(torque), Some(speed)) = signals else { return 0.0 };
@@ -84,7 +87,8 @@ fn amplitude_at(signal: &Signal, frequency_hz: f64) -> f64 {
     ((0..blocks).map(power).sum::<f64>() / blocks.max(1) as f64).sqrt()
 }
 
-/// Gain and offset of a torque against T_d,calc, if they are not one and zero. They may differ by what folds to rest besides.
+/// Gain and offset of a torque against T_d,calc, if they are not one and zero. They may differ by what folds to rest
+/// besides.
 fn disagreement(experiment: &Experiment, role: Role, (limit_nm, folded_nm): (Option<f64>, f64)) -> Option<(f64, f64)> {
     let window = common_window(experiment, &[role, Role::AirGapTorque])?;
     let (of, calc) = (experiment.signal(role)?, experiment.signal(Role::AirGapTorque)?);

@@ -1,5 +1,5 @@
-//! How people write a quantity: symbol, name and unit. Everything inside is SI; this table is used where numbers leave the
-//! program, in reports and in JSON.
+//! How people write a quantity: symbol, name and unit. Everything inside is SI; this table is used where numbers leave
+//! the program, in reports and in JSON.
 
 use std::f64::consts::PI;
 use std::fmt;

@@ -1,4 +1,5 @@
-//! The plain types that estimates, their judgement and their outcomes are given in. They hold numbers and structure only.
+//! The plain types that estimates, their judgement and their outcomes are given in. They hold numbers and structure
+//! only.
 
 mod estimate;
 mod outcome;

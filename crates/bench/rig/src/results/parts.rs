@@ -23,8 +23,8 @@ pub struct SignalDelay {
     pub against_demand: Option<Parameter>,
     /// Against the bend in N_d (the mechanical effect of T_d).
     pub against_speed_bend: Option<Parameter>,
-    /// The same delay against T_d* by each route that applies. Routes without a model see the mean delay over the demand's
-    /// spectrum, so that they agree to about a tenth of a millisecond at best.
+    /// The same delay against T_d* by each route that applies. Routes without a model see the mean delay over the
+    /// demand's spectrum, so that they agree to about a tenth of a millisecond at best.
     pub routes: Vec<DelayRoute>,
     /// Length of the moving average that reproduces the signal from N_d and T_d,calc, in samples of N_d.
     pub moving_average_length: Option<usize>,
@@ -72,8 +72,8 @@ pub struct SpeedController {
     pub zero: Parameter,
     /// Sample time of the controller, s.
     pub sample_time_s: f64,
-    /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error, Nm s/rad; written on that
-    /// in rpm.
+    /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error, Nm s/rad; written on
+    /// that in rpm.
     #[serde(serialize_with = "write_discrete")]
     pub discrete: (f64, f64),
     /// On held-out data, with the delay.
@@ -91,12 +91,13 @@ fn write_discrete<S: Serializer>(discrete: &(f64, f64), serializer: S) -> Result
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeedForward {
-    /// k and k_a. Their intervals also hold what they are where the delay acts at another of the places that the recording
-    /// allows; their standard errors are those of the first place.
+    /// k and k_a. Their intervals also hold what they are where the delay acts at another of the places that the
+    /// recording allows; their standard errors are those of the first place.
     pub estimate: Estimate,
     /// By how much N_d* is late in the controller.
     pub lags: DemandLags,
-    /// Where the controller's delay may act, the likeliest first; empty where N_d* is late in a way that no place explains.
+    /// Where the controller's delay may act, the likeliest first; empty where N_d* is late in a way that no place
+    /// explains.
     pub delay_places: Vec<DelayPlace>,
     /// Held-out data: PI and feed-forward.
     pub validation: Validation,
@@ -104,8 +105,8 @@ pub struct FeedForward {
     pub pi_alone: Validation,
 }
 
-/// Samples of the controller by which N_d* is late where it is used; −1 where it is recorded one sample after the controller has
-/// it.
+/// Samples of the controller by which N_d* is late where it is used; −1 where it is recorded one sample after the
+/// controller has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct DemandLags {
     /// In the speed error.
@@ -144,8 +145,8 @@ pub struct TorqueControl {
 impl TorqueControl {
     /// The same without what the clock of T_d,calc adds to the delays: its skew against N_d, and with it against T_d*.
     ///
-    /// The errors count as independent. Where the shaft was estimated from the torque that this model gives, both contain the
-    /// error of τ, which the difference does not: the uncertainty is then too large rather than too small.
+    /// The errors count as independent. Where the shaft was estimated from the torque that this model gives, both
+    /// contain the error of τ, which the difference does not: the uncertainty is then too large rather than too small.
     #[must_use]
     pub fn without_skew(mut self, skew: &Parameter) -> Self {
         let delays = [Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay];
@@ -176,8 +177,8 @@ pub struct Shaft {
     pub validation: Validation,
     /// Other recordings and other routes: name and estimate.
     pub cross_checks: Vec<(String, Estimate)>,
-    /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the recording
-    /// in torque control that they are from, and the estimate.
+    /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the
+    /// recording in torque control that they are from, and the estimate.
     pub inertias: Option<(String, Estimate)>,
     /// Errors of K and B that come from prior knowledge.
     #[serde(skip)]

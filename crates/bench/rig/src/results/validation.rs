@@ -7,7 +7,8 @@ use super::estimate::Stretch;
 
 /// A uniformly sampled curve for plots, in the unit people use.
 ///
-/// A document holds where it starts, its sample time and its number of samples; the values belong into a table beside it.
+/// A document holds where it starts, its sample time and its number of samples; the values belong into a table beside
+/// it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// Time of the first sample, s.
@@ -69,10 +70,11 @@ pub struct ResidualTest {
 }
 
 impl ResidualTest {
-    /// Share of lags outside the region beyond which residuals may depend on the input. The lags of a slow input stand or fall
-    /// together: by chance that happens in one recording of a hundred, whatever their number.
+    /// Share of lags outside the region beyond which residuals may depend on the input. The lags of a slow input stand
+    /// or fall together: by chance that happens in one recording of a hundred, whatever their number.
     const MANY_OUTSIDE: f64 = 0.05;
-    /// A correlation that explains less than 1 % of the residual's variance moves no result, however certain many samples make it.
+    /// A correlation that explains less than 1 % of the residual's variance moves no result, however certain many
+    /// samples make it.
     const RELEVANT: f64 = 0.1;
 
     /// Tells whether the residual depends on present and past input, by more than chance and by enough to matter.

@@ -418,7 +418,8 @@ fn exact_a_bench_of_which_nothing_is_stated_says_what_is_assumed() {
     assert_eq!(known.parameters.mechanics.engine_inertia_kg_m2, 0.2831);
 }
 
-/// A judgement takes the channels alone: neither the bench's numbers nor the roles that an estimate needs, and one channel twice.
+/// A judgement takes the channels alone: neither the bench's numbers nor the roles that an estimate needs, and one
+/// channel twice.
 #[test]
 fn exact_the_channels_of_a_judgement_need_nothing_else() {
     let text = "[bench]\nname = \"x\"\n[limits]\nspeed = \"6000 rpm\"\n[channels]\ndyno_speed = \"N\"\nengine_speed = \"N\"\n\

@@ -76,7 +76,8 @@ fn regress_repeated_samples_of_a_computed_demand_are_named() {
     assert!(found.iter().any(|finding| matches!(finding, Finding::SamplesRepeated { .. })), "{found:?}");
 }
 
-/// N_d in steps repeats by chance, and T_d* of the controller that reads it then repeats too. Repeats of a logger are named all the same.
+/// N_d in steps repeats by chance, and T_d* of the controller that reads it then repeats too. Repeats of a logger are
+/// named all the same.
 #[test]
 fn regress_a_demand_that_rests_where_the_speed_does_is_not_named() {
     let (step, gain) = (0.01, 0.047);

@@ -1,5 +1,5 @@
-//! Studies of damaged recordings of one virtual campaign: a study refuses them, names the cause, warns, or is right all the same.
-//! It is never wrong without a word.
+//! Studies of damaged recordings of one virtual campaign: a study refuses them, names the cause, warns, or is right all
+//! the same. It is never wrong without a word.
 
 mod matrix;
 mod table;
@@ -93,7 +93,8 @@ fn truth(quantity: Quantity) -> Option<f64> {
     })
 }
 
-/// A value is clearly wrong beyond so many half widths of its interval, and so large a part of itself; times beyond so many s.
+/// A value is clearly wrong beyond so many half widths of its interval, and so large a part of itself; times beyond so
+/// many s.
 const WRONG: (f64, f64, f64) = (1.6, 0.01, 6e-5);
 
 /// Values of a study that miss the truth.

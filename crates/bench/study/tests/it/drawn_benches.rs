@@ -1,5 +1,5 @@
-//! Whole studies of benches drawn over the class that dynoid is for: cylinders, delays and where they act, rasters, skews, ripple,
-//! friction, and inertias that are not quite as stated.
+//! Whole studies of benches drawn over the class that dynoid is for: cylinders, delays and where they act, rasters,
+//! skews, ripple, friction, and inertias that are not quite as stated.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -246,15 +246,15 @@ fn stat_studies_of_benches_drawn_over_the_whole_class() {
     }
 }
 
-/// T_d,calc at 100 Hz shows steps of T_d* every 10 ms always at the same age, so that delay and lag cannot be separated. J_d and K were
-/// up to 10 % wrong, as T_d,calc was then taken for T_d between its samples.
+/// T_d,calc at 100 Hz shows steps of T_d* every 10 ms always at the same age, so that delay and lag cannot be
+/// separated. J_d and K were up to 10 % wrong, as T_d,calc was then taken for T_d between its samples.
 #[test]
 fn regress_steps_that_samples_see_at_one_age_leave_the_shaft_right() {
     let seed = 70_088;
     let bench = Drawn::new(seed);
     let study = bench.study(seed);
-    // Neither is claimed. They are not estimated, or their intervals hold every drive of the class: whether samples separate the two
-    // is itself decided by a test, in which the noise has a part.
+    // Neither is claimed. They are not estimated, or their intervals hold every drive of the class: whether samples
+    // separate the two is itself decided by a test, in which the noise has a part.
     let says_nothing = |(quantity, largest): (Quantity, f64)| {
         found(&study, quantity).is_none_or(|one| one.interval.0 < 0.0 && one.interval.1 > largest)
     };

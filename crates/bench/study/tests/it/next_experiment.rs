@@ -58,7 +58,8 @@ fn stat_what_is_promised_is_kept() {
         let kept = then.now.iter().find(|p| p.quantity == quantity).unwrap();
         let kept = 0.5 * (kept.interval.1 - kept.interval.0);
         let ratio = gain(&promised, "WhiteNoise_T_TN", quantity).then / kept;
-        // The interval of J_e scatters by an eighth from one recording to the next, and those of the resonance contain it.
+        // The interval of J_e scatters by an eighth from one recording to the next, and those of the resonance contain
+        // it.
         let bound = match quantity {
             Quantity::EngineInertia => 1.7,
             Quantity::ResonanceFrequency | Quantity::ResonanceGain => 1.4,
@@ -68,8 +69,8 @@ fn stat_what_is_promised_is_kept() {
     }
 }
 
-/// After a binary sequence of the engine's torque alone, the inertias and the feed-forward are not known. White noise tells
-/// the former, levels the latter; steps tell neither, and a shorter binary sequence nothing.
+/// After a binary sequence of the engine's torque alone, the inertias and the feed-forward are not known. White noise
+/// tells the former, levels the latter; steps tell neither, and a shorter binary sequence nothing.
 #[test]
 #[ignore = "slow"]
 fn stat_what_is_missing_is_recommended() {

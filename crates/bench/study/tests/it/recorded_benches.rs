@@ -1,5 +1,5 @@
-//! Recorded benches whose truth is known: whether intervals hold the truth, which alarms are raised where nothing is wrong, and which
-//! where a torque or a clock is. The simulator of the recordings shares no code with the project.
+//! Recorded benches whose truth is known: whether intervals hold the truth, which alarms are raised where nothing is
+//! wrong, and which where a torque or a clock is. The simulator of the recordings shares no code with the project.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +70,8 @@ fn stat_intervals_hold_the_truth_of_recorded_benches_without_an_alarm() {
         let square = widths.iter().map(|widths| widths * widths).sum::<f64>() / widths.len().max(1) as f64;
         let of = widths.len();
         println!("{:6} held on {held} of {of}, off by {:.2} half widths (rms)", quantity.symbol(), square.sqrt());
-        // Of 16 intervals of 95 % four miss once in a hundred cases. B of bench 214 is off by 2.0 half widths, for which no cause is known.
+        // Of 16 intervals of 95 % four miss once in a hundred cases. B of bench 214 is off by 2.0 half widths, for
+        // which no cause is known.
         if held + 3 < of || widths.iter().any(|widths| widths.abs() > 2.5) {
             short.push(quantity.symbol());
         }
@@ -150,7 +151,8 @@ fn drift(channel: &'static str, ppm: f64) -> Damage {
     Damage { name, apply: Box::new(apply), causes: &["ClockDrift"], is_large: ppm >= 500.0 }
 }
 
-/// The kinds of alarms that a campaign raises before its shaft is estimated: on opening the recordings, and in the torque control.
+/// The kinds of alarms that a campaign raises before its shaft is estimated: on opening the recordings, and in the
+/// torque control.
 fn early_alarms(bench: &RecordedBench, damage: &Damage) -> Vec<String> {
     let of = |(file, recording): &(String, Recording)| {
         let mut damaged = recording.clone();

@@ -159,8 +159,8 @@ fn stat_the_shaft_of_200_benches_whose_clocks_are_apart() {
     {
         let judged = Judged::of(quantity, &rows, relative);
         assert!(judged.within(tolerance) >= 0.95, "{quantity}: {:?}", judged.errors);
-        // What the model of the signals lacks is in every interval; on benches that lack little they hold a little more. A skew
-        // has a floor, and may hold always.
+        // What the model of the signals lacks is in every interval; on benches that lack little they hold a little
+        // more. A skew has a floor, and may hold always.
         let most = if quantity == Quantity::EngineSpeedSkew { 1.0 } else { 0.995 };
         assert!((0.9..=most).contains(&judged.coverage()), "{quantity}: {}", judged.coverage());
     }

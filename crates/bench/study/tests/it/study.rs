@@ -133,8 +133,8 @@ fn parameter(estimate: &Estimate, quantity: Quantity) -> &Parameter {
     estimate.parameter(quantity).unwrap_or_else(|| panic!("{quantity} is missing"))
 }
 
-/// Within the tolerance of the truth, and the truth in the interval or within half its width beside it (T_d* is recorded
-/// as it was computed: the interval of the controller can be a point, up to rounding).
+/// Within the tolerance of the truth, and the truth in the interval or within half its width beside it (T_d* is
+/// recorded as it was computed: the interval of the controller can be a point, up to rounding).
 fn near(found: &Parameter, truth: f64, tolerance: f64) {
     println!("{} = {} ± {}, truth {truth}", found.quantity, found.value, found.standard_error);
     let error = (found.value - truth).abs();
@@ -272,7 +272,8 @@ fn stat_skewed_clocks_are_found_and_ignoring_them_is_wrong() {
     let naive = parameter(&shaft.ignoring_timing, Quantity::Damping);
     let (low, high) = naive.interval;
     assert!(!(low..=high).contains(&truth.damping_nm_s_per_rad), "{naive:?}");
-    // The delay of the torque control is that of the drive, in the report as in the model, and knows no better than the skew.
+    // The delay of the torque control is that of the drive, in the report as in the model, and knows no better than the
+    // skew.
     let control = study.torque_control.estimated().unwrap();
     let delay = parameter(&control.delay_and_lag, Quantity::TorqueControlDelay);
     let skew = parameter(&shaft.estimate, Quantity::AirGapTorqueSkew);
@@ -396,8 +397,8 @@ fn stat_intervals_of_the_shaft_contain_the_truth() {
     }
     println!("symbol, share covered, bias, its bound, scatter, stated standard error: {report:#?}");
     for (quantity, covered, bias, bias_bound, ..) in &report {
-        // Ten seconds tell the torque control too, and what that is uncertain by is not in K: it scatters by a fifth more than
-        // its standard error says.
+        // Ten seconds tell the torque control too, and what that is uncertain by is not in K: it scatters by a fifth
+        // more than its standard error says.
         let least = if *quantity == Quantity::Stiffness { 0.82 } else { 0.88 };
         assert!(*covered >= least, "{quantity}: {report:#?}");
         assert!(bias.abs() < *bias_bound, "{quantity}: {report:#?}");

@@ -57,8 +57,8 @@ fn ref_bench_a_is_written_as_it_was_simulated() {
     let study = studied(&bench_file("0.6", "0.28", "400 Nm", bench_testkit::recordings::BENCH_A), sources);
     print_replays(&study);
     let shaft = &study.shaft.estimated().unwrap().estimate;
-    // That simulator integrates in steps of h = 50 µs, semi-implicitly: the torque of a step rests on the twist before it, which
-    // is worth half a step of skew and B + K h/2 of damping, more than the intervals of 28 s are wide.
+    // That simulator integrates in steps of h = 50 µs, semi-implicitly: the torque of a step rests on the twist before
+    // it, which is worth half a step of skew and B + K h/2 of damping, more than the intervals of 28 s are wide.
     near(shaft, Quantity::Stiffness, 2437.7, 2e-3 * 2437.7);
     covered(shaft, Quantity::Damping, 5.8 + 2437.7 * 25e-6, 0.01 * 5.8);
     near(shaft, Quantity::EngineSpeedSkew, 0.0, 50e-6);

@@ -9,8 +9,8 @@ use crate::cubic;
 /// Points of the table: a power of two, so that the place in it is a part of the bits.
 const POINTS: usize = 2048;
 
-/// 1 + p Σ a_n cos(2π n θ/θ_f + φ_n) over the crank angle θ, θ_f being that between firings: from a table of values and slopes,
-/// the cubic between two points. Of the fourth harmonic the error is 6·10⁻¹¹ of its amplitude.
+/// 1 + p Σ a_n cos(2π n θ/θ_f + φ_n) over the crank angle θ, θ_f being that between firings: from a table of values and
+/// slopes, the cubic between two points. Of the fourth harmonic the error is 6·10⁻¹¹ of its amplitude.
 #[derive(Debug, Clone)]
 pub(super) struct Pulse {
     /// Values, and slopes a point; the first once more at the end.

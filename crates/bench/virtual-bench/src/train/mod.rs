@@ -17,7 +17,8 @@ const COULOMB_TRANSITION_RAD_S: f64 = 0.1;
 
 /// States that a column of the step's matrix has room for; more take further columns.
 const LANES: usize = 8;
-/// Torques of a step: of brake and engine at its start and at its end, and of what the shaft has beyond linear all along.
+/// Torques of a step: of brake and engine at its start and at its end, and of what the shaft has beyond linear all
+/// along.
 const STEP_INPUTS: usize = 2 * 2 + 1;
 
 /// Torques on the train at an instant: T_d on the rotor, T_e on the engine.
@@ -50,8 +51,8 @@ pub(super) struct Train {
     /// True where the shaft is connected and more than K φ + B φ̇.
     is_bent: bool,
     coulomb_nm: f64,
-    /// The columns of [Φ Γ], in blocks of as many rows as there are lanes. Γ: Γ_0 and Γ_1 of brake and engine, Γ_0 + Γ_1 of
-    /// the shaft.
+    /// The columns of [Φ Γ], in blocks of as many rows as there are lanes. Γ: Γ_0 and Γ_1 of brake and engine, Γ_0 +
+    /// Γ_1 of the shaft.
     step_blocks: Vec<Vec<[f64; LANES]>>,
     /// Γ_1 by columns.
     from_end: [Vec<f64>; INPUTS],

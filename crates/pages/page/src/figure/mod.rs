@@ -157,8 +157,9 @@ pub enum Layer {
     Path { name: String, style: Style, x: Vec<Rounded>, y: Vec<Rounded> },
     /// A band between two curves.
     Band { name: String, style: Style, x: Abscissa, low: Vec<Rounded>, high: Vec<Rounded> },
-    /// Shades over a plane, the first at the bottom of all: columns of cells of equal width from `x[0]` to `x[1]`, each a
-    /// string with a digit a cell from `y[0]` up to `y[1]`. `0` is blank and `9` darkest; an empty string leaves a column out.
+    /// Shades over a plane, the first at the bottom of all: columns of cells of equal width from `x[0]` to `x[1]`, each
+    /// a string with a digit a cell from `y[0]` up to `y[1]`. `0` is blank and `9` darkest; an empty string leaves a
+    /// column out.
     Shades { x: [Rounded; 2], y: [Rounded; 2], columns: Vec<String> },
     /// Words beside points, those left out that would cover one before them.
     Words { style: Style, x: Vec<Rounded>, y: Vec<Rounded>, words: Vec<String> },

@@ -1,9 +1,9 @@
 //! The samples of lines that are drawn with fewer points, packed into the page. Its script shows them where a figure is
 //! zoomed, and writes them to CSV files.
 //!
-//! A packed figure is a header and bytes: of each group of lines on one clock the places of its samples, then the values
-//! of each line. A column of numbers is differences of whole numbers, in planes of bytes, deflated. `assets/samples.js`
-//! reads it.
+//! A packed figure is a header and bytes: of each group of lines on one clock the places of its samples, then the
+//! values of each line. A column of numbers is differences of whole numbers, in planes of bytes, deflated.
+//! `assets/samples.js` reads it.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -55,8 +55,8 @@ struct Group {
     values: Vec<Code>,
 }
 
-/// How numbers are whole numbers: `low + step·(n − 1)`, and `n = 0` where there is none; `order` differences of them. Where
-/// `log` is set the numbers are decimal logarithms.
+/// How numbers are whole numbers: `low + step·(n − 1)`, and `n = 0` where there is none; `order` differences of them.
+/// Where `log` is set the numbers are decimal logarithms.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Code {
     low: f64,
@@ -75,8 +75,8 @@ pub(super) struct Packed {
 pub(super) const UNPACKED: usize = 120;
 
 impl Storage {
-    /// That with which the samples of all figures have room in so many characters. First values become coarser, and then
-    /// samples are left out, down to the number that is `drawn`.
+    /// That with which the samples of all figures have room in so many characters. First values become coarser, and
+    /// then samples are left out, down to the number that is `drawn`.
     pub(super) fn within(room: usize, figures: &[&Figure], drawn: usize) -> Storage {
         let longest = figures.iter().flat_map(|figure| figure.line_lengths()).max().unwrap_or_default();
         let mut storage = Storage { most: longest.min(HELD_SAMPLES), levels: FINE };
@@ -94,7 +94,8 @@ impl Storage {
         Storage { most: storage.most.max(drawn), ..storage }
     }
 
-    /// Largest number of samples of a line of a figure: more where it shows what a model leaves over, since such figures are zoomed.
+    /// Largest number of samples of a line of a figure: more where it shows what a model leaves over, since such
+    /// figures are zoomed.
     pub(super) fn most_of(self, figure: &Figure) -> usize {
         if shows_residuals(figure) { COMPARED * self.most } else { self.most }
     }
@@ -165,7 +166,8 @@ fn shows_residuals(figure: &Figure) -> bool {
     })
 }
 
-/// Writes numbers as whole numbers of `planes` bytes; of their first differences or of differences of these, whichever are smaller.
+/// Writes numbers as whole numbers of `planes` bytes; of their first differences or of differences of these, whichever
+/// are smaller.
 fn column(bytes: &mut Vec<u8>, axis: &Axis, values: &[Rounded], levels: f64, planes: usize) -> Code {
     let log = matches!(axis.scale, Scale::Log);
     let values: Vec<f64> = values.iter().map(|value| if log { value.0.log10() } else { value.0 }).collect();

@@ -151,8 +151,8 @@ fn together(above: Vec<Strip>, shown: Strip, below: Vec<Strip>) -> Vec<Strip> {
     all
 }
 
-/// Lowers the panels of a figure that is a little higher than half of a page, so that two are on one, or than most of a page, so
-/// that a heading and a few lines have room above it. `taken` is the height of the text around the drawing.
+/// Lowers the panels of a figure that is a little higher than half of a page, so that two are on one, or than most of a
+/// page, so that a heading and a few lines have room above it. `taken` is the height of the text around the drawing.
 fn lower(figure: &mut Figure, (column, taken): (f32, f32), scale: f32) {
     let all: u32 = figure.panels.iter().map(|panel| panel.height).sum();
     let around = svg::around_panels(figure) as f32;

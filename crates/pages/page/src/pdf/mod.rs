@@ -1,5 +1,5 @@
-//! A page as a PDF, for paper and archives: set in lines by the widths of glyphs, divided into pages, and tagged, so that
-//! programs read it in order. It has bookmarks, links, and the fonts it needs. The same page gives the same bytes.
+//! A page as a PDF, for paper and archives: set in lines by the widths of glyphs, divided into pages, and tagged, so
+//! that programs read it in order. It has bookmarks, links, and the fonts it needs. The same page gives the same bytes.
 
 mod contents;
 mod deflated;
@@ -64,8 +64,8 @@ pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
     write(page, options, found, &fonts)
 }
 
-/// Characters of a page's texts that the fonts lack, each once. A PDF and a figure drawn to pixels show a sign in their place; a page for
-/// a browser shows them.
+/// Characters of a page's texts that the fonts lack, each once. A PDF and a figure drawn to pixels show a sign in their
+/// place; a page for a browser shows them.
 ///
 /// # Errors
 /// [`PdfError`] where the fonts that are built in cannot be used.

@@ -12,7 +12,8 @@ pub enum Paper {
     Letter,
 }
 
-/// A page in points: its size, and the margins around its content. Where the page is scaled down, points are those before it.
+/// A page in points: its size, and the margins around its content. Where the page is scaled down, points are those
+/// before it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Format {
     pub(super) width: f32,

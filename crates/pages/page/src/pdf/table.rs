@@ -268,8 +268,8 @@ fn as_decoration(head: &Strip) -> Strip {
     copy
 }
 
-/// Widths of columns that fit the room together, each between that of its longest word and that of its text. A column with
-/// more text gets more, though less than in proportion, so that a short text beside it has few lines too.
+/// Widths of columns that fit the room together, each between that of its longest word and that of its text. A column
+/// with more text gets more, though less than in proportion, so that a short text beside it has few lines too.
 fn shared(natural: &[f32], least: &[f32], room: f32) -> Option<Vec<f32>> {
     let at = |share: f32| -> Vec<f32> {
         let width = |(natural, least): (&f32, &f32)| natural.min(least + share * (natural - least).max(0.0).sqrt());

@@ -1,5 +1,5 @@
-//! Paths that need not be finer than can be seen: in whole tenths of a pixel, or hundredths, each point by its distance from the
-//! one before.
+//! Paths that need not be finer than can be seen: in whole tenths of a pixel, or hundredths, each point by its distance
+//! from the one before.
 
 use std::fmt::Write as _;
 
@@ -52,8 +52,8 @@ fn line_of(points: &[Option<Pixel>], of_pixel: f64) -> String {
     line.d
 }
 
-/// A line as it is written: the path, the last point that is written, the way from there to the pen, and between which slopes the
-/// next point has to lie so that a straight line passes all points since.
+/// A line as it is written: the path, the last point that is written, the way from there to the pen, and between which
+/// slopes the next point has to lie so that a straight line passes all points since.
 #[derive(Default)]
 struct Line {
     d: String,

@@ -155,7 +155,8 @@ fn aired(Range(low, high): Range) -> (f64, f64) {
     (low - air, high + air)
 }
 
-/// Samples of a trace so many interquartile ranges from its quartiles are unusual where they are this share of it or less,
+/// Samples of a trace so many interquartile ranges from its quartiles are unusual where they are this share of it or
+/// less,
 const FAR: f64 = 5.0;
 const FEW: f64 = 0.01;
 /// and where they are in so few places: what happens again and again is no accident.

@@ -1,4 +1,5 @@
-//! How each kind of layer is drawn. Every layer is a group that says how it moves when another part of the panel is shown.
+//! How each kind of layer is drawn. Every layer is a group that says how it moves when another part of the panel is
+//! shown.
 
 use std::fmt::Write as _;
 
@@ -48,9 +49,9 @@ fn class(style: Style) -> &'static str {
 /// A line that travels so many heights of its panel fills an area.
 const ROUGH: f64 = 20.0;
 
-/// The stroke of a line: a measurement is wide and light, and a model thin upon it. Where points are denser than pixels,
-/// lines become areas: thin strokes then leave what can be left of their shape, and a model lets shine through what it
-/// covers.
+/// The stroke of a line: a measurement is wide and light, and a model thin upon it. Where points are denser than
+/// pixels, lines become areas: thin strokes then leave what can be left of their shape, and a model lets shine through
+/// what it covers.
 fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
     match (style, is_dense) {
         (Style::Measured, false) => (2.0, ""),
@@ -236,8 +237,8 @@ fn pixels(x: &[f64], y: &[Rounded], frame: &Frame) -> Vec<Option<(f64, f64)>> {
     x.iter().zip(y).map(|(x, y)| place(*x, y.0, frame)).collect()
 }
 
-/// A line that is broken where a value is missing: x in hundredths of a pixel and y, from which the page reads values, in
-/// thousandths; each point by its distance from the one before, so that a long line stays short to write.
+/// A line that is broken where a value is missing: x in hundredths of a pixel and y, from which the page reads values,
+/// in thousandths; each point by its distance from the one before, so that a long line stays short to write.
 fn polyline(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<(i64, i64)> = None;

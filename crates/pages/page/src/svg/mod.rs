@@ -1,4 +1,5 @@
-//! A figure as SVG: on its own with title, legend and caption, or inside a page, where a script shows other parts of it.
+//! A figure as SVG: on its own with title, legend and caption, or inside a page, where a script shows other parts of
+//! it.
 
 mod alt;
 mod coarse;
@@ -182,8 +183,8 @@ fn frame(
     }
 }
 
-/// A panel: axes, then what is drawn between them, then names. Attributes `data-` have what the page's script needs to show
-/// another part of it: the scales, the frame, and of each group whether it moves along x, y or both.
+/// A panel: axes, then what is drawn between them, then names. Attributes `data-` have what the page's script needs to
+/// show another part of it: the scales, the frame, and of each group whether it moves along x, y or both.
 fn draw_panel(out: &mut String, drawing: Drawing, index: usize, frame: &Frame, extent: &Extent) {
     let Frame { left, right, top, bottom, .. } = *frame;
     let figure = drawing.drawn;

@@ -5,7 +5,8 @@ use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 /// Characters after which a long word, such as a path, may go on in the next line.
 const BREAKS: [char; 5] = ['/', '\\', ',', '_', '='];
 
-/// The text broken at spaces into lines of at most `width` columns. A word that is longer is broken too. At least one line.
+/// The text broken at spaces into lines of at most `width` columns. A word that is longer is broken too. At least one
+/// line.
 pub(super) fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -23,7 +24,8 @@ pub(super) fn wrap(text: &str, width: usize) -> Vec<String> {
     lines.iter().flat_map(|line| broken(line, width)).collect()
 }
 
-/// The text in pieces of at most `width` columns, broken behind a sign such as `/` where one is near the end. At least one piece.
+/// The text in pieces of at most `width` columns, broken behind a sign such as `/` where one is near the end. At least
+/// one piece.
 pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     let mut pieces = Vec::new();
     let mut rest = text;

@@ -145,8 +145,8 @@ pub(crate) fn linear(formula: &str) -> String {
     formula.replace('{', "(").replace('}', ")")
 }
 
-/// A text, such as a message, in lines of at most `width` columns. Its own lines stay apart, and what a line continues with is
-/// indented as it is.
+/// A text, such as a message, in lines of at most `width` columns. Its own lines stay apart, and what a line continues
+/// with is indented as it is.
 pub fn folded(text: &str, width: usize) -> String {
     let fold = |line: &str| -> Vec<String> {
         let text = line.trim_start_matches(' ');

@@ -41,8 +41,8 @@ fn push_notes(notes: &[String], indent: usize, screen: Screen, lines: &mut Vec<S
     }
 }
 
-/// The widths of columns that fit into the room, if there are any at which every word stays whole. The last column gives way
-/// first if it is text, then the widest.
+/// The widths of columns that fit into the room, if there are any at which every word stays whole. The last column
+/// gives way first if it is text, then the widest.
 fn fitted(table: &Table, room: usize, must_fit: bool) -> Option<Vec<usize>> {
     let mut widths = of_columns(table, UnicodeWidthStr::width);
     let gaps = GAP * widths.len().saturating_sub(1);

@@ -57,7 +57,8 @@ pub struct JudgedOwn {
     pub own: Own,
     /// The number with its limit.
     pub judged: Judged,
-    /// By how much the raster of the recording and what does not follow the demand leave the number open, up or down, in its unit.
+    /// By how much the raster of the recording and what does not follow the demand leave the number open, up or down,
+    /// in its unit.
     pub uncertain_by: Option<f64>,
 }
 

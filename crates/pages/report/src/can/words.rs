@@ -219,7 +219,8 @@ pub fn beyond(beyond: &Beyond) -> String {
     }
 }
 
-/// The answer in a sentence. Where the test goes beyond what is known, it begins with that; a no does only if the engine is meant.
+/// The answer in a sentence. Where the test goes beyond what is known, it begins with that; a no does only if the
+/// engine is meant.
 pub fn answer(verdict: &Verdict) -> String {
     let missed = missed(verdict);
     let first = verdict.beyond.first().map(beyond);

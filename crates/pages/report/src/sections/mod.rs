@@ -1,7 +1,7 @@
 //! The report of a study as a page.
 //!
-//! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what was
-//! recorded, each part, the whole model, replays, doubts, where it all came from, by which methods.
+//! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what
+//! was recorded, each part, the whole model, replays, doubts, where it all came from, by which methods.
 
 pub(crate) mod analyses;
 pub(crate) mod diagnostics;

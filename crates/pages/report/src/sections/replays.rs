@@ -85,8 +85,8 @@ pub(crate) fn lowest_fit(replay: &Replay) -> f64 {
     replay.signals.iter().map(|signal| signal.fit_percent).fold(f64::INFINITY, f64::min)
 }
 
-/// Of a replay, the signal with the lowest fit and what is left of it, where it errs most: small enough for a first page, and
-/// short enough that measured and modelled are seen apart.
+/// Of a replay, the signal with the lowest fit and what is left of it, where it errs most: small enough for a first
+/// page, and short enough that measured and modelled are seen apart.
 pub(crate) fn headline(replay: &Replay) -> Option<Figure> {
     let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
     let shown = where_it_errs_most(worst);

@@ -1,5 +1,6 @@
-//! Every figure and table of the thesis that shows a result has its counterpart in the report. Those that need an analysis of
-//! the recordings stand in the report of `dynoid study --full`, and are looked for by the program's own tests.
+//! Every figure and table of the thesis that shows a result has its counterpart in the report. Those that need an
+//! analysis of the recordings stand in the report of `dynoid study --full`, and are looked for by the program's own
+//! tests.
 
 use crate::fixture;
 

@@ -31,8 +31,8 @@ fn ratio(model: &AnyModel, output: usize, input: usize) -> Result<TransferFuncti
     }
 }
 
-/// The ratio of a polynomial model. All but one sample of the delay are kept apart from it, so that it has no poles at zero that
-/// are but a delay; the one left is that of the hold.
+/// The ratio of a polynomial model. All but one sample of the delay are kept apart from it, so that it has no poles at
+/// zero that are but a delay; the one left is that of the hold.
 fn polynomial_ratio(model: &PolynomialModel, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
     let mut equations = model.equations().to_vec();
     let samples = equations.get(output).and_then(|e| e.nk.get(input)).map_or(0, |nk| nk.saturating_sub(1));
@@ -62,8 +62,8 @@ pub(super) fn ratio_model(all: &[TransferFunction], source: &ModelDocument) -> R
     Ok(TransferFunctionModel::new(channels, source.inputs.len(), noise_covariance(source)?)?.into())
 }
 
-/// Discrete ratios as an output-error model: `B/F` with the delay in samples, the difference of the degrees and the delay
-/// beside the ratio.
+/// Discrete ratios as an output-error model: `B/F` with the delay in samples, the difference of the degrees and the
+/// delay beside the ratio.
 pub(super) fn discrete_model(
     all: &[TransferFunction],
     source: &ModelDocument,

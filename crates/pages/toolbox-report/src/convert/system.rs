@@ -47,8 +47,8 @@ pub(super) fn system(source: &ModelDocument, asked: &Conversion) -> Result<Syste
     Ok(System { system, input_delays_s: Vec::new(), gain: None })
 }
 
-/// A polynomial model continuous, or on another clock: with delays, which have no continuous counterpart as states, beside
-/// it.
+/// A polynomial model continuous, or on another clock: with delays, which have no continuous counterpart as states,
+/// beside it.
 fn polynomial_system(model: &PolynomialModel, asked: &Conversion) -> Result<System, ConvertError> {
     let as_states = |system| System { system, input_delays_s: Vec::new(), gain: None };
     let whole = resampled(without_noise(model, usize::MAX)?, asked);
@@ -75,7 +75,8 @@ fn polynomial_system(model: &PolynomialModel, asked: &Conversion) -> Result<Syst
     Ok(sampled.map(as_states)?)
 }
 
-/// The way from the inputs, with delays of so many samples at most: states of the noise would have to have counterparts too.
+/// The way from the inputs, with delays of so many samples at most: states of the noise would have to have counterparts
+/// too.
 fn without_noise(model: &PolynomialModel, longest: usize) -> Result<StateSpace, LtiError> {
     let mut equations = model.equations().to_vec();
     for e in &mut equations {

@@ -2,11 +2,12 @@
 
 use ident::{Dataset, Experiment, IdentError};
 
-/// Samples of the parts of long data that are looked at first, the shortest first. Instants are trusted to a part of a sample, so
-/// that as a rule more data make no shorter interval.
+/// Samples of the parts of long data that are looked at first, the shortest first. Instants are trusted to a part of a
+/// sample, so that as a rule more data make no shorter interval.
 pub(super) const PARTS: [usize; 2] = [25_000, 100_000];
 
-/// The stretch of the longest experiment, of so many samples, in which the inputs vary most; none of data that are hardly longer.
+/// The stretch of the longest experiment, of so many samples, in which the inputs vary most; none of data that are
+/// hardly longer.
 pub(super) fn liveliest(data: &Dataset, samples: usize) -> Result<Option<Dataset>, IdentError> {
     let all = data.experiments().iter().enumerate();
     let Some((longest, experiment)) = all.max_by_key(|(_, e)| e.len()).filter(|(_, e)| e.len() > 2 * samples) else {

@@ -41,13 +41,14 @@ pub struct Delays {
     clock_is_given: bool,
     others: Others,
     modelled: Modelled,
-    /// Samples there are, and by what part they could shorten the intervals of dead times, where the delays are those of a part.
+    /// Samples there are, and by what part they could shorten the intervals of dead times, where the delays are those
+    /// of a part.
     part_of: Option<(usize, f64)>,
 }
 
 impl Delays {
-    /// Delays of up to `longest` samples; Comparison and models are steps of the work. Those of long data come from the part in which the
-    /// inputs vary most, unless it leaves one open or more data would sharpen it.
+    /// Delays of up to `longest` samples; Comparison and models are steps of the work. Those of long data come from the
+    /// part in which the inputs vary most, unless it leaves one open or more data would sharpen it.
     ///
     /// # Errors
     /// Where the data are too short.

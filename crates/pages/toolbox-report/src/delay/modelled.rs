@@ -55,8 +55,9 @@ impl Modelled {
         self.unclaimed[input].is_none()
     }
 
-    /// By what part more data could shorten the intervals of the dead times at most, if a model can be relied on, whatever keeps an
-    /// interval from being claimed: the instants are uncertain by `dating` samples, and a gain under a held input leaves one sample open.
+    /// By what part more data could shorten the intervals of the dead times at most, if a model can be relied on,
+    /// whatever keeps an interval from being claimed: the instants are uncertain by `dating` samples, and a gain under
+    /// a held input leaves one sample open.
     pub(super) fn could_shrink_by(&self, dating: f64) -> Option<f64> {
         let claimed = self.found.as_ref().ok().and_then(DelayModels::claimed)?;
         let left = if claimed.poles == 0 { dating.hypot(1.0 / 12f64.sqrt()) } else { dating };
@@ -268,7 +269,8 @@ fn reason(
     })
 }
 
-/// From the shortest to the longest delay that the best model allows, or that another model or method takes for the best.
+/// From the shortest to the longest delay that the best model allows, or that another model or method takes for the
+/// best.
 fn span(found: Option<&DelayModels>, others: &Others, longest: usize, input: usize) -> (f64, f64) {
     let models = found.map_or(&[][..], |found| &found.models);
     let best = models.iter().map(|m| m.dead_times[input].samples);

@@ -51,8 +51,8 @@ impl Others {
             return Ok(Others { ranking, is_white: None, starts, phase: None, fraction: None, longest, intersample });
         };
         let runs = intersample != Intersample::ZeroOrderHold;
-        // A coefficient for each sample from one output to the next, during which the input may have changed; one that runs
-        // on between samples enters through the samples on both sides.
+        // A coefficient for each sample from one output to the next, during which the input may have changed; one that
+        // runs on between samples enters through the samples on both sides.
         let nb = ArxDelay::default().nb + spacing - 1 + usize::from(runs);
         let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
         let ranking = arx.estimate(data)?;
@@ -81,9 +81,9 @@ impl Others {
         likely.fold((best, best), |(low, high), d| (low.min(d), high.max(d)))
     }
 
-    /// The dead times, in samples, that the comparison of ARX models leaves where it can be relied on. A held input that shows
-    /// `n` samples after it moved has a dead time between n − 1 and n. One that runs on straight to its next sample shows by
-    /// it, and has one between n and n + 1; a smooth one shows a sample sooner or later still.
+    /// The dead times, in samples, that the comparison of ARX models leaves where it can be relied on. A held input
+    /// that shows `n` samples after it moved has a dead time between n − 1 and n. One that runs on straight to its next
+    /// sample shows by it, and has one between n and n + 1; a smooth one shows a sample sooner or later still.
     pub(super) fn allowed(&self, input: usize) -> Option<(f64, f64)> {
         let ranking = self.ranking.as_ref().filter(|_| self.starts.is_ok() && self.is_white == Some(true))?;
         let (low, high) = Self::compared(ranking, input);
@@ -95,8 +95,8 @@ impl Others {
         Some(((low as f64 - before).max(0.0), high as f64 + after))
     }
 
-    /// By how many samples the output is ahead of the input, from the least to the most, where the phase shows that: a straight
-    /// one, and further ahead than a stamp is uncertain.
+    /// By how many samples the output is ahead of the input, from the least to the most, where the phase shows that: a
+    /// straight one, and further ahead than a stamp is uncertain.
     pub(super) fn ahead(&self) -> Option<(f64, f64)> {
         let phase = self.phase.as_ref()?.as_ref().ok().filter(|phase| phase.standard_error.is_finite())?;
         let (low, high) = interval(phase);

@@ -114,7 +114,8 @@ impl Verdict {
         self.judged.first().map_or(&[], |own| &own.shifted)
     }
 
-    /// Outputs of unseen data of which the model explains next to nothing, each with whether it is the simulation alone that does.
+    /// Outputs of unseen data of which the model explains next to nothing, each with whether it is the simulation alone
+    /// that does.
     pub(super) fn little_of_unseen(&self) -> &[(usize, bool)] {
         self.judged.get(1).map_or(&[], |unseen| &unseen.little)
     }

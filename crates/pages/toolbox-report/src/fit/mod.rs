@@ -152,7 +152,8 @@ impl Estimated {
         self.document.outputs.iter().zip(levels).map(of).collect()
     }
 
-    /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of others.
+    /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of
+    /// others.
     fn model(&self) -> Blocks {
         if is_singular(&self.fit) {
             return Blocks::default();

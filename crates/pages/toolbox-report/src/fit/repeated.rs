@@ -1,5 +1,5 @@
-//! How well a model simulates what repeats in the outputs, where the inputs repeat: noise between the lines that the inputs
-//! excite says nothing about the dynamics, and lowers the fit of a perfect model.
+//! How well a model simulates what repeats in the outputs, where the inputs repeat: noise between the lines that the
+//! inputs excite says nothing about the dynamics, and lowers the fit of a perfect model.
 
 use ident::prediction::Response;
 use ident::validate::fit_percent;

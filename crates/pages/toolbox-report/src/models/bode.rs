@@ -135,8 +135,8 @@ fn gain_at_rest(model: &Model, gain: Option<(f64, Option<(f64, f64)>)>, (output,
     }
 }
 
-/// How far the loop that the model alone would close is from its stability limit: where output and input are of one kind,
-/// so that they can be subtracted.
+/// How far the loop that the model alone would close is from its stability limit: where output and input are of one
+/// kind, so that they can be subtracted.
 fn margins(margins: &Margins) -> Vec<Fact> {
     let remark = |omega: f64| format!("at {} Hz, closed with a unit feedback", digits(omega / TAU, 4));
     let smallest = margins.gain.iter().filter(|m| m.gain_db.is_finite());

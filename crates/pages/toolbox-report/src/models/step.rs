@@ -140,8 +140,8 @@ fn summary(
     Ok(facts)
 }
 
-/// Samples that a discrete model waits: the zeros its step response begins with, but for that at the step itself. A state
-/// space has no zeros by structure, and a continuous model has its delay.
+/// Samples that a discrete model waits: the zeros its step response begins with, but for that at the step itself. A
+/// state space has no zeros by structure, and a continuous model has its delay.
 fn dead_samples(model: &Model, values: &[f64]) -> Option<usize> {
     let is_discrete = matches!(model.document.model, AnyModel::Polynomial(_));
     let zeros = values.iter().take_while(|v| **v == 0.0).count();

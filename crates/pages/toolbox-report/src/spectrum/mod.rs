@@ -132,8 +132,8 @@ pub enum Periods {
 /// The method, and the length of its window where one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumOptions {
-    /// The method; without inputs it is Welch's, and where inputs repeat the mean over periods takes its place. None is the
-    /// local polynomial method.
+    /// The method; without inputs it is Welch's, and where inputs repeat the mean over periods takes its place. None is
+    /// the local polynomial method.
     pub method: Option<SpectrumMethod>,
     /// Treatment of inputs that repeat.
     pub periods: Periods,
@@ -141,7 +141,8 @@ pub struct SpectrumOptions {
     pub window: Option<usize>,
 }
 
-/// Of each recording the power spectra of the outputs, or, where there are inputs, the responses of each output to them.
+/// Of each recording the power spectra of the outputs, or, where there are inputs, the responses of each output to
+/// them.
 ///
 /// # Errors
 /// Where the data are too short for the method.

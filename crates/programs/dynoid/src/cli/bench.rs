@@ -24,7 +24,8 @@ pub(crate) struct InitArguments {
     /// Replace a bench file that is already there
     #[arg(long)]
     pub(crate) force: bool,
-    /// Add to a bench file that is already there what it lacks: channels, recordings, places for labels. Values, comments and order stay
+    /// Add to a bench file that is already there what it lacks: channels, recordings, places for labels. Values,
+    /// comments and order stay
     #[arg(long, conflicts_with = "force")]
     pub(crate) update: bool,
     /// Print the proposal as JSON

@@ -25,7 +25,8 @@ pub(crate) struct ConvertArguments {
     /// Recordings, or folders of recordings
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Format to write; --out is then a folder, in which each recording keeps its name [default: by the ending of --out]
+    /// Format to write; --out is then a folder, in which each recording keeps its name
+    /// [default: by the ending of --out]
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(crate) to: Option<FileFormat>,
     /// The file to write, or with --to the folder; created if it does not exist

@@ -21,7 +21,8 @@ Give all recordings of the campaign: BS_T_NT or WhiteNoise_T_TN gives the shaft,
 pub(crate) struct EngineArguments {
     #[command(flatten)]
     pub(crate) given: GivenRecordings,
-    /// Write the reconstructed engine torque and its standard deviation as a recording, its format by the ending; needs one recording
+    /// Write the reconstructed engine torque and its standard deviation as a recording, its format by the ending; needs
+    /// one recording
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]

@@ -65,8 +65,8 @@ pub(crate) struct PlanArguments {
     /// Seed of demands and bench; the same seed gives the same bytes [default: 1]
     #[arg(long, value_name = "N", value_parser = number::seed, help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
-    /// Take inertias, shaft, speed controller, feed-forward and torque control from a model.json, a study.json or an FMU of
-    /// dynoid instead of the bench file
+    /// Take inertias, shaft, speed controller, feed-forward and torque control from a model.json, a study.json or an
+    /// FMU of dynoid instead of the bench file
     #[arg(long = "model", value_name = "MODEL.json", help_heading = "Experiment")]
     pub(crate) study: Option<PathBuf>,
 }
@@ -133,16 +133,19 @@ pub(crate) struct DesignArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Optimal excitation")]
 pub(crate) struct OptimalArguments {
-    /// Instead of NAME: design the excitation for the least variance of these, out of K, B, J_d, J_e, PI (speed controller), FF (feed-forward), TC (torque control)
+    /// Instead of NAME: design the excitation for the least variance of these, out of K, B, J_d, J_e, PI (speed
+    /// controller), FF (feed-forward), TC (torque control)
     #[arg(long, value_name = "WHAT,…", value_delimiter = ',')]
     pub(crate) optimal: Vec<Goal>,
     /// Form of the demand
     #[arg(long, value_enum, default_value_t = Form::Multisine, requires = "optimal")]
     pub(crate) form: Form,
-    /// Excite T, the torque demand in torque control, or N, the speed demand in speed control [default: N for PI, FF or J_e]
+    /// Excite T, the torque demand in torque control, or N, the speed demand in speed control
+    /// [default: N for PI, FF or J_e]
     #[arg(long, value_enum, value_name = "T|N", ignore_case = true, requires = "optimal")]
     pub(crate) excite: Option<Excite>,
-    /// Largest deviation of T_shaft from its mean [default: half of the range within the limits; the rest is for firing pulses]
+    /// Largest deviation of T_shaft from its mean
+    /// [default: half of the range within the limits; the rest is for firing pulses]
     #[arg(long, value_name = "NM", value_parser = number::positive_nm, requires = "optimal")]
     pub(crate) peak_shaft_torque: Option<f64>,
     /// Largest deviation of T_d from its mean [default: 95 % of the range within the limits]

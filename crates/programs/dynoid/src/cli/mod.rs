@@ -56,7 +56,8 @@ impl Cli {
     }
 }
 
-/// The arguments with `--json` behind all options, so that it may stand anywhere: the command that it belongs to comes first.
+/// The arguments with `--json` behind all options, so that it may stand anywhere: the command that it belongs to comes
+/// first.
 fn json_last(arguments: Vec<OsString>) -> Vec<OsString> {
     let end = arguments.iter().position(|word| word == "--").unwrap_or(arguments.len());
     let (options, rest) = arguments.split_at(end);

@@ -82,7 +82,8 @@ pub(super) fn improved(mut error: Error, program: &Command) -> Error {
     error
 }
 
-/// Commands that another word of this group is used for, those of this name in any group, and those that another word is used for.
+/// Commands that another word of this group is used for, those of this name in any group, and those that another word
+/// is used for.
 fn meant(group: &str, word: &str, program: &Command) -> Vec<String> {
     let word = word.to_lowercase();
     let other = |word: &str| OTHER_WORDS.iter().find(|(other, _)| *other == word).map(|(_, name)| (*name).to_owned());

@@ -19,7 +19,8 @@ The command estimates the delay of each torque signal against T_d* and against t
 pub(crate) struct TorqueSignalsArguments {
     #[command(flatten)]
     pub(crate) given: GivenRecordings,
-    /// Write the reconstructed shaft torque and its standard deviation as a recording, its format by the ending; needs one recording
+    /// Write the reconstructed shaft torque and its standard deviation as a recording, its format by the ending; needs
+    /// one recording
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]

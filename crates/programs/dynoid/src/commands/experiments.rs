@@ -35,8 +35,8 @@ pub(super) fn all(
     Ok(Campaign { bench, experiments, refused })
 }
 
-/// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns of, those
-/// that cannot be used. What is wrong in the others is warned of too.
+/// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns
+/// of, those that cannot be used. What is wrong in the others is warned of too.
 pub(super) fn each(
     (given, result): (&GivenRecordings, &ResultArguments),
     doing: &str,

@@ -193,7 +193,8 @@ impl Place {
         Ok(())
     }
 
-    /// Refuses to replace an FMU of another version of FMI, and sources of another version of dynoid that other models use.
+    /// Refuses to replace an FMU of another version of FMI, and sources of another version of dynoid that other models
+    /// use.
     fn check_version(&self, file: &ExportedFile, to: ExportTarget) -> Result<(), CliError> {
         let Some(path) = self.replaced_by(file) else { return Ok(()) };
         if to == ExportTarget::C && export::fmu::is_shared_source(&file.name) {

@@ -57,7 +57,8 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     Ok(if recordings.len() < named.len() { Outcome::SomeUnreadable } else { Outcome::Done })
 }
 
-/// The mark of the bench file that is replaced, if there is one; any other file is refused, and without --force a bench file too.
+/// The mark of the bench file that is replaced, if there is one; any other file is refused, and without --force a bench
+/// file too.
 fn check_place(out: &Path, force: bool) -> Result<Option<Mark>, CliError> {
     if !out.is_file() {
         return Ok(None);

@@ -39,7 +39,8 @@ pub(crate) const DATA: &str = "study.json";
 pub(crate) const SERIES: &str = "study-series.parquet";
 #[cfg(not(feature = "parquet"))]
 pub(crate) const SERIES: &str = "study-series.mf4";
-/// The results of one study, of which none may be older than another. Full reports take minutes, and stay until the next one.
+/// The results of one study, of which none may be older than another. Full reports take minutes, and stay until the
+/// next one.
 const RESULTS: [&str; 6] = [DATA, REPORT, SERIES, MODEL, REPORT_PDF, SUMMARY_PDF];
 
 /// How much a report holds.
@@ -192,7 +193,8 @@ fn earlier_model(path: &Path, terminal: &mut Terminal) -> Option<BenchModelDocum
     read.ok()
 }
 
-/// The recordings that a bench file lists, read and prepared, which are a step of the work with two parts each. As many are decoded at a time as are prepared at once.
+/// The recordings that a bench file lists, read and prepared, which are a step of the work with two parts each. As many
+/// are decoded at a time as are prepared at once.
 pub(in crate::commands) fn read_recordings(
     bench: &Path,
     file: &BenchFile,

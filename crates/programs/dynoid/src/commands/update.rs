@@ -8,8 +8,8 @@ use toml::Table;
 use crate::error::CliError;
 use crate::input;
 
-/// The text of a bench file with the channels, recordings and labels of a proposal that it lacks; `files` are patterns with the
-/// recordings that they stand for.
+/// The text of a bench file with the channels, recordings and labels of a proposal that it lacks; `files` are patterns
+/// with the recordings that they stand for.
 pub(super) fn updated(
     (bench, text): (&Path, &str),
     proposal: &str,

@@ -85,8 +85,8 @@ fn exact_a_recorded_run_that_misses_a_line_names_it() {
     assert!(ran.stdout.contains("FAIL by slope a_1 of the torque (1065.514)"), "{}", ran.stdout);
 }
 
-/// The run of [`level`] as an emission cell exports it: the speed of the engine and the torque of its flange, every `raster_s`, as
-/// means with the firing ripple of three cylinders. A function may change the rows.
+/// The run of [`level`] as an emission cell exports it: the speed of the engine and the torque of its flange, every
+/// `raster_s`, as means with the firing ripple of three cylinders. A function may change the rows.
 fn exported_run(raster_s: f64, change: impl Fn(f64, &mut f64, &mut f64)) -> String {
     let mut text = String::from("time [s],N_Engine [rpm],M_Flange [Nm]\n");
     let (fine, mut phase) = (20, 0.0_f64);

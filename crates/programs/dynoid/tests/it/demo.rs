@@ -10,7 +10,8 @@ fn stat_the_demo_finds_what_it_simulated() {
     let rows = demo["comparison"].as_array().unwrap();
     assert_eq!(rows.len(), 9);
     let inside = rows.iter().filter(|row| row["contains_truth"] == true).count();
-    // Of nine 95 % intervals, some of them of one fit, two or more miss in every tenth demo; three or more in one of a hundred.
+    // Of nine 95 % intervals, some of them of one fit, two or more miss in every tenth demo; three or more in one of a
+    // hundred.
     assert!(inside >= 7, "{inside} of 9 intervals contain the truth: {}", ran.stdout);
     let files: Vec<_> = std::fs::read_dir(folder.path().join("dynoid-demo/recordings")).unwrap().collect();
     assert_eq!(files.len(), 9);

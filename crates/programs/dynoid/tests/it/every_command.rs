@@ -1,4 +1,5 @@
-//! Every command that takes a model, on models of every lead and lag that estimates give: a result in finite numbers, never a fault.
+//! Every command that takes a model, on models of every lead and lag that estimates give: a result in finite numbers,
+//! never a fault.
 
 use bench_model::document::BenchModelDocument;
 use bench_model::model::{BenchModel, FeedForwardGains, PiController, TorqueControlModel};
@@ -13,8 +14,8 @@ use crate::support::Campaign;
 /// Every target of `dynoid export`.
 const TARGETS: [&str; 9] = ["mat", "modelica", "python", "fmu2", "fmu3", "c", "ssp", "ssv", "linear"];
 
-/// Delays of a model, ms: of the controller, of ω_d* in its error and of the feed-forward, the two as recordings have the demand, and
-/// of the torque control; its bandwidth, rad/s; the gate of the encoder.
+/// Delays of a model, ms: of the controller, of ω_d* in its error and of the feed-forward, the two as recordings have
+/// the demand, and of the torque control; its bandwidth, rad/s; the gate of the encoder.
 struct Lags {
     controller_ms: f64,
     in_error_ms: f64,
@@ -33,8 +34,9 @@ const fn lags(
     Lags { controller_ms, in_error_ms, feed_forward_ms, torque_ms, bandwidth_rad_s, gate_ms }
 }
 
-/// Recordings that have the demand as the controller does, one sample later and two; a demand that passes the controller's delay and
-/// one that does not; delays of whole samples and of parts; torque control with a lag and without.
+/// Recordings that have the demand as the controller does, one sample later and two; a demand that passes the
+/// controller's delay and one that does not; delays of whole samples and of parts; torque control with a lag and
+/// without.
 const LAGS: [Lags; 6] = [
     lags([1.0, 1.0, 0.0], 1.61, Some(565.5), 1.0),
     lags([3.0, 3.0, 0.0], 0.82, Some(489.3), 1.0),
@@ -120,7 +122,8 @@ fn campaign(document: &BenchModelDocument) -> Campaign {
     campaign
 }
 
-/// Every target, a check and a design on each model; the shapes and the experiments take turns, and the slow map is of one model.
+/// Every target, a check and a design on each model; the shapes and the experiments take turns, and the slow map is of
+/// one model.
 #[test]
 fn regress_every_command_runs_on_models_of_every_lead_and_lag() {
     for (turn, lags) in LAGS.iter().enumerate() {

@@ -7,8 +7,9 @@ use serde_json::Value;
 
 use crate::support::Campaign;
 
-/// Uses every figure that has measured, modelled and residual, and writes what it says: at positions of the cursor the rows of the
-/// read-out, as drawn and zoomed; what is stated of the zoom; which other figures follow; and the files that are saved.
+/// Uses every figure that has measured, modelled and residual, and writes what it says: at positions of the cursor the
+/// rows of the read-out, as drawn and zoomed; what is stated of the zoom; which other figures follow; and the files
+/// that are saved.
 const READER: &str = r##"<script>
 const later = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const files = [];

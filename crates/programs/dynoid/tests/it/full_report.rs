@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::support::{Campaign, dynoid, text, white_noise};
 
-/// Figure or table of the thesis, the section that has its counterpart, and words of it. What needs no analysis is looked for by the
-/// report's own tests.
+/// Figure or table of the thesis, the section that has its counterpart, and words of it. What needs no analysis is
+/// looked for by the report's own tests.
 const COUNTERPARTS: [(&str, &str, &str); 26] = [
     ("figure 3.3: the system’s shaft torque is late", "torque-signals", "moving average over 16 samples"),
     ("figure 4.2: binary sequence", "recorded", "BS_T_NT, recordings/BS_T_NT_1200.mf4"),

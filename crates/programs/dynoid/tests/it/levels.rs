@@ -1,5 +1,5 @@
-//! The level of the output that is estimated with a model, models that are not stable, clocks that count from 1970, and short
-//! recordings.
+//! The level of the output that is estimated with a model, models that are not stable, clocks that count from 1970, and
+//! short recordings.
 
 use std::path::Path;
 

@@ -56,8 +56,8 @@ fn written(estimate: &Value) -> Written {
     Written { symbol: word("symbol"), name: word("name"), quantity }
 }
 
-/// Every row of a report about an estimate, but for those of other routes and of single recordings, has its value. Returns how
-/// many rows it compared.
+/// Every row of a report about an estimate, but for those of other routes and of single recordings, has its value.
+/// Returns how many rows it compared.
 fn compare_rows(page: &str, estimates: &[Written]) -> usize {
     let is_other = |row: &Row| OTHER_ROUTES.contains(&&*row.heading) || row.heading.contains("recordings/");
     let own: Vec<Row> = rows(page).into_iter().filter(|row| !is_other(row)).collect();

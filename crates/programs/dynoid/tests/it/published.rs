@@ -43,10 +43,10 @@ fn near(found: f64, published: f64, part: f64) {
     assert!((found / published - 1.0).abs() < part, "{found}, published {published}");
 }
 
-/// Two motors on a coupling, torque in units of the current (the torque constant is not published). Published, from frequency
-/// responses: K 551, J 0.00482 and 0.00479, antiresonance 53 to 54 Hz, resonance 76.2 to 77 Hz, 0.12 ms from current to angle.
-/// From a dynamometer on its bearings no more friction is expected than one with which it runs out in a minute; these motors
-/// have much more, and unless that is stated it counts as damping of the coupling.
+/// Two motors on a coupling, torque in units of the current (the torque constant is not published). Published, from
+/// frequency responses: K 551, J 0.00482 and 0.00479, antiresonance 53 to 54 Hz, resonance 76.2 to 77 Hz, 0.12 ms from
+/// current to angle. From a dynamometer on its bearings no more friction is expected than one with which it runs out in
+/// a minute; these motors have much more, and unless that is stated it counts as damping of the coupling.
 #[test]
 #[ignore = "slow"]
 fn ref_two_motors_by_the_command_shaft() {
@@ -67,7 +67,8 @@ fn ref_two_motors_by_the_command_shaft() {
         near(load, 0.00479, 0.04);
         near((stiffness / load).sqrt() / TAU, 53.5, 0.015);
         near((stiffness * (1.0 / motor + 1.0 / load)).sqrt() / TAU, 76.6, 0.02);
-        // More is in this shaft than K and B, so a delay of a tenth of a sample shows to some hundredths of a millisecond.
+        // More is in this shaft than K and B, so a delay of a tenth of a sample shows to some hundredths of a
+        // millisecond.
         near(-estimate_of(parameters, "δ_T").0, 1.2e-4, 0.4);
     }
     // A delay below zero is not left without a word.
@@ -75,7 +76,8 @@ fn ref_two_motors_by_the_command_shaft() {
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("is below zero (−") && text.contains("record both on one clock"), "{text}");
-    // ζ = 0.005 of the published response, B = 2ζ√(K J J_l/(J + J_l)), once any friction of the bearings is thought possible.
+    // ζ = 0.005 of the published response, B = 2ζ√(K J J_l/(J + J_l)), once any friction of the bearings is thought
+    // possible.
     let text = campaign.read("bench.toml").replace(
         "cylinders = 0\n",
         "cylinders = 0\ndynamometer_friction = \"0.02 Nm s/rad\"\ndynamometer_friction_uncertainty_percent = 300\n",
@@ -90,8 +92,8 @@ fn ref_two_motors_by_the_command_shaft() {
     assert!(cost["achieved"].as_f64().unwrap() > 10.0 * cost["limits"][1].as_f64().unwrap(), "{cost}");
 }
 
-/// EMPS, a ball screw drive, metres for radians and newtons for newton metres. Published: M = 95.109 ± 0.109 kg, F_v = 203.50 ±
-/// 1.15 N s/m, F_c = 20.39 ± 0.10 N, offset −3.165 ± 0.044 N.
+/// EMPS, a ball screw drive, metres for radians and newtons for newton metres. Published: M = 95.109 ± 0.109 kg, F_v =
+/// 203.50 ± 1.15 N s/m, F_c = 20.39 ± 0.10 N, offset −3.165 ± 0.044 N.
 #[test]
 fn ref_positioning_system_by_the_command_friction() {
     let Some(file) = reference("emps/DATA_EMPS.mat") else { return };
@@ -159,8 +161,8 @@ fn ref_flexible_joint_by_the_command_fit() {
     near(number("z"), 0.05, 0.25);
 }
 
-/// Two carts and a spring, driven by a voltage; m, b, k and dry friction are in its units. Published, from steps: 2.49 and 3.09 Hz.
-/// Dry friction is in no linear model, but its sign is that of the measured speeds, and so it is an input.
+/// Two carts and a spring, driven by a voltage; m, b, k and dry friction are in its units. Published, from steps: 2.49
+/// and 3.09 Hz. Dry friction is in no linear model, but its sign is that of the measured speeds, and so it is an input.
 #[test]
 fn ref_flexible_drive_by_the_command_fit() {
     let runs = ["0_5", "1", "1_5", "2", "2_5", "3"];
@@ -208,8 +210,8 @@ fn with_signs(text: &str, names: [&str; 2]) -> String {
     format!("{header},sign of {},sign of {}\n{}", names[0], names[1], signs.collect::<String>())
 }
 
-/// Two servo motors, a step of the torque. Published: J = 1.2e-4 kg m² of the catalogue; own fits of others find 1.4e-4 to 1.6e-4
-/// forwards, and twice that backwards, where friction is another.
+/// Two servo motors, a step of the torque. Published: J = 1.2e-4 kg m² of the catalogue; own fits of others find 1.4e-4
+/// to 1.6e-4 forwards, and twice that backwards, where friction is another.
 #[test]
 fn ref_servo_motors_by_the_command_fit() {
     for (run, is_forwards) in [("pos_0.06", true), ("pos_0.065", true), ("neg_0.04", false), ("neg_0.045", false)] {
@@ -231,9 +233,10 @@ fn ref_servo_motors_by_the_command_fit() {
     }
 }
 
-/// A drive train in the laboratory after a step of its load. Published: peaks at 27.9 and 39.0 Hz, beside 2.78, 11.1 and 33.3 Hz,
-/// where the shafts turn. Both are multiples of 2.78 Hz too, 10 and 14; the published model's second mode, 39.7 Hz, has ζ = 0.33
-/// and makes no peak of its own. At 39.0 Hz the spectra rise less than chance can make them: it is in no list of peaks.
+/// A drive train in the laboratory after a step of its load. Published: peaks at 27.9 and 39.0 Hz, beside 2.78, 11.1
+/// and 33.3 Hz, where the shafts turn. Both are multiples of 2.78 Hz too, 10 and 14; the published model's second mode,
+/// 39.7 Hz, has ζ = 0.33 and makes no peak of its own. At 39.0 Hz the spectra rise less than chance can make them: it
+/// is in no list of peaks.
 #[test]
 fn ref_drive_train_by_the_command_spectrum() {
     let Some(file) = reference("aalto-drivetrain/step_sensor.csv") else { return };

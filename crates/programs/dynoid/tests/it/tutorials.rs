@@ -1,6 +1,7 @@
 //! The tutorials of the book: their files are written and their commands run, in the order of the pages.
 //!
-//! A block ```` ```toml file=NAME ```` is a file. In a block ```` ```console ```` each line that begins with `$` is a command;
+//! A block ```` ```toml file=NAME ```` is a file. In a block ```` ```console ```` each line that begins with `$` is a
+//! command;
 //! ```` ```console exit=1 ```` states another exit code than 0.
 
 use std::path::Path;

@@ -9,7 +9,8 @@ use crate::support::{Campaign, command};
 
 const WIDTHS: [usize; 3] = [60, 80, 120];
 
-/// A run of every command, in an order in which each finds what it reads. Some end with a message: those lines count too.
+/// A run of every command, in an order in which each finds what it reads. Some end with a message: those lines count
+/// too.
 const RUNS: [&str; 44] = [
     "init recordings --out proposed.toml --force",
     "study bench.toml",

@@ -10,8 +10,8 @@ use crate::support::{Campaign, Ran, bs, dynoid};
 const STUDY: [&str; 4] = ["report.html", "study.json", "model.json", "study-series.parquet"];
 const DESIGN: [&str; 4] = ["BS_T_NT_1200.csv", "BS_T_NT_1200.mf4", "BS_T_NT_1200.html", "BS_T_NT_1200_predicted.mf4"];
 
-/// An output of a command: the command line with `OUT` in the place of the output, and the names that are written, below `OUT`
-/// where that is a folder.
+/// An output of a command: the command line with `OUT` in the place of the output, and the names that are written,
+/// below `OUT` where that is a folder.
 struct Writer {
     line: &'static str,
     folder: bool,

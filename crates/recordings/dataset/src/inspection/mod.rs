@@ -248,7 +248,8 @@ impl Listing {
 }
 
 impl File {
-    /// Of a recording by its name, with the label of the experiment that it is of. The hash of the file is not known here.
+    /// Of a recording by its name, with the label of the experiment that it is of. The hash of the file is not known
+    /// here.
     pub fn of(name: &str, label: Option<String>, recording: &Recording, extras: &Extras) -> Self {
         let mut apart = apart::check(recording);
         let clocks = recording.rasters.iter().enumerate().map(|(index, raster)| {

@@ -131,8 +131,8 @@ pub(crate) fn columns(tasks: &[Task], rows: usize) -> Result<Vec<Column>, MdfErr
     let too_large = || MdfError::TooLarge { numbers: rows as u64 };
     let row = tasks.iter().try_fold(0_usize, |sum, task| sum.checked_add(task.row_bytes()));
     let bytes = row.and_then(|row| row.checked_mul(rows)).ok_or_else(too_large)?;
-    // Asks first, for all of them at once: a vector of zeros that does not fit ends the program, and one that is made of
-    // memory just given back has to be filled with them.
+    // Asks first, for all of them at once: a vector of zeros that does not fit ends the program, and one that is made
+    // of memory just given back has to be filled with them.
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large())?;
     Ok(tasks.iter().map(|task| task.column(rows)).collect())
 }

@@ -41,7 +41,8 @@ pub(super) enum Raw {
 
 /// Deeper structures are not followed.
 const DEEPEST: usize = 32;
-/// Compositions of MDF 4.30 whose parts change from record to record: lists, variants, unions and streams within a channel.
+/// Compositions of MDF 4.30 whose parts change from record to record: lists, variants, unions and streams within a
+/// channel.
 const DYNAMIC: [&[u8; 4]; 4] = [b"##CL", b"##CV", b"##CU", b"##DS"];
 
 mod kind {

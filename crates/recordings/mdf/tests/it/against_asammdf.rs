@@ -1,7 +1,7 @@
 //! The reader against asammdf, on files of others and on a grid of files that asammdf writes.
 //!
-//! `tests/against_asammdf/dump.py` writes down what asammdf reads. Where `DYNOID_PYTHON` names no interpreter that has it,
-//! the tests are skipped.
+//! `tests/against_asammdf/dump.py` writes down what asammdf reads. Where `DYNOID_PYTHON` names no interpreter that has
+//! it, the tests are skipped.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -90,7 +90,8 @@ impl<'a> Dump<'a> {
     }
 }
 
-/// Where we differ and the format is on our side: files and channels (beginnings of names). See the README of the crate.
+/// Where we differ and the format is on our side: files and channels (beginnings of names). See the README of the
+/// crate.
 const DIFFERS: [(&str, &str); 3] = [
     ("ASAP2_Demo_V161", "ASAM.M.SCALAR.UBYTE.VTAB_RANGE_"),
     ("asammdf-grid", "ranges_uint8"),

@@ -1,5 +1,5 @@
-//! Where the batches of an Arrow file or stream are, and what they say of themselves: no number in it is believed before
-//! it is compared with the file.
+//! Where the batches of an Arrow file or stream are, and what they say of themselves: no number in it is believed
+//! before it is compared with the file.
 
 use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::reader::read_footer_length;

@@ -1,8 +1,8 @@
 //! Parquet and Arrow: tables of columns with types and metadata.
 //!
 //! [`plan`] finds clocks and channels in the schema, [`values`] turns arrays into numbers, [`table`] gathers them batch
-//! by batch. [`row_groups`] (Parquet) and [`ipc`] (Arrow) read the two formats, the latter through [`messages`] and their [`batch`]es; [`write`]
-//! writes them.
+//! by batch. [`row_groups`] (Parquet) and [`ipc`] (Arrow) read the two formats, the latter through [`messages`] and
+//! their [`batch`]es; [`write`] writes them.
 
 mod batch;
 mod ipc;

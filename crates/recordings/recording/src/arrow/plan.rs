@@ -120,8 +120,8 @@ impl Plan {
         Ok(groups)
     }
 
-    /// For each group the column, among those that are read, that is null in rows of others; `None` where all rows are the
-    /// group's.
+    /// For each group the column, among those that are read, that is null in rows of others; `None` where all rows are
+    /// the group's.
     pub(super) fn marks(&self) -> impl Iterator<Item = Option<usize>> {
         self.groups.iter().map(|group| match (&group.clock, group.channels.first()) {
             (_, Some(heading)) if group.is_listed => Some(heading.column),

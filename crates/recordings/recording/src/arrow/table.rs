@@ -82,8 +82,8 @@ impl Table {
         Self { parts, plan, start_time: None, row_distance_s, rows: 0, rounded: BTreeSet::new() }
     }
 
-    /// Appends rows, of which `read` gives the arrays of one column. `read` gets its place among the columns that are read.
-    /// One column is read after the other, and twice where it says which rows are a group's.
+    /// Appends rows, of which `read` gives the arrays of one column. `read` gets its place among the columns that are
+    /// read. One column is read after the other, and twice where it says which rows are a group's.
     pub(super) fn append<A: Iterator<Item = Result<ArrayRef, String>>>(
         &mut self,
         rows: usize,

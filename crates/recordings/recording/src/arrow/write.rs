@@ -170,8 +170,8 @@ fn metadata(recording: &Recording) -> HashMap<String, String> {
     names.chain(comment).chain(start).collect()
 }
 
-/// The table, some rows at a time: the time stamps of all rasters merged, the smallest of the rasters' next ones again and
-/// again. Equal ones share a row. Each raster keeps its order, whatever its stamps.
+/// The table, some rows at a time: the time stamps of all rasters merged, the smallest of the rasters' next ones again
+/// and again. Equal ones share a row. Each raster keeps its order, whatever its stamps.
 struct Batches<'r> {
     recording: &'r Recording,
     schema: SchemaRef,

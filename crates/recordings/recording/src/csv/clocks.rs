@@ -139,7 +139,8 @@ pub(super) struct Doubt {
     pub(super) clock: usize,
 }
 
-/// Which of the candidates, the first of which is named as the table's clock, are clocks, in a table of so many columns.
+/// Which of the candidates, the first of which is named as the table's clock, are clocks, in a table of so many
+/// columns.
 ///
 /// The first is, unless it repeats itself and another shows the same time and rises with every row. Another is a clock
 /// if it is between channels, and either is named as the first, or rises with every row from about the same time as

@@ -323,8 +323,8 @@ impl<'a> Head<'a> {
         }
     }
 
-    /// The row of names above samples without a time column: the next above, or, where that may hold units, the one above
-    /// it that has a name for each column, and none twice.
+    /// The row of names above samples without a time column: the next above, or, where that may hold units, the one
+    /// above it that has a name for each column, and none twice.
     fn names_above(&self, samples: usize) -> Option<usize> {
         let is_heading = |row: &usize| self.row(*row).is_some_and(|row| !row.is_comment());
         let next = samples.checked_sub(1).filter(is_heading)?;

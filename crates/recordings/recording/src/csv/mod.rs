@@ -43,8 +43,8 @@ pub(crate) fn decode(
     finished(table, delimiter, comment, findings, selection)
 }
 
-/// Lists the channels of text from its beginning. Where more follows, it is not known how many samples there are, and no
-/// column is known to hold text that is empty so far.
+/// Lists the channels of text from its beginning. Where more follows, it is not known how many samples there are, and
+/// no column is known to hold text that is empty so far.
 pub(crate) fn catalogue(name: &str, source: &dyn Source) -> Result<Catalogue, RecordingError> {
     let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } =
         Opened::open(name, source, &Selection::All, None, true)?;

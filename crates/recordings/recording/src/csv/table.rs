@@ -105,7 +105,8 @@ impl<'a> Table<'a> {
         samples.chain(times).for_each(|column| drop(column.try_reserve_exact(rows)));
     }
 
-    /// Reads the rows that end before `limit`, and says where the next one begins and what is to be said about the last.
+    /// Reads the rows that end before `limit`, and says where the next one begins and what is to be said about the
+    /// last.
     pub(super) fn fill(&mut self, mut rows: Rows<'_>, limit: usize) -> Result<Filled, RecordingError> {
         let mut row = Row::default();
         let mut last = None;

@@ -43,8 +43,8 @@ pub(super) fn stated_unit(members: &Members, clock: &Member) -> Result<Option<Fa
     }
 }
 
-/// The text that states the unit of a clock: `t_unit` of `t`, or one of any clock (`time_unit` is `time`'s where there is
-/// one).
+/// The text that states the unit of a clock: `t_unit` of `t`, or one of any clock (`time_unit` is `time`'s where there
+/// is one).
 fn unit_beside<'m>(members: &'m Members, clock: &str) -> Option<&'m Member> {
     let lower = clock.to_lowercase();
     let own = ["unit", "units"].map(|word| format!("{lower}_{word}"));

@@ -240,8 +240,8 @@ struct Parser<'a, 'b> {
 }
 
 impl Parser<'_, '_> {
-    /// Name and value of a matrix, the format's word for anything that a variable, cell or field can hold. Its `path` is
-    /// none for a variable, whose name it has.
+    /// Name and value of a matrix, the format's word for anything that a variable, cell or field can hold. Its `path`
+    /// is none for a variable, whose name it has.
     fn matrix(&mut self, path: Option<&str>, depth: usize) -> Result<(String, Value), Fault> {
         if self.content.left() == 0 {
             return Ok((String::new(), Value::empty()));

@@ -190,8 +190,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The sizes of a dataset, if so many elements may still be read, and all of its chunks are there: room for a chunk is
-    /// made before it is read, of the size that the file says it has.
+    /// The sizes of a dataset, if so many elements may still be read, and all of its chunks are there: room for a chunk
+    /// is made before it is read, of the size that the file says it has.
     fn count(&mut self, dataset: &Dataset) -> Result<Vec<usize>, String> {
         let sizes = sizes(dataset)?;
         let chunks = match dataset.chunk_index().map_err(text)? {
@@ -382,7 +382,8 @@ fn is_float(dataset: &Dataset, bytes: u32, exponent: (u8, u8, u32)) -> bool {
     size == bytes && found == exponent && (layout.mantissa_location, layout.mantissa_size) == (0, exponent.0)
 }
 
-/// Numbers from their bytes, which are given back piece by piece from the end, so that a long vector is not in memory twice.
+/// Numbers from their bytes, which are given back piece by piece from the end, so that a long vector is not in memory
+/// twice.
 fn doubles(mut bytes: Vec<u8>, piece: usize) -> Result<Vec<f64>, String> {
     let count = bytes.len() / size_of::<f64>();
     Vec::<f64>::new().try_reserve_exact(count).map_err(|error| error.to_string())?;

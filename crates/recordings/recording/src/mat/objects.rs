@@ -1,5 +1,5 @@
-//! Tables, timetables, and clocks that are durations or dates: objects, of which a variable holds a number only, while what
-//! they consist of is in a hidden part of the file.
+//! Tables, timetables, and clocks that are durations or dates: objects, of which a variable holds a number only, while
+//! what they consist of is in a hidden part of the file.
 //!
 //! MATLAB does not publish that part. This follows what the documentation of MatFileHandler
 //! (<https://github.com/mahalex/MatFileHandler>, `Objects.md`) and of mat-io (<https://github.com/foreverallama/matio>,

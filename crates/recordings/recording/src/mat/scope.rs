@@ -137,7 +137,8 @@ impl Plan {
         (clocks, taken)
     }
 
-    /// The clock that a member is, in seconds. Without a unit, a period that is stated beside it may betray a smaller one.
+    /// The clock that a member is, in seconds. Without a unit, a period that is stated beside it may betray a smaller
+    /// one.
     fn clock(
         &mut self,
         scope: &str,

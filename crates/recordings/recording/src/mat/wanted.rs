@@ -46,8 +46,8 @@ impl<'a> Wanted<'a> {
         Wanted { selection: &Selection::All, is_list: self.is_list, listed: None }
     }
 
-    /// How much is asked for of an array, whose place in the file is `path`: all of selected channels, of clocks, and of
-    /// what is small.
+    /// How much is asked for of an array, whose place in the file is `path`: all of selected channels, of clocks, and
+    /// of what is small.
     pub(super) fn need(&self, path: &str, dimensions: &[usize]) -> Need {
         let numbers = dimensions.iter().fold(1_usize, |product, &d| product.saturating_mul(d));
         let name = path.rsplit('.').next().unwrap_or(path);

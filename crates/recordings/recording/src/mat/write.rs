@@ -53,10 +53,10 @@ const KEYWORDS: [&str; 20] = [
 /// Writes a recording as a MAT-file of level 5 to `out`, which is empty, as MATLAB saves it with `-v7`.
 ///
 /// Each raster becomes a column vector `time` (`time_2`, … where there are more), each channel a column vector of
-/// doubles named like the channel as far as MATLAB allows: other characters become `_`, and a number is appended where a name
-/// occurs again. The struct `recording_info` holds the comment, the start time, and in `rasters` and `channels` which
-/// variable has which name, unit and comment in the recording, and which is its clock; [`crate::decode`] reads all of
-/// it back bit for bit. Of the findings nothing is written.
+/// doubles named like the channel as far as MATLAB allows: other characters become `_`, and a number is appended where
+/// a name occurs again. The struct `recording_info` holds the comment, the start time, and in `rasters` and `channels`
+/// which variable has which name, unit and comment in the recording, and which is its clock; [`crate::decode`] reads
+/// all of it back bit for bit. Of the findings nothing is written.
 ///
 /// # Errors
 ///

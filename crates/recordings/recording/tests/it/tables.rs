@@ -308,7 +308,8 @@ fn regress_text_is_no_stream() {
     assert!(!matches!(error, RecordingError::Csv { problem: CsvProblem::NoData, .. }), "{error}");
 }
 
-/// A batch of more rows than are read at once, of values of one bit, of codes, with missing ones, between columns of text.
+/// A batch of more rows than are read at once, of values of one bit, of codes, with missing ones, between columns of
+/// text.
 #[test]
 fn exact_long_batches_are_read_in_parts() {
     const ROWS: usize = 200_001;

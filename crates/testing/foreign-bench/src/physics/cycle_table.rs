@@ -1,8 +1,9 @@
 //! One cylinder over its working cycle.
 //!
-//! The angle is 0 where the intake begins; the charge burns about 2π. While the valves are shut p = p_c (V_0/V)^n (1 + r x), with the
-//! charge's pressure p_c, the pressure rise r and the burnt fraction x of Wiebe. Without combustion such a cycle does no work, and the work
-//! of combustion is in proportion to r (Matekunas, SAE 830337). The exhaust valve then lets the pressure down to that of the surroundings.
+//! The angle is 0 where the intake begins; the charge burns about 2π. While the valves are shut p = p_c (V_0/V)^n (1 +
+//! r x), with the charge's pressure p_c, the pressure rise r and the burnt fraction x of Wiebe. Without combustion such
+//! a cycle does no work, and the work of combustion is in proportion to r (Matekunas, SAE 830337). The exhaust valve
+//! then lets the pressure down to that of the surroundings.
 
 use std::f64::consts::{PI, TAU};
 

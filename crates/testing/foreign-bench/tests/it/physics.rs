@@ -69,7 +69,8 @@ fn exact_the_resonance_is_that_of_the_formula() {
         let mobility = 1.0 / bench.train.dyno_inertia_kg_m2 + 1.0 / bench.train.engine_inertia_kg_m2;
         let (natural, decay) =
             ((bench.train.stiffness_nm_per_rad * mobility).sqrt(), 0.5 * bench.train.damping_nm_s_per_rad * mobility);
-        // An undriven second order: y_{k+2} = 2 e^{−δT} cos(ωT) y_{k+1} − e^{−2δT} y_k about its end, which a difference takes away.
+        // An undriven second order: y_{k+2} = 2 e^{−δT} cos(ωT) y_{k+1} − e^{−2δT} y_k about its end, which a
+        // difference takes away.
         let ahead = 4;
         let free: Vec<f64> = torque[60..].windows(2).map(|pair| pair[1] - pair[0]).collect();
         let time_s = 1e-3 * ahead as f64;
@@ -107,7 +108,8 @@ fn exact_the_engine_gives_the_torque_demanded() {
     }
 }
 
-/// The first harmonic of the firings is 0.5 to 4 times the mean torque of 60 Nm over the class, as those of passenger cars' engines.
+/// The first harmonic of the firings is 0.5 to 4 times the mean torque of 60 Nm over the class, as those of passenger
+/// cars' engines.
 #[test]
 fn prop_pulses_have_the_size_of_real_ones() {
     for seed in 0..12 {

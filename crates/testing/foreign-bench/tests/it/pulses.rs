@@ -12,7 +12,8 @@ use crate::support::{RPM, drawn, mean, steady};
 /// Length of a run at constant demands, ms.
 const RUN_MS: usize = 6000;
 
-/// Amplitudes of the first harmonics of the working cycle at a torque and a speed: those of T_shaft + J_e dω_e/dt over the crank's angle.
+/// Amplitudes of the first harmonics of the working cycle at a torque and a speed: those of T_shaft + J_e dω_e/dt over
+/// the crank's angle.
 fn true_waves_nm(bench: &Bench, count: usize, (torque_nm, speed_rad_s): (f64, f64)) -> Vec<f64> {
     let truth = run(bench, &steady(Mode::Speed, speed_rad_s, torque_nm, RUN_MS), 1).truth;
     let angle = &truth.crank_angle_rad;

@@ -28,7 +28,8 @@ pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Seeds of the benches of a slow test: so many from the first one on, unless `DYNOID_BENCHES` and `DYNOID_FIRST_BENCH` say otherwise.
+/// Seeds of the benches of a slow test: so many from the first one on, unless `DYNOID_BENCHES` and `DYNOID_FIRST_BENCH`
+/// say otherwise.
 pub(crate) fn drawn(count: u64, first: u64) -> Vec<u64> {
     let of =
         |name: &str, otherwise: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise);

@@ -14,8 +14,8 @@ const PAST: usize = 10;
 /// Future values of each input for every two past ones.
 const PAST_FOR_ONE_AHEAD: usize = 2;
 
-/// Past values looked at again where later inputs seem to matter: noise on the output, or an input that changes slowly, needs
-/// more of them, and what a short past lacks is in the inputs to come too.
+/// Past values looked at again where later inputs seem to matter: noise on the output, or an input that changes slowly,
+/// needs more of them, and what a short past lacks is in the inputs to come too.
 const LONGER: [usize; 3] = [20, 40, 80];
 
 /// Rows times squared columns that such a look may take.
@@ -116,8 +116,8 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
 /// criterion chooses the length of that past; negative lags are values to come.
 ///
 /// # Source
-/// Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal systems*, J. Econometrics 21, 1983; Ljung
-/// 1999, (16.36) (the criterion).
+/// Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal systems*, J. Econometrics 21, 1983;
+/// Ljung 1999, (16.36) (the criterion).
 pub(super) fn matters_beside_longer_past(data: &Dataset, (input, output): (usize, usize), lags: &[isize]) -> bool {
     let looks = std::iter::once(PAST).chain(LONGER).map_while(|past| Beside::new(data, (input, output), lags, past));
     let best = looks.min_by(|a, b| a.criterion.total_cmp(&b.criterion));

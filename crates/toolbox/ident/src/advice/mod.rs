@@ -137,8 +137,8 @@ pub enum Advice {
         /// Their coefficient of correlation.
         correlation: f64,
     },
-    /// Later inputs help to explain an output: the input is computed from it. Correlation methods and output-error models
-    /// of a wrong noise model are biased; estimate a full noise model, or use a method for closed loop.
+    /// Later inputs help to explain an output: the input is computed from it. Correlation methods and output-error
+    /// models of a wrong noise model are biased; estimate a full noise model, or use a method for closed loop.
     Feedback {
         /// The input.
         input: usize,
@@ -161,8 +161,8 @@ pub enum Advice {
         /// Threshold that the statistic stays below in 99.9 % of cases without feedthrough.
         threshold: f64,
     },
-    /// The step response takes very many samples to rise: models in the shift operator are badly conditioned. Resample, or
-    /// estimate in continuous time.
+    /// The step response takes very many samples to rise: models in the shift operator are badly conditioned. Resample,
+    /// or estimate in continuous time.
     SampledTooFast {
         /// The input.
         input: usize,
@@ -180,8 +180,8 @@ pub enum Advice {
         /// Samples from 10 % to 90 % of the step response.
         rise_samples: f64,
     },
-    /// An output integrates an input, or forgets it more slowly than the record is long: taking a mean or a line off takes
-    /// part of the response off.
+    /// An output integrates an input, or forgets it more slowly than the record is long: taking a mean or a line off
+    /// takes part of the response off.
     Integrating {
         /// The input.
         input: usize,
@@ -295,11 +295,11 @@ fn shortened(value: f64) -> String {
     format!("{:.5e}", value).parse::<f64>().unwrap_or(value).to_string()
 }
 
-/// Looks through data for what bears on how to estimate from them; nothing is changed. Channel by channel first, then the
-/// inputs, then what goes on between inputs and outputs.
+/// Looks through data for what bears on how to estimate from them; nothing is changed. Channel by channel first, then
+/// the inputs, then what goes on between inputs and outputs.
 ///
-/// The dynamics are judged by a regression of each output on ten past values of itself and of each input (fewer for short
-/// records), on present and on five future inputs.
+/// The dynamics are judged by a regression of each output on ten past values of itself and of each input (fewer for
+/// short records), on present and on five future inputs.
 ///
 /// # Example
 /// ```
@@ -312,8 +312,8 @@ fn shortened(value: f64) -> String {
 ///
 /// # Source
 /// Ljung 1999, ch. 13 and 14; feedback: Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal
-/// systems*, 1983; integrators: Dickey & Fuller, *Distribution of the estimators for autoregressive time series with a unit
-/// root*, 1979; samples per rise time: Åström & Wittenmark, *Computer-Controlled Systems*, 3rd ed., §3.
+/// systems*, 1983; integrators: Dickey & Fuller, *Distribution of the estimators for autoregressive time series with a
+/// unit root*, 1979; samples per rise time: Åström & Wittenmark, *Computer-Controlled Systems*, 3rd ed., §3.
 #[must_use]
 pub fn advise(data: &Dataset) -> Vec<Advice> {
     let mut found = Vec::new();

@@ -134,7 +134,8 @@ fn doubts(regression: &Regression<'_>, model: &PolynomialModel, condition: f64) 
     Ok(doubts)
 }
 
-/// Largest magnitude of a pole of an ARX model; inputs are left away, since they bring no poles but zero, and many states.
+/// Largest magnitude of a pole of an ARX model; inputs are left away, since they bring no poles but zero, and many
+/// states.
 pub(crate) fn largest_pole(model: &PolynomialModel) -> Result<f64, IdentError> {
     let undriven = |e: &PolynomialEquation| PolynomialEquation { a: e.a.clone(), ..Default::default() };
     let equations = model.equations().iter().map(undriven).collect();

@@ -70,8 +70,8 @@ impl Arx {
     }
 
     /// Takes the covariance from the scatter between `batches` equal stretches of the data, right also where `e` is
-    /// coloured. A stretch has to be long against the memory of the system; 10 to 30 of them are usual. The data are read
-    /// a second time.
+    /// coloured. A stretch has to be long against the memory of the system; 10 to 30 of them are usual. The data are
+    /// read a second time.
     #[must_use]
     pub fn robust(mut self, batches: usize) -> Self {
         self.noise = Noise::Coloured { batches };
@@ -81,9 +81,9 @@ impl Arx {
     /// Fits the model to data.
     ///
     /// # Errors
-    /// [`IdentError::Length`] where the orders are not made for the channels of the data, [`IdentError::TooFewSamples`],
-    /// [`IdentError::RankDeficient`] where the data do not determine every coefficient, [`IdentError::Structure`] where
-    /// there is none.
+    /// [`IdentError::Length`] where the orders are not made for the channels of the data,
+    /// [`IdentError::TooFewSamples`], [`IdentError::RankDeficient`] where the data do not determine every coefficient,
+    /// [`IdentError::Structure`] where there is none.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
         self.orders.check(data)?;
         let signals = outputs_then_inputs(data);

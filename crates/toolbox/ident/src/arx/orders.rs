@@ -4,8 +4,8 @@ use crate::regression::Lagged;
 use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
 
-/// Orders and delays of an ARX model: `na[i][j]` coefficients of output `j` in equation `i`, `nb[i][k]` of input `k`, the
-/// first of them `nk[i][k]` samples back.
+/// Orders and delays of an ARX model: `na[i][j]` coefficients of output `j` in equation `i`, `nb[i][k]` of input `k`,
+/// the first of them `nk[i][k]` samples back.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArxOrders {
     /// One row an output, one column an output.

@@ -263,7 +263,8 @@ impl Factored {
         Ok(Factored { factor, spread, rows: regression.rows, outputs, inputs, columns })
     }
 
-    /// The factor of the inputs at `nb` lags from `nk` on, then the outputs lag by lag up to `na`, then the outputs themselves.
+    /// The factor of the inputs at `nb` lags from `nk` on, then the outputs lag by lag up to `na`, then the outputs
+    /// themselves.
     fn part(&self, (nb, nk): (usize, usize), na: usize) -> Mat<f64> {
         let (outputs, inputs) = (self.outputs, self.inputs);
         let driving = (nk..nk + nb).flat_map(|lag| (0..inputs).map(move |k| Lagged::new(outputs + k, lag as isize)));

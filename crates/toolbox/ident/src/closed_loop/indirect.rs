@@ -10,10 +10,10 @@ use crate::{Dataset, Fit, IdentError};
 
 /// Fits a model from `r` to `y`, `T = G S`, and solves it for the plant: `G = T/(1 − T R)`.
 ///
-/// With `T = N/M` and `R = P/Q` in `q⁻¹` that is `G = N Q/(M Q − N P)`, linear in the coefficients of `N` and `M`, so the
-/// covariance passes to those of `G` without approximation but for the products `M = A F`. The plant comes in the form of
-/// output error with as many coefficients as these polynomials have; nothing is cancelled, so the covariance is singular
-/// where the plant has more coefficients than the closed loop.
+/// With `T = N/M` and `R = P/Q` in `q⁻¹` that is `G = N Q/(M Q − N P)`, linear in the coefficients of `N` and `M`, so
+/// the covariance passes to those of `G` without approximation but for the products `M = A F`. The plant comes in the
+/// form of output error with as many coefficients as these polynomials have; nothing is cancelled, so the covariance is
+/// singular where the plant has more coefficients than the closed loop.
 ///
 /// # Source
 /// Ljung 1999, (13.58)–(13.60); the delta method: (9.56) and appendix II.
@@ -24,8 +24,8 @@ pub struct Indirect {
 }
 
 impl Indirect {
-    /// Fits the closed loop of data with the inputs `u`, `r` and one output, and solves it for the plant. Noise variance,
-    /// loss and counts are those of the closed loop.
+    /// Fits the closed loop of data with the inputs `u`, `r` and one output, and solves it for the plant. Noise
+    /// variance, loss and counts are those of the closed loop.
     ///
     /// # Errors
     /// [`IdentError::Structure`] for other channels; those of `estimate` and of [`Indirect::solve`].

@@ -12,12 +12,12 @@ use crate::least_squares::solve_factor;
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
-/// Fits `A_u u = B_u r + e_u` and `A_y y = B_y r + e_y`, both of the same high order, and takes the plant as the ratio of the
-/// responses to `r`: `G = T_y/T_u`, `T = B/A`.
+/// Fits `A_u u = B_u r + e_u` and `A_y y = B_y r + e_y`, both of the same high order, and takes the plant as the ratio
+/// of the responses to `r`: `G = T_y/T_u`, `T = B/A`.
 ///
-/// At an order high enough for white `e_u` and `e_y` the estimate is consistent whatever the noise and the regulator. Both
-/// errors come from the same noise; the covariance counts how they go together. A result at frequencies; for a model of low
-/// order use [`super::TwoStage`], or fit these points with their variances.
+/// At an order high enough for white `e_u` and `e_y` the estimate is consistent whatever the noise and the regulator.
+/// Both errors come from the same noise; the covariance counts how they go together. A result at frequencies; for a
+/// model of low order use [`super::TwoStage`], or fit these points with their variances.
 ///
 /// # Source
 /// Ljung 1999, §13.5 (joint input–output identification); covariance of equations with different regressors: Zellner,

@@ -1,7 +1,7 @@
 //! Estimation from data that were taken under feedback.
 //!
-//! The loop is `y(t) = G(q) u(t) + H(q) e(t)`, `u(t) = r(t) − R(q) y(t)`, with a reference or dither `r` independent of the
-//! noise (a set point `w` gives `r = R w`). With the sensitivity `S = 1/(1 + G R)`:
+//! The loop is `y(t) = G(q) u(t) + H(q) e(t)`, `u(t) = r(t) − R(q) y(t)`, with a reference or dither `r` independent of
+//! the noise (a set point `w` gives `r = R w`). With the sensitivity `S = 1/(1 + G R)`:
 //!
 //! `y = G S r + S H e`, `u = S r − R S H e`.
 //!
@@ -16,8 +16,8 @@
 //! | [`JointInputOutput`]: `r` to `u` and `y` together, divided | `r` | orders too low; where `r` has little power the ratio is uncertain, and says so |
 //!
 //! # Source
-//! Forssell & Ljung, *Closed-loop identification revisited*, Automatica 35, 1999; Ljung 1999, §13.4 and §13.5; Van den Hof
-//! & Schrama, *An indirect method for transfer function estimation from closed loop data*, Automatica 29, 1993.
+//! Forssell & Ljung, *Closed-loop identification revisited*, Automatica 35, 1999; Ljung 1999, §13.4 and §13.5; Van den
+//! Hof & Schrama, *An indirect method for transfer function estimation from closed loop data*, Automatica 29, 1993.
 
 mod indirect;
 mod joint;
@@ -39,9 +39,9 @@ const REFERENCE: usize = 1;
 /// Fits a model from `u` to `y`, once it is made sure that the loop lets it: past inputs and outputs together must be
 /// persistently exciting of `order`, the longest lag in the model.
 ///
-/// Without a reference a regulator of low order makes the input a combination of past outputs. Many models then fit equally
-/// well, and an estimator returns any of them. Only the residual test of the estimate shows whether the noise model is
-/// sufficient: residuals must be white, and independent of *past* inputs.
+/// Without a reference a regulator of low order makes the input a combination of past outputs. Many models then fit
+/// equally well, and an estimator returns any of them. Only the residual test of the estimate shows whether the noise
+/// model is sufficient: residuals must be white, and independent of *past* inputs.
 ///
 /// # Errors
 /// [`IdentError::RankDeficient`] where the data are not informative; those of `estimate`; [`IdentError::Structure`] for

@@ -7,19 +7,19 @@ use crate::data::check_range;
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, Doubt, Experiment, Fit, IdentError};
 
-/// Regresses `u` on present, past and, where asked, future values of `r`, and fits the plant from the input so explained,
-/// `û`, to `y = G û + noise`, noise that is independent of `û`.
+/// Regresses `u` on present, past and, where asked, future values of `r`, and fits the plant from the input so
+/// explained, `û`, to `y = G û + noise`, noise that is independent of `û`.
 ///
-/// The second fit may be of any kind: with a fixed noise model such as output error the plant is consistent whatever the
-/// noise. The covariance is that of the second fit by itself, and no measure of the errors: the noise that circulates in
-/// the loop, `u − û`, was made orthogonal to `r`, so that it shapes the residuals, `H e/(1 + G R)` to first order, but takes
-/// little part in the estimate, whose noise is nearer to `H e`. Where the loop suppresses noise the intervals are too
-/// short, whether colour is allowed for or modelled: of a first-order plant with `1 + G R = 3` at rest, those of 95 % hold
-/// the pole in two thirds of all cases. [`Doubt::CovarianceIsLowerBound`] says so.
+/// The second fit may be of any kind: with a fixed noise model such as output error the plant is consistent whatever
+/// the noise. The covariance is that of the second fit by itself, and no measure of the errors: the noise that
+/// circulates in the loop, `u − û`, was made orthogonal to `r`, so that it shapes the residuals, `H e/(1 + G R)` to
+/// first order, but takes little part in the estimate, whose noise is nearer to `H e`. Where the loop suppresses noise
+/// the intervals are too short, whether colour is allowed for or modelled: of a first-order plant with `1 + G R = 3` at
+/// rest, those of 95 % hold the pole in two thirds of all cases. [`Doubt::CovarianceIsLowerBound`] says so.
 ///
 /// `û` holds the part of the noise that as many coefficients as there are lags and leads follow by chance: a bias that
-/// vanishes with the length of the data over their number. The first `lags` rows of each experiment are spent, and as many
-/// at the end as there are `leads`.
+/// vanishes with the length of the data over their number. The first `lags` rows of each experiment are spent, and as
+/// many at the end as there are `leads`.
 ///
 /// # Source
 /// Van den Hof & Schrama 1993; with future values, for loops that are not linear, the projection method of Forssell &

@@ -26,8 +26,8 @@ pub trait ContinuousChannel: Parametric + Sync {
         self.delay_parameter().into_iter().collect()
     }
 
-    /// The same with equal time constants a little apart, where there are any: where two are equal no data separate them, and
-    /// nothing says how certain they are.
+    /// The same with equal time constants a little apart, where there are any: where two are equal no data separate
+    /// them, and nothing says how certain they are.
     fn apart(&self) -> Option<Self> {
         None
     }

@@ -71,8 +71,8 @@ pub(crate) fn combine<C: ContinuousChannel>(
     Ok(Fit { initial_states, ..fit }.doubting(data).doubting_feedback(&about))
 }
 
-/// The covariance with every parameter as uncertain as its profile shows it, where there is one and the covariance differs: the
-/// further end counts.
+/// The covariance with every parameter as uncertain as its profile shows it, where there is one and the covariance
+/// differs: the further end counts.
 fn by_profiles<C: ContinuousChannel>(mut covariance: Mat<f64>, parts: &[OutputFit<C>]) -> Mat<f64> {
     let (mut first, total) = (0, covariance.nrows());
     for part in parts {
@@ -91,7 +91,8 @@ fn by_profiles<C: ContinuousChannel>(mut covariance: Mat<f64>, parts: &[OutputFi
     covariance
 }
 
-/// The constant of every output in each experiment, of one too short to have any their mean; none where none are estimated.
+/// The constant of every output in each experiment, of one too short to have any their mean; none where none are
+/// estimated.
 fn levels<C: ContinuousChannel>(
     ground: &Ground<'_>,
     beginning: Beginning,
@@ -118,8 +119,8 @@ fn levels<C: ContinuousChannel>(
     Ok(all)
 }
 
-/// The inputs with fewer lines of frequency than the free parameters of a channel ask for; beside a delay that is searched
-/// one value more has to be there to refute it.
+/// The inputs with fewer lines of frequency than the free parameters of a channel ask for; beside a delay that is
+/// searched one value more has to be there to refute it.
 fn few_lines<C: ContinuousChannel>(data: &Dataset, parts: &[OutputFit<C>]) -> Result<Vec<Doubt>, IdentError> {
     let mut needed = vec![0; data.inputs()];
     for part in parts {

@@ -13,7 +13,8 @@ use crate::{Doubt, IdentError};
 /// Samples looked at.
 const SAMPLES: usize = 20_000;
 
-/// Smaller parts of a residual are passed over even where they are significant: true systems have more poles than any model.
+/// Smaller parts of a residual are passed over even where they are significant: true systems have more poles than any
+/// model.
 const NOTABLE: f64 = 0.1;
 
 /// The probability of doubting what chance explains.

@@ -17,8 +17,8 @@ const SAMPLES: usize = 20_000;
 const UNSEEN: f64 = 1e-10;
 
 /// The state of the innovations form at the first sample of each experiment, by least squares from the outputs; inputs
-/// before the record and directions that the outputs do not show are taken as if the input had always been what it is at
-/// first. A system at rest starts at zero.
+/// before the record and directions that the outputs do not show are taken as if the input had always been what it is
+/// at first. A system at rest starts at zero.
 pub(crate) fn initial_states<C: ContinuousChannel>(
     model: &ContinuousModel<C>,
     data: &Dataset,

@@ -1,12 +1,12 @@
 //! All outputs together: the smallest determinant of the covariance that their errors have at an instant.
 //!
-//! Errors are made white by that covariance and their squares minimised; the covariance is then that of the errors found,
-//! until it no longer changes. That is the minimum of `det Σ ε εᵀ`, and the covariance of the parameters is that of all
-//! outputs. An output that is missing at an instant takes nothing from what the others say there.
+//! Errors are made white by that covariance and their squares minimised; the covariance is then that of the errors
+//! found, until it no longer changes. That is the minimum of `det Σ ε εᵀ`, and the covariance of the parameters is that
+//! of all outputs. An output that is missing at an instant takes nothing from what the others say there.
 //!
 //! # Source
-//! Ljung 1999, (7.89) for the criterion and §9.4 for the covariance; Oberhofer & Kmenta, *A general procedure for obtaining
-//! maximum likelihood estimates in generalized regression models*, Econometrica 42, 1974, for the iteration.
+//! Ljung 1999, (7.89) for the criterion and §9.4 for the covariance; Oberhofer & Kmenta, *A general procedure for
+//! obtaining maximum likelihood estimates in generalized regression models*, Econometrica 42, 1974, for the iteration.
 
 use faer::{Mat, MatMut};
 
@@ -30,12 +30,12 @@ const SETTLED: f64 = 1e-8;
 /// state-space models.
 const WEIGHT_FLOOR: f64 = 1e-6;
 
-/// Outputs that share fewer than this part of their samples are estimated one by one: too little shows what their errors
-/// have in common.
+/// Outputs that share fewer than this part of their samples are estimated one by one: too little shows what their
+/// errors have in common.
 const SHARED: f64 = 0.5;
 
-/// The joint estimate that starts at those of each output; `None` for a single output, one that was not searched for, or
-/// outputs sampled at different instants.
+/// The joint estimate that starts at those of each output; `None` for a single output, one that was not searched for,
+/// or outputs sampled at different instants.
 pub(super) fn together<C: ContinuousChannel>(
     ground: &Ground<'_>,
     beginning: Beginning,
@@ -165,8 +165,8 @@ impl Instants {
         self.patterns.iter().map(of).collect()
     }
 
-    /// White values of record `r`, instant by instant, from those of some outputs at their samples; zero for the others, and
-    /// where values end early.
+    /// White values of record `r`, instant by instant, from those of some outputs at their samples; zero for the
+    /// others, and where values end early.
     fn white(&self, r: usize, weights: &[Mat<f64>], values: &[(usize, &[f64])]) -> Vec<f64> {
         let mut next = vec![0; values.len()];
         let mut all = Vec::new();
@@ -273,7 +273,8 @@ impl<C: ContinuousChannel> JointError<'_, '_, C> {
         series
     }
 
-    /// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom.
+    /// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of
+    /// freedom.
     fn covariance(&self, minimum: &Minimum, remaining: f64) -> Result<(Mat<f64>, f64), IdentError> {
         let (count, n) = (self.outputs.len(), minimum.parameters.len());
         let (mut series, mut index) = (Vec::with_capacity(self.instants.of.len()), 0);

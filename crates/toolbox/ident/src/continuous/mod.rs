@@ -40,8 +40,8 @@ pub enum TransferFunctionMethod {
     /// The smallest error of the simulated output, searched for from instrumental variables.
     #[default]
     OutputError,
-    /// Simplified refined instrumental variables (SRIVC) until they settle, each round solved at once: as certain as the
-    /// output error, and no search that could end in a local minimum. Of one input, with a known delay.
+    /// Simplified refined instrumental variables (SRIVC) until they settle, each round solved at once: as certain as
+    /// the output error, and no search that could end in a local minimum. Of one input, with a known delay.
     InstrumentalVariables,
 }
 
@@ -59,11 +59,12 @@ impl TransferFunctionMethod {
 /// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`,
 /// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
 ///
-/// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
-/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
-/// an experiment, where they rest on a guess of the inputs beyond it, are left out.
-/// Instrumental variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated. Inputs that rest at first are
-/// taken to have rested before, unless the outputs refute that; then the samples before the longest delay only serve as past inputs. Several outputs are estimated together, by the determinant of the
+/// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample
+/// included. Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32
+/// samples of an end of an experiment, where they rest on a guess of the inputs beyond it, are left out. Instrumental
+/// variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated. Inputs
+/// that rest at first are taken to have rested before, unless the outputs refute that; then the samples before the
+/// longest delay only serve as past inputs. Several outputs are estimated together, by the determinant of the
 /// covariance of their errors, from an estimate of each; each stands by itself where outputs are sampled at different
 /// instants, or with instrumental variables. The covariance allows for noise with the autocorrelation of the residuals.
 ///
@@ -351,8 +352,8 @@ impl ContinuousTransferFunction {
         candidates.iter().map(|c| self.model_of(c, t)).collect()
     }
 
-    /// A starting value in units of samples as a model in SI. An input with fewer poles than the common denominator keeps
-    /// the slowest.
+    /// A starting value in units of samples as a model in SI. An input with fewer poles than the common denominator
+    /// keeps the slowest.
     fn model_of(&self, candidate: &Candidate, t: f64) -> Result<TransferFunctionModel, IdentError> {
         let mut channels = Vec::with_capacity(self.poles.len());
         for (k, n) in self.poles.iter().enumerate() {
@@ -367,8 +368,8 @@ impl ContinuousTransferFunction {
     }
 }
 
-/// The slowest `n` poles of a monic polynomial in ascending powers, and what the numerator must be multiplied by for the
-/// gain at rest to stay.
+/// The slowest `n` poles of a monic polynomial in ascending powers, and what the numerator must be multiplied by for
+/// the gain at rest to stay.
 fn slowest(a: &[f64], n: usize) -> Result<(Vec<f64>, f64), IdentError> {
     if n == a.len() {
         return Ok((a.to_vec(), 1.0));

@@ -326,8 +326,8 @@ impl<C: ContinuousChannel> LinearModel for ContinuousModel<C> {
     }
 }
 
-/// One system of all channels, output by output, their states one after the other. Each finds its inputs from the column
-/// on that `first_column` gives for it.
+/// One system of all channels, output by output, their states one after the other. Each finds its inputs from the
+/// column on that `first_column` gives for it.
 fn assemble(
     parts: &[StateSpace],
     inputs: usize,

@@ -4,8 +4,8 @@
 //! search sees the parameters alone and their covariance is already that of the whole problem.
 //!
 //! # Source
-//! Golub & Pereyra, *Separable nonlinear least squares*, Inverse Problems 19, 2003; Kaufman, BIT 15, 1975 (the Jacobian);
-//! Ljung 1999, §10.2.
+//! Golub & Pereyra, *Separable nonlinear least squares*, Inverse Problems 19, 2003; Kaufman, BIT 15, 1975 (the
+//! Jacobian); Ljung 1999, §10.2.
 
 use faer::{Mat, MatMut};
 
@@ -128,8 +128,8 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         error
     }
 
-    /// Derivatives of the error by all parameters in turn, from the initial states of the channels; none of channels that were
-    /// made ready without slopes.
+    /// Derivatives of the error by all parameters in turn, from the initial states of the channels; none of channels
+    /// that were made ready without slopes.
     pub(super) fn derivatives(&self, ready: &[Ready], record: &Record<'_>, initial: &[f64]) -> Vec<Vec<f64>> {
         let (mut taken, mut all) = (0, Vec::new());
         for (part, u) in ready.iter().zip(&record.inputs) {
@@ -182,8 +182,8 @@ impl Ready {
     }
 }
 
-/// Derivatives of `b_m … b₀`, `a_n … a₀` and the delay by the parameters of a channel. Coefficients are of degree two at
-/// most in each parameter, so that central differences are exact for any step.
+/// Derivatives of `b_m … b₀`, `a_n … a₀` and the delay by the parameters of a channel. Coefficients are of degree two
+/// at most in each parameter, so that central differences are exact for any step.
 fn slopes<C: ContinuousChannel>(channel: &C) -> Result<Mat<f64>, IdentError> {
     let theta = channel.parameters();
     let Degrees { numerator: m, poles: n } = channel.degrees();
@@ -312,7 +312,8 @@ mod tests {
         }
     }
 
-    /// The projected Jacobian is that of the errors up to a part within what is projected out, so gradients are compared.
+    /// The projected Jacobian is that of the errors up to a part within what is projected out, so gradients are
+    /// compared.
     fn check<C: ContinuousChannel>(problem: &mut OutputError<'_, C>) {
         let theta = problem.model.parameters();
         let (rows, columns) = (problem.residual_count(), theta.len());

@@ -1,8 +1,8 @@
 //! Values of the inputs before a record.
 //!
-//! Behind a delay the first rows of a record answer to inputs before it. An input that rests at first is taken to have rested
-//! before too: otherwise the rows that the longest delay reaches say nothing, and with them goes the step of a short test.
-//! Outputs can refute that; then those rows are left out, for all delays alike.
+//! Behind a delay the first rows of a record answer to inputs before it. An input that rests at first is taken to have
+//! rested before too: otherwise the rows that the longest delay reaches say nothing, and with them goes the step of a
+//! short test. Outputs can refute that; then those rows are left out, for all delays alike.
 
 use super::channel::ContinuousChannel;
 use super::estimate::{OutputFit, Settings, fit_output};
@@ -40,8 +40,8 @@ pub(crate) fn with_ends<C: ContinuousChannel>(
     parts.into_iter().enumerate().map(with_ends).collect()
 }
 
-/// The estimates of all outputs, where the rows begin that they rest on, and what they take for the inputs before. Delays
-/// reach `reached` rows back; `part` makes the estimate of one output from a beginning.
+/// The estimates of all outputs, where the rows begin that they rest on, and what they take for the inputs before.
+/// Delays reach `reached` rows back; `part` makes the estimate of one output from a beginning.
 pub(crate) fn begun<C: ContinuousChannel>(
     ground: &Ground<'_>,
     reached: usize,

@@ -1,13 +1,14 @@
 //! Intervals from the profile of the errors.
 //!
-//! Beside zeros, and where inputs are held, the errors as a function of a delay are flat, bent at whole samples, and have
-//! several minima. A covariance knows one of them. Time constants of short data are no better. So transfer functions have profiles
-//! of their delays, and process models those of all parameters. The profile of a parameter is the smallest sum of squares with it
-//! held; the interval is all values that this does not refute, from the first to the last.
+//! Beside zeros, and where inputs are held, the errors as a function of a delay are flat, bent at whole samples, and
+//! have several minima. A covariance knows one of them. Time constants of short data are no better. So transfer
+//! functions have profiles of their delays, and process models those of all parameters. The profile of a parameter is
+//! the smallest sum of squares with it held; the interval is all values that this does not refute, from the first to
+//! the last.
 //!
 //! # Source
-//! Bates & Watts, *Nonlinear Regression Analysis and Its Applications*, 1988, ch. 6; Venzon & Moolgavkar, *A method for computing
-//! profile-likelihood-based confidence intervals*, Appl. Statist. 37, 1988.
+//! Bates & Watts, *Nonlinear Regression Analysis and Its Applications*, 1988, ch. 6; Venzon & Moolgavkar, *A method for
+//! computing profile-likelihood-based confidence intervals*, Appl. Statist. 37, 1988.
 
 use super::channel::ContinuousChannel;
 use super::estimate::{Ends, OutputFit, Settings, errors, fit_output, quantile};
@@ -15,8 +16,8 @@ use super::record::Record;
 use crate::nonlinear::lowest_point;
 use crate::{Bounds, Dataset, IdentError, NonlinearOptions, Parametric};
 
-/// Steps of a search with a parameter held. It is over where one lowers the cost by less than this part of what an interval
-/// allows, or by next to nothing.
+/// Steps of a search with a parameter held. It is over where one lowers the cost by less than this part of what an
+/// interval allows, or by next to nothing.
 const STEPS: usize = 40;
 const FLAT: f64 = 1e-3;
 const UNSEEN: f64 = 1e-9;
@@ -28,12 +29,13 @@ const BEYOND: f64 = 4.0;
 const GROWTH: f64 = 1.6;
 const SHRINKAGE: f64 = 4.0;
 
-/// An end is between two points whose rise, over that of the limit, is no further from one than this, or after so many halvings.
+/// An end is between two points whose rise, over that of the limit, is no further from one than this, or after so many
+/// halvings.
 const NEAR: f64 = 0.25;
 const BETWEEN: usize = 12;
 
-/// From so many rows on the covariance alone counts: a profile would take longer than the search. That of parameters which are
-/// no delays bends less.
+/// From so many rows on the covariance alone counts: a profile would take longer than the search. That of parameters
+/// which are no delays bends less.
 const LONG: usize = 100_000;
 const LONG_WITHOUT_DELAY: usize = 5_000;
 
@@ -65,8 +67,8 @@ struct Profile<'a, C> {
     better: f64,
 }
 
-/// The estimate with the ends of its intervals by profiles, at the better minimum that these may lead to. Where none can be
-/// estimated there, or another is better still, it has the intervals of the covariance and is not the least.
+/// The estimate with the ends of its intervals by profiles, at the better minimum that these may lead to. Where none
+/// can be estimated there, or another is better still, it has the intervals of the covariance and is not the least.
 pub(crate) fn profiled<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
@@ -169,8 +171,8 @@ impl<C: ContinuousChannel> Profile<'_, C> {
         }
     }
 
-    /// Moves on to the last point before the profile is above its limit, and returns the first beyond; none at a bound. Where the
-    /// profile is low over many samples the steps grow, and become short again before its end.
+    /// Moves on to the last point before the profile is above its limit, and returns the first beyond; none at a bound.
+    /// Where the profile is low over many samples the steps grow, and become short again before its end.
     fn walk(&self, inside: &mut Point, sign: f64, mut step: f64) -> Result<Option<Point>, Vec<f64>> {
         let mut longest = f64::INFINITY;
         loop {
@@ -192,8 +194,8 @@ impl<C: ContinuousChannel> Profile<'_, C> {
         }
     }
 
-    /// A point beyond that is not refuted either, where there is one: the errors are smooth from one sample to the next alone, so
-    /// each has a minimum of its own.
+    /// A point beyond that is not refuted either, where there is one: the errors are smooth from one sample to the next
+    /// alone, so each has a minimum of its own.
     fn further(&self, outside: &Point, sign: f64) -> Result<Option<Point>, Vec<f64>> {
         let t = self.sample_time_s();
         let bounds = self.found.bounds[self.parameter];

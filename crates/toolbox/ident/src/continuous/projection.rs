@@ -5,8 +5,8 @@ use numerics::vector::{add_scaled, dot, norm};
 /// A column that loses all but this part of its length to the columns before it says nothing new.
 const DEPENDENT: f64 = 1e-10;
 
-/// An orthonormal basis of a few tall columns, and how the columns are combined from it. Columns end with their last value
-/// that is not zero.
+/// An orthonormal basis of a few tall columns, and how the columns are combined from it. Columns end with their last
+/// value that is not zero.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Basis {
     columns: Vec<Vec<f64>>,

@@ -58,7 +58,8 @@ impl<'a> Record<'a> {
         Record { inputs: self.inputs.iter().map(cut).collect(), output: &self.output[..end], first: begin }
     }
 
-    /// The first stretch of `length` samples whose sum of the inputs' variances, each over that of the record, is largest.
+    /// The first stretch of `length` samples whose sum of the inputs' variances, each over that of the record, is
+    /// largest.
     fn begin_of_liveliest(&self, length: usize) -> usize {
         let running: Vec<Vec<[f64; 3]>> = self.inputs.iter().map(|u| self.running_sums(u.columns[0])).collect();
         let scatter = |sums: &[[f64; 3]], from: usize, to: usize| {

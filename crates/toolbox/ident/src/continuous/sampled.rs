@@ -25,9 +25,9 @@ const DECAYED: f64 = 1e-30;
 ///
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
-/// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the coefficients of
-/// its [course](crate::band_limited) from sample k on. A fractional delay puts the change from one interval's `u` to the next
-/// within the interval.
+/// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the
+/// coefficients of its [course](crate::band_limited) from sample k on. A fractional delay puts the change from one
+/// interval's `u` to the next within the interval.
 ///
 /// # Source
 /// Van Loan, C. F. (1978), IEEE Trans. Autom. Control 23(3), 395–404; Åström & Wittenmark (1997), *Computer-Controlled
@@ -150,8 +150,8 @@ impl Sampled {
         Ok(self)
     }
 
-    /// Runs from the state `x` at sample `first` through the record `u` and shows `visit` the sample, the state, what the input
-    /// is behind its delay, and its slope there.
+    /// Runs from the state `x` at sample `first` through the record `u` and shows `visit` the sample, the state, what
+    /// the input is behind its delay, and its slope there.
     pub(crate) fn run(
         &self,
         u: &Course<'_>,
@@ -184,8 +184,8 @@ impl Sampled {
         }
     }
 
-    /// `c Φ^k`, one column a state, for `length` samples or until nothing is left of them: a stable system's initial state is
-    /// soon forgotten, and a long record then costs no more than a short one.
+    /// `c Φ^k`, one column a state, for `length` samples or until nothing is left of them: a stable system's initial
+    /// state is soon forgotten, and a long record then costs no more than a short one.
     pub(crate) fn free_responses(&self, c: &[f64], length: usize) -> Vec<Vec<f64>> {
         let (mut row, mut scratch) = (c.to_vec(), vec![0.0; c.len()]);
         let mut columns = vec![Vec::new(); c.len()];

@@ -1,12 +1,13 @@
 //! Starting values: simplified refined instrumental variables.
 //!
-//! `y⁽ⁿ⁾ + a_{n−1} y⁽ⁿ⁻¹⁾ + … = Σ_k b_m u_k⁽ᵐ⁾ + …`, every signal filtered by `1/Â(s)`, is linear in the coefficients; noise
-//! on `y` is kept from biasing them by instruments made of the simulated output of the model before. Inputs share the
-//! denominator. Time is counted in samples.
+//! `y⁽ⁿ⁾ + a_{n−1} y⁽ⁿ⁻¹⁾ + … = Σ_k b_m u_k⁽ᵐ⁾ + …`, every signal filtered by `1/Â(s)`, is linear in the coefficients;
+//! noise on `y` is kept from biasing them by instruments made of the simulated output of the model before. Inputs share
+//! the denominator. Time is counted in samples.
 //!
 //! # Source
-//! Young, P. C. & Jakeman, A. (1980), *Refined instrumental variable methods of recursive time-series analysis III*, Int.
-//! J. Control 31; Garnier & Wang (eds.), *Identification of Continuous-time Models from Sampled Data*, 2008, ch. 4.
+//! Young, P. C. & Jakeman, A. (1980), *Refined instrumental variable methods of recursive time-series analysis III*,
+//! Int. J. Control 31; Garnier & Wang (eds.), *Identification of Continuous-time Models from Sampled Data*, 2008, ch.
+//! 4.
 
 use faer::Mat;
 use lti::Complex64;
@@ -53,8 +54,8 @@ impl Structure<'_> {
     /// One round of instrumental variables about the estimate before.
     pub(crate) fn refine(&self, records: &[Record<'_>], before: &Estimate) -> Result<Estimate, IdentError> {
         let length = records.iter().map(|r| r.output.len()).max().unwrap_or(1);
-        // The filter of a settled estimate is its denominator, known integrators included: only then does y⁽ⁿ⁾/Â + … come to
-        // y itself, whatever is assumed of it between the samples.
+        // The filter of a settled estimate is its denominator, known integrators included: only then does y⁽ⁿ⁾/Â + …
+        // come to y itself, whatever is assumed of it between the samples.
         let mut filter = vec![0.0; self.integrators];
         filter.extend(stable_filter(&before.a[self.integrators..], 1.0 / length as f64)?);
         self.regress(records, &filter, Some(before))
@@ -88,9 +89,9 @@ impl Structure<'_> {
         Ok(self.unpack(&solve(&triangle.finish(), instruments, &sizes), forward))
     }
 
-    /// `[instruments | u derivatives | −y derivatives | y⁽ⁿ⁾]`, all filtered: instruments in place of y come first, and those
-    /// after them are instruments of their own. Beside them what initial states and an offset do to the record, which is its
-    /// own instrument too and can be taken out of all columns.
+    /// `[instruments | u derivatives | −y derivatives | y⁽ⁿ⁾]`, all filtered: instruments in place of y come first, and
+    /// those after them are instruments of their own. Beside them what initial states and an offset do to the record,
+    /// which is its own instrument too and can be taken out of all columns.
     fn columns(&self, record: &Record<'_>, filters: &Filters) -> (Vec<Vec<f64>>, Basis) {
         let length = record.output.len() - record.first;
         let mut columns: Vec<_> = filters.instruments(record, length).into_iter().skip(self.integrators).collect();
@@ -190,8 +191,8 @@ fn filled(record: &Record<'_>) -> Vec<f64> {
     record.output.iter().map(&mut fill).collect()
 }
 
-/// Solves `Zᵀ Φ θ = Zᵀ y` from the factor of `[Z′ | Φ | y]`, whose first columns after `Z′` belong to both. `sizes` are those of
-/// the columns of Φ before anything was taken out of them: what is rounding beside them counts for nothing.
+/// Solves `Zᵀ Φ θ = Zᵀ y` from the factor of `[Z′ | Φ | y]`, whose first columns after `Z′` belong to both. `sizes` are
+/// those of the columns of Φ before anything was taken out of them: what is rounding beside them counts for nothing.
 fn solve(factor: &Mat<f64>, instruments: usize, sizes: &[f64]) -> Vec<f64> {
     // Rows 0..unknown of the factor are QᵀΦ and Qᵀy on an orthonormal basis of the instruments.
     let unknown = sizes.len();

@@ -34,12 +34,13 @@ impl Dataset {
     /// first value for ever.
     ///
     /// The way from input to output stays as it is: `L y = G L u + (L H) e`. **The noise model is multiplied by `L`**:
-    /// a model with fixed noise model, such as output error, is fitted with the weight `|L|²` over frequency; one with a
-    /// free noise model estimates `L H` and largely undoes the weight.
+    /// a model with fixed noise model, such as output error, is fitted with the weight `|L|²` over frequency; one with
+    /// a free noise model estimates `L H` and largely undoes the weight.
     ///
     /// # Errors
-    /// [`LtiError::SampleTimesDiffer`] for a filter of another clock; [`IdentError::Missing`]: fill the gaps or split the
-    /// data there; [`IdentError::Structure`] for an unstable ratio; [`LtiError::DelayPresent`], [`LtiError::Improper`].
+    /// [`LtiError::SampleTimesDiffer`] for a filter of another clock; [`IdentError::Missing`]: fill the gaps or split
+    /// the data there; [`IdentError::Structure`] for an unstable ratio; [`LtiError::DelayPresent`],
+    /// [`LtiError::Improper`].
     ///
     /// # Example
     /// ```

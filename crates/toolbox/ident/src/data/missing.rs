@@ -50,8 +50,8 @@ impl Dataset {
         self.stretches(shortest, true)
     }
 
-    /// The stretches of at least `shortest` rows in which no input misses a sample, each an experiment of its own. Outputs
-    /// may miss samples: this is for methods that see through them.
+    /// The stretches of at least `shortest` rows in which no input misses a sample, each an experiment of its own.
+    /// Outputs may miss samples: this is for methods that see through them.
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`] where no stretch is long enough.

@@ -126,12 +126,12 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// One experiment that starts at zero: `inputs` is samples × inputs (no column for a time series), `outputs` samples ×
-    /// outputs. Inputs are held between samples; see [`Dataset::with_intersample`].
+    /// One experiment that starts at zero: `inputs` is samples × inputs (no column for a time series), `outputs`
+    /// samples × outputs. Inputs are held between samples; see [`Dataset::with_intersample`].
     ///
     /// # Errors
-    /// [`IdentError::SampleTime`]; [`IdentError::Length`] where the rows differ in number; [`IdentError::NotFinite`] for
-    /// an infinite value (NaN is a missing sample); [`IdentError::NoOutput`].
+    /// [`IdentError::SampleTime`]; [`IdentError::Length`] where the rows differ in number; [`IdentError::NotFinite`]
+    /// for an infinite value (NaN is a missing sample); [`IdentError::NoOutput`].
     pub fn new(sample_time_s: f64, inputs: Mat<f64>, outputs: Mat<f64>) -> Result<Self, IdentError> {
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
             return Err(IdentError::SampleTime { sample_time_s });

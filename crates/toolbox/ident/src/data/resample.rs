@@ -12,15 +12,15 @@ use crate::IdentError;
 impl Dataset {
     /// The data with `up` samples where there were `down`.
     ///
-    /// Values go through the low-pass of [`resample_rational`], without a shift in time; to fewer samples it takes off what
-    /// lies above the new Nyquist frequency and leaves what lies below 0.8 of it, on inputs and outputs alike: of inputs that are
-    /// held or straight between samples, of what they do there. They are then band-limited, and so does the result say. To a multiple
-    /// of the samples, held inputs are held and straight ones stay straight; all else is interpolated band-limited.
-    /// Interpolated samples bring no information: noise becomes coloured.
+    /// Values go through the low-pass of [`resample_rational`], without a shift in time; to fewer samples it takes off
+    /// what lies above the new Nyquist frequency and leaves what lies below 0.8 of it, on inputs and outputs alike: of
+    /// inputs that are held or straight between samples, of what they do there. They are then band-limited, and so does
+    /// the result say. To a multiple of the samples, held inputs are held and straight ones stay straight; all else is
+    /// interpolated band-limited. Interpolated samples bring no information: noise becomes coloured.
     ///
     /// # Errors
-    /// [`signal::SignalError::Parameter`] for a zero, or a factor above 10 000; [`IdentError::Missing`]: fill the gaps or split
-    /// the data there.
+    /// [`signal::SignalError::Parameter`] for a zero, or a factor above 10 000; [`IdentError::Missing`]: fill the gaps
+    /// or split the data there.
     ///
     /// # Example
     /// ```
@@ -60,16 +60,17 @@ impl Dataset {
         Ok(resampled)
     }
 
-    /// One input delayed by a number of samples, `u(t − d)`, so that the delay of a model from it falls by `d`; negative
-    /// advances it. Rows where it is not known are cut off.
+    /// One input delayed by a number of samples, `u(t − d)`, so that the delay of a model from it falls by `d`;
+    /// negative advances it. Rows where it is not known are cut off.
     ///
     /// A fraction of a sample is interpolated: along straight lines for held and straight inputs (for held ones that is
-    /// the mean of the delayed input over each interval, right to first order in the sample time), band-limited for others.
+    /// the mean of the delayed input over each interval, right to first order in the sample time), band-limited for
+    /// others.
     ///
     /// # Errors
     /// [`lti::LtiError::Index`]; [`signal::SignalError::Parameter`] for a delay that is not finite;
-    /// [`IdentError::Missing`] for a fraction of a sample with samples missing; [`IdentError::TooFewSamples`] where no row
-    /// is left of an experiment.
+    /// [`IdentError::Missing`] for a fraction of a sample with samples missing; [`IdentError::TooFewSamples`] where no
+    /// row is left of an experiment.
     ///
     /// # Example
     /// ```

@@ -57,8 +57,8 @@ impl Dataset {
         self.parts(|e| range.start.min(e.len())..range.end.min(e.len()))
     }
 
-    /// About `most` samples of longer data: of every experiment its share, in up to four stretches spread evenly over it, each as an
-    /// experiment of its own. Data with no more samples are given back as they are.
+    /// About `most` samples of longer data: of every experiment its share, in up to four stretches spread evenly over
+    /// it, each as an experiment of its own. Data with no more samples are given back as they are.
     ///
     /// # Example
     /// ```

@@ -163,8 +163,8 @@ impl Trend {
         self.apply(data, 1.0)
     }
 
-    /// Simulated or predicted outputs (rows are time, columns outputs) with the trend put back; `start_s` is the instant
-    /// of their first row.
+    /// Simulated or predicted outputs (rows are time, columns outputs) with the trend put back; `start_s` is the
+    /// instant of their first row.
     ///
     /// # Errors
     /// [`IdentError::Length`] for another number of outputs or an experiment the trend does not have.

@@ -18,9 +18,9 @@ const ROUNDS: usize = 20;
 /// Losses below this part of the output's power are rounding.
 const ROUNDING: f64 = 1e-26;
 
-/// Compares `A(q^s) y(t) = Σ_k B_k(q) u_k(t − nk_k) + e(t)` over the delays `lowest..=highest` of every input, on the same
-/// rows, with the `spacing` s of one unless the output is slower than the inputs; then `nb` has to be larger by s − 1 for
-/// the same dynamics.
+/// Compares `A(q^s) y(t) = Σ_k B_k(q) u_k(t − nk_k) + e(t)` over the delays `lowest..=highest` of every input, on the
+/// same rows, with the `spacing` s of one unless the output is slower than the inputs; then `nb` has to be larger by s
+/// − 1 for the same dynamics.
 ///
 /// The data are read once: the widest regressor is factored, and each model is solved from the factor. Up to 2000
 /// combinations of delays are compared jointly; beyond that inputs take turns, starting with all lags of the others in

@@ -24,12 +24,12 @@ const EXACT: f64 = 1e-8;
 /// Where the search for the fraction ends, in samples.
 const TOLERANCE: f64 = 1e-4;
 
-/// Minimises the loss of `A(q) y(t) = B(q) u(t − τ) + e(t)` over `τ`: over whole samples by [`ArxDelay`] first, then between
-/// the neighbours of the best, with the input interpolated as [`Dataset::delay_input`] does.
+/// Minimises the loss of `A(q) y(t) = B(q) u(t − τ) + e(t)` over `τ`: over whole samples by [`ArxDelay`] first, then
+/// between the neighbours of the best, with the input interpolated as [`Dataset::delay_input`] does.
 ///
 /// The standard error follows from the curvature of the loss at the minimum, `2V/(N V″)`, with `A` and `B` estimated
-/// along; it is large where coefficients of `B` can do what the delay does, and infinite where the errors are not white: the
-/// model is biased then, and the delay with it (test of Ljung and Box).
+/// along; it is large where coefficients of `B` can do what the delay does, and infinite where the errors are not
+/// white: the model is biased then, and the delay with it (test of Ljung and Box).
 ///
 /// # Example
 /// ```
@@ -75,8 +75,8 @@ impl FractionalDelay {
         Ok(DelayEstimate { samples: whole + fraction, standard_error })
     }
 
-    /// The regression with the input delayed by [`AHEAD`] samples more, and so many less in the lags: for every fraction as
-    /// many rows are cut off.
+    /// The regression with the input delayed by [`AHEAD`] samples more, and so many less in the lags: for every
+    /// fraction as many rows are cut off.
     fn columns(&self, whole: f64) -> Vec<Lagged> {
         let first = whole as isize - AHEAD;
         let past = past_outputs(self.0.na, self.0.spacing);

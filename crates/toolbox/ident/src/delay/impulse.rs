@@ -6,12 +6,12 @@ use crate::distributions::normal_quantile;
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
-/// Regresses the output on many lags of every input, `y(t) = −Σ a_i y(t−i) + Σ_k Σ_l b_{k,l} u_k(t − l) + e(t)`, and takes
-/// the first `b` that differs from zero.
+/// Regresses the output on many lags of every input, `y(t) = −Σ a_i y(t−i) + Σ_k Σ_l b_{k,l} u_k(t − l) + e(t)`, and
+/// takes the first `b` that differs from zero.
 ///
-/// With `na = 0` it is the finite impulse response itself, right where the noise on the output is white and the response is
-/// over within `lags`; with past outputs the noise may be coloured and the response long, and the first coefficient
-/// that matters is the first one of the impulse response all the same.
+/// With `na = 0` it is the finite impulse response itself, right where the noise on the output is white and the
+/// response is over within `lags`; with past outputs the noise may be coloured and the response long, and the first
+/// coefficient that matters is the first one of the impulse response all the same.
 ///
 /// # Example
 /// ```

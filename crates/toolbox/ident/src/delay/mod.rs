@@ -14,8 +14,8 @@
 //! | [`ModelledDelay`]: dead time of the best of several continuous models | held inputs, to a fraction of a sample; outputs slower than the inputs; coloured noise, ripple | feedback, and dynamics beyond four poles: it claims nothing then |
 //!
 //! # Source
-//! Björklund & Ljung, *A review of time-delay estimation techniques*, 42nd IEEE Conference on Decision and Control, 2003;
-//! Ljung 1999, §14.6 and §16.5.
+//! Björklund & Ljung, *A review of time-delay estimation techniques*, 42nd IEEE Conference on Decision and Control,
+//! 2003; Ljung 1999, §14.6 and §16.5.
 
 mod arx;
 mod fraction;

@@ -10,7 +10,8 @@ use crate::{Dataset, IdentError};
 /// Zeros beyond the longest delay that keep experiments apart, as many as the interpolation of the peak reaches.
 const APART: usize = 40;
 
-/// Whitens the input by an autoregression, filters the output alike, and takes the lag at which they are most correlated.
+/// Whitens the input by an autoregression, filters the output alike, and takes the lag at which they are most
+/// correlated.
 ///
 /// For `y(t) = g u(t − τ) + v(t)`, `v` white after the filter, the correlation has one peak, at `τ`. Without whitening
 /// the peak of a slow input is broad, and noise moves it far.

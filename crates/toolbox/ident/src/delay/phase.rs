@@ -22,14 +22,14 @@ const OVERLAPPING: f64 = 1.64;
 /// One less the coherence is at least this, so that exact data have weights.
 const INCOHERENCE: f64 = 1e-12;
 
-/// Estimates `τ` of `y(t) = g u(t − τ) + v(t)`, `g` of either sign, from the phase `−ωτ` of the averaged cross-spectrum:
-/// each frequency with the weight `γ²/(1 − γ²)` of its coherence, which is that of maximum likelihood.
+/// Estimates `τ` of `y(t) = g u(t − τ) + v(t)`, `g` of either sign, from the phase `−ωτ` of the averaged
+/// cross-spectrum: each frequency with the weight `γ²/(1 − γ²)` of its coherence, which is that of maximum likelihood.
 ///
-/// Where the phase is no straight line through zero, as with a lag beside the delay, the standard error is infinite; a lag so
-/// short that its phase is straight counts as delay.
+/// Where the phase is no straight line through zero, as with a lag beside the delay, the standard error is infinite; a
+/// lag so short that its phase is straight counts as delay.
 ///
-/// The signals are aligned to the nearest sample by [`signal::correlation::delay_by_correlation`] first, so segments need
-/// not be long against the delay; the fraction is searched a sample either way.
+/// The signals are aligned to the nearest sample by [`signal::correlation::delay_by_correlation`] first, so segments
+/// need not be long against the delay; the fraction is searched a sample either way.
 ///
 /// # Example
 /// ```

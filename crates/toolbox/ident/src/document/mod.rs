@@ -90,8 +90,8 @@ impl ModelDocument {
     /// Checks that this is a document of the kind and version that is understood here.
     ///
     /// # Errors
-    /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel; those of [`Self::fit`] where there is
-    /// a covariance.
+    /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel; those of
+    /// [`Self::fit`] where there is a covariance.
     pub fn checked(self) -> Result<Self, IdentError> {
         use crate::LinearModel;
         DocumentHeader { format: self.format.clone(), version: self.version }.check()?;

@@ -10,9 +10,9 @@ use crate::{IdentError, Label, Parametric, StateSpaceModel};
 const FIRST_TAG: usize = 2;
 
 impl ModelDocument {
-    /// The same model with its noise `e` for inputs, one an output, and the measured inputs left out: the way from `e` to
-    /// `y`, `C/(A D)` or `I + C (qI − A)⁻¹ K`, with the part of the covariance that belongs to it. For a time series it is
-    /// all there is. `None` where the noise is white, so that `y = e`.
+    /// The same model with its noise `e` for inputs, one an output, and the measured inputs left out: the way from `e`
+    /// to `y`, `C/(A D)` or `I + C (qI − A)⁻¹ K`, with the part of the covariance that belongs to it. For a time series
+    /// it is all there is. `None` where the noise is white, so that `y = e`.
     ///
     /// # Errors
     /// None for a document that was checked.
@@ -43,8 +43,8 @@ fn has_noise(e: &PolynomialEquation) -> bool {
     !(e.c.is_empty() && e.d.is_empty() && e.a.iter().all(Vec::is_empty))
 }
 
-/// The model in its new form, and for each of its parameters the one that it was, if it was one. Numbers in place of the
-/// parameters show where each goes.
+/// The model in its new form, and for each of its parameters the one that it was, if it was one. Numbers in place of
+/// the parameters show where each goes.
 fn moved<M: Parametric>(
     model: &M,
     change: impl Fn(&M) -> Result<M, LtiError>,

@@ -2,8 +2,8 @@
 
 use signal::Complex64;
 
-/// Real polynomials `p_0 … p_n`, orthonormal in `Re Σ_k w_k² p_i(x_k)* p_j(x_k)`: a basis in which fits of any degree over
-/// any band are well conditioned.
+/// Real polynomials `p_0 … p_n`, orthonormal in `Re Σ_k w_k² p_i(x_k)* p_j(x_k)`: a basis in which fits of any degree
+/// over any band are well conditioned.
 ///
 /// # Source
 /// Brubeck, Nakatsukasa & Trefethen, *Vandermonde with Arnoldi*, SIAM Review 63, 2021; Pintelon & Schoukens 2012, §13.

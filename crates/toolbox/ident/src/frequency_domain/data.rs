@@ -65,8 +65,8 @@ impl FrequencyData {
         })
     }
 
-    /// One channel of a local polynomial or rational estimate. Estimates closer than a window come from the same noise: the
-    /// covariance of what is fitted to them contains that.
+    /// One channel of a local polynomial or rational estimate. Estimates closer than a window come from the same noise:
+    /// the covariance of what is fitted to them contains that.
     ///
     /// # Errors
     /// Those of [`FrequencyData::of_response`].
@@ -200,8 +200,8 @@ pub trait Measured {
     /// The lines, checked.
     ///
     /// # Errors
-    /// [`IdentError::Length`] where the fields differ in length, [`IdentError::NotFinite`], [`IdentError::Structure`] for
-    /// a variance that is not positive or fewer than six averages.
+    /// [`IdentError::Length`] where the fields differ in length, [`IdentError::NotFinite`], [`IdentError::Structure`]
+    /// for a variance that is not positive or fewer than six averages.
     fn lines(&self) -> Result<Lines, IdentError>;
 }
 

@@ -86,10 +86,11 @@ impl<F: Fn(&[f64], f64) -> Complex64 + Clone> FrequencyModel for ResponseFunctio
     }
 }
 
-/// Fits any [`FrequencyModel`] to a frequency response or to spectra, weighted by their noise, from its own parameters on.
+/// Fits any [`FrequencyModel`] to a frequency response or to spectra, weighted by their noise, from its own parameters
+/// on.
 ///
-/// Minimises `Σ_k |Y_k − G(ω_k, θ) U_k|²/σ_k²(θ)`, `σ² = σ_y² + |G|² σ_u² − 2 Re(G* σ_yu)`: maximum likelihood for normal
-/// noise of the given variances on input and output. Derivatives are central differences.
+/// Minimises `Σ_k |Y_k − G(ω_k, θ) U_k|²/σ_k²(θ)`, `σ² = σ_y² + |G|² σ_u² − 2 Re(G* σ_yu)`: maximum likelihood for
+/// normal noise of the given variances on input and output. Derivatives are central differences.
 ///
 /// # Example
 /// ```

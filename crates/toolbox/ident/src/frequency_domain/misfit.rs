@@ -120,8 +120,8 @@ impl CostTest {
 
 /// An estimate from frequency data.
 ///
-/// The measured noise alone makes the covariance; `noise_covariance` of the [`Fit`] is the cost over its expected value,
-/// one where model and noise are right. Where it is beyond the upper limit, [`Doubt::LargerThanNoise`] says so.
+/// The measured noise alone makes the covariance; `noise_covariance` of the [`Fit`] is the cost over its expected
+/// value, one where model and noise are right. Where it is beyond the upper limit, [`Doubt::LargerThanNoise`] says so.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralFit<M> {
     /// The model and its covariance.
@@ -145,8 +145,8 @@ fn free(minimum: &Minimum) -> usize {
 /// `H = Jᵀ J`, with `R` the correlation of the residuals, which is one where lines share no noise.
 ///
 /// # Source
-/// Pintelon & Schoukens 2012, ch. 9 (weighted least squares under a covariance other than the weights'); White, *Maximum
-/// likelihood estimation of misspecified models*, Econometrica 50, 1982.
+/// Pintelon & Schoukens 2012, ch. 9 (weighted least squares under a covariance other than the weights'); White,
+/// *Maximum likelihood estimation of misspecified models*, Econometrica 50, 1982.
 pub(crate) fn search<R: Response>(
     misfit: &mut Misfit<'_, R>,
     start: &[f64],

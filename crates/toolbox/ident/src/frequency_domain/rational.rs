@@ -94,8 +94,8 @@ impl Parametric for RationalResponse {
 /// ```
 ///
 /// # Source
-/// Pintelon & Schoukens 2012, ch. 9 (maximum likelihood, iterative weighted linear least squares); Sanathanan & Koerner,
-/// IEEE Trans. Autom. Control 8, 1963.
+/// Pintelon & Schoukens 2012, ch. 9 (maximum likelihood, iterative weighted linear least squares); Sanathanan &
+/// Koerner, IEEE Trans. Autom. Control 8, 1963.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyTransferFunction {
     numerator_degree: usize,

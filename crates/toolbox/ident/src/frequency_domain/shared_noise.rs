@@ -6,8 +6,8 @@ use signal::frf::LocalEstimate;
 
 use crate::ChannelPair;
 
-/// How the errors of gains come from independent noise, such as that in the bins of a Fourier transform: the error of gain
-/// `k` is `Σ_i weights[k][i] · V(first[k] + i)`, the variance of all `V` near each other being the same.
+/// How the errors of gains come from independent noise, such as that in the bins of a Fourier transform: the error of
+/// gain `k` is `Σ_i weights[k][i] · V(first[k] + i)`, the variance of all `V` near each other being the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SharedNoise {
     /// For each gain, the first noise term in its error.
@@ -37,8 +37,8 @@ impl SharedNoise {
         }
     }
 
-    /// `Jᵀ R J` with `R` the correlation of the residuals, whose real and imaginary parts are in turn the rows of `J`: with
-    /// `z_b = Σ_k J_k* w_k(b)`, the sum of `Re z_b z_bᴴ` over the noise terms.
+    /// `Jᵀ R J` with `R` the correlation of the residuals, whose real and imaginary parts are in turn the rows of `J`:
+    /// with `z_b = Σ_k J_k* w_k(b)`, the sum of `Re z_b z_bᴴ` over the noise terms.
     pub(super) fn middle(&self, jacobian: &Mat<f64>) -> Mat<f64> {
         let (terms, parameters) = (self.terms(), jacobian.ncols());
         let mut z = Mat::<Complex64>::zeros(terms, parameters);
@@ -52,8 +52,8 @@ impl SharedNoise {
         Mat::from_fn(parameters, parameters, product)
     }
 
-    /// `Σ_kl |ρ_kl|²` over the number of gains, `ρ` the correlation of their errors: by how much their squares scatter more
-    /// together than they would without correlation.
+    /// `Σ_kl |ρ_kl|²` over the number of gains, `ρ` the correlation of their errors: by how much their squares scatter
+    /// more together than they would without correlation.
     pub(super) fn scatter(&self) -> f64 {
         let weights = self.unit_weights();
         let count = weights.len();

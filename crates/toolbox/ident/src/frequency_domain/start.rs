@@ -22,8 +22,8 @@ pub(crate) struct Start {
     pub(crate) cost: f64,
 }
 
-/// Minimises `Σ |D Y − N U e^{−jωτ}|²/σ²` with σ from the round before, `‖a‖ = 1` in the basis that is orthonormal under
-/// the weights of that round; the best round by the likelihood's own cost is returned.
+/// Minimises `Σ |D Y − N U e^{−jωτ}|²/σ²` with σ from the round before, `‖a‖ = 1` in the basis that is orthonormal
+/// under the weights of that round; the best round by the likelihood's own cost is returned.
 pub(crate) fn start(
     lines: &Lines,
     points: &[Complex64],

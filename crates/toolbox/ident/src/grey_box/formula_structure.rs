@@ -100,8 +100,8 @@ impl FormulaStructure {
     /// The structure of these parts.
     ///
     /// # Errors
-    /// [`IdentError::FormulaStructure`] for names that no parameter has, parameters that nothing depends on, names given
-    /// twice, values outside their bounds, priors that are none, and matrices of other shapes;
+    /// [`IdentError::FormulaStructure`] for names that no parameter has, parameters that nothing depends on, names
+    /// given twice, values outside their bounds, priors that are none, and matrices of other shapes;
     /// [`IdentError::SampleTime`].
     pub fn new(parts: FormulaParts) -> Result<Self, IdentError> {
         check_parameters(&parts.parameters)?;

@@ -23,14 +23,14 @@ pub use model::GreyBoxModel;
 use search::Parameters;
 pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};
 
-/// Beyond this condition the data cannot separate the parameters: only the errors of the derivatives by differences are left
-/// of a direction.
+/// Beyond this condition the data cannot separate the parameters: only the errors of the derivatives by differences are
+/// left of a direction.
 const UNDETERMINED: f64 = 1e9;
 
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
 ///
-/// Minimises `det Σ ε(t) ε(t)ᵀ`, with a prior the posterior density, over the free parameters and the initial states.
-/// A continuous structure is sampled exactly under what the data say of their inputs between samples: held, straight, or
+/// Minimises `det Σ ε(t) ε(t)ᵀ`, with a prior the posterior density, over the free parameters and the initial states. A
+/// continuous structure is sampled exactly under what the data say of their inputs between samples: held, straight, or
 /// band-limited (without input delays; up to 0.45 of the sample rate, rows within 32 samples of an end left out). With
 /// [`GreyNoise::OutputError`] the errors are those of a simulation, otherwise those one step ahead. Derivatives of the
 /// sampled matrices are central differences with steps of 6e-6 of the parameter (relative error about 1e-10); the
@@ -78,8 +78,8 @@ impl<S: Structure> GreyBox<S> {
         GreyBox { further_starts, ..self }
     }
 
-    /// Estimates the parameters. Instants at which an output is missing are no part of the criterion; with a noise model the
-    /// predictor makes a time update alone there, as in [`StateSpacePem`](crate::StateSpacePem).
+    /// Estimates the parameters. Instants at which an output is missing are no part of the criterion; with a noise
+    /// model the predictor makes a time update alone there, as in [`StateSpacePem`](crate::StateSpacePem).
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a structure without a free parameter, a prior without spread, or a start at which
@@ -105,8 +105,8 @@ impl<S: Structure> GreyBox<S> {
         Ok(fit.made_by(METHOD, data))
     }
 
-    /// The data with the courses of their band-limited inputs, without the rows near the ends where these rest on a guess;
-    /// an initial state that is known keeps the first ones.
+    /// The data with the courses of their band-limited inputs, without the rows near the ends where these rest on a
+    /// guess; an initial state that is known keeps the first ones.
     fn courses(&self, start: &GreyBoxModel<S>, data: &Dataset) -> Result<Dataset, IdentError> {
         let delays_s = self.structure.input_delays_s(&start.parameters());
         if let Some(delay_s) = delays_s.into_iter().find(|d| *d != 0.0) {

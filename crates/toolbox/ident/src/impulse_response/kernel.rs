@@ -4,12 +4,12 @@ use faer::Mat;
 
 use crate::triangle::upper_factor;
 
-/// Prior covariance of an impulse response `g(1), g(2), …` (counted from its delay on): smooth and decaying, to a degree that
-/// the data decide.
+/// Prior covariance of an impulse response `g(1), g(2), …` (counted from its delay on): smooth and decaying, to a
+/// degree that the data decide.
 ///
 /// # Source
-/// Chen, Ohlsson & Ljung, *On the estimation of transfer functions, regularizations and Gaussian processes – revisited*,
-/// 2012; Pillonetto & De Nicolao, *A new kernel-based approach for linear system identification*, 2010.
+/// Chen, Ohlsson & Ljung, *On the estimation of transfer functions, regularizations and Gaussian processes –
+/// revisited*, 2012; Pillonetto & De Nicolao, *A new kernel-based approach for linear system identification*, 2010.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
     /// Tuned and correlated: `c λ^max(i,j)`. Continuous, decaying; a good first choice.

@@ -24,10 +24,10 @@ use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 ///
 /// `y_i(t) = Σ_k Σ_l g_ik(l) u_k(t − delay − l) + e_i(t)`, `l = 0…taps − 1`
 ///
-/// By default the response is expected to decay and to be continuous, as a Gaussian prior whose size and decay are tuned
-/// to the data by maximum marginal likelihood, with the noise variance; outputs are treated one by one and every input
-/// has a prior of its own. That beats least squares by far where data are short or noisy, and allows more taps than
-/// samples. Rows without all their past and rows that touch a missing sample are left out.
+/// By default the response is expected to decay and to be continuous, as a Gaussian prior whose size and decay are
+/// tuned to the data by maximum marginal likelihood, with the noise variance; outputs are treated one by one and every
+/// input has a prior of its own. That beats least squares by far where data are short or noisy, and allows more taps
+/// than samples. Rows without all their past and rows that touch a missing sample are left out.
 ///
 /// # Example
 /// ```
@@ -46,9 +46,9 @@ use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 /// ```
 ///
 /// # Source
-/// Chen, Ohlsson & Ljung, *On the estimation of transfer functions, regularizations and Gaussian processes – revisited*,
-/// Automatica 48, 2012; Chen & Ljung, *Implementation of algorithms for tuning parameters in regularized least squares
-/// problems in system identification*, Automatica 49, 2013 (the factorisation).
+/// Chen, Ohlsson & Ljung, *On the estimation of transfer functions, regularizations and Gaussian processes –
+/// revisited*, Automatica 48, 2012; Chen & Ljung, *Implementation of algorithms for tuning parameters in regularized
+/// least squares problems in system identification*, Automatica 49, 2013 (the factorisation).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImpulseResponse {
     taps: usize,

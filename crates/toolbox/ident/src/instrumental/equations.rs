@@ -91,8 +91,8 @@ impl<'a> Instrumented<'a> {
     }
 }
 
-/// The outputs of an ARX model for the inputs of every experiment, from rest and without noise. A missing input is taken
-/// as the one before: instruments need not be exact.
+/// The outputs of an ARX model for the inputs of every experiment, from rest and without noise. A missing input is
+/// taken as the one before: instruments need not be exact.
 pub(super) fn simulate(model: &PolynomialModel, data: &Dataset) -> Vec<Mat<f64>> {
     data.experiments().iter().map(|experiment| simulate_experiment(model, experiment)).collect()
 }

@@ -7,17 +7,18 @@ use super::{check_inputs, usual_batches};
 use crate::arx::{Arx, ArxOrders, Noise, whitening_filter};
 use crate::{Dataset, Fit, IdentError};
 
-/// Estimates an ARX model (see [`Arx`]) by the four-step instrumental-variable method: consistent whatever the colour of the
-/// noise in open loop, and nearly as accurate as a model of the noise would allow where `A v` is close to autoregressive.
+/// Estimates an ARX model (see [`Arx`]) by the four-step instrumental-variable method: consistent whatever the colour
+/// of the noise in open loop, and nearly as accurate as a model of the noise would allow where `A v` is close to
+/// autoregressive.
 ///
 /// 1. Least squares; its model simulated gives instruments.
 /// 2. Instrumental variables; the new model simulated gives better ones.
 /// 3. The equation errors, of this model, as an autoregression of `na + nb` coefficients: the filter `L`.
 /// 4. Instrumental variables with all signals filtered by `L`.
 ///
-/// The covariance comes from the scatter of the last step between 20 stretches of the data (fewer where they are short):
-/// a short `L` seldom makes the errors white. See [`Iv4::white_errors`] for the textbook's. Noise and loss are those of the
-/// ARX model itself, so they are larger than a model of the noise would leave.
+/// The covariance comes from the scatter of the last step between 20 stretches of the data (fewer where they are
+/// short): a short `L` seldom makes the errors white. See [`Iv4::white_errors`] for the textbook's. Noise and loss are
+/// those of the ARX model itself, so they are larger than a model of the noise would leave.
 ///
 /// # Example
 /// ```
@@ -55,8 +56,8 @@ impl Iv4 {
         Iv4 { orders, white_errors: false }
     }
 
-    /// Takes the filtered errors of the last step as white for the covariance: right, and less scattered, where `A v` is
-    /// an autoregression of at most `na + nb` coefficients.
+    /// Takes the filtered errors of the last step as white for the covariance: right, and less scattered, where `A v`
+    /// is an autoregression of at most `na + nb` coefficients.
     #[must_use]
     pub fn white_errors(mut self) -> Self {
         self.white_errors = true;

@@ -28,12 +28,12 @@ pub enum Instruments {
     DelayedInputs,
 }
 
-/// Estimates an ARX model (see [`crate::Arx`]) with instruments: `θ` solves `Σ ζ(t) L(q) (y(t) − φᵀ(t) θ) = 0`, where `ζ`
-/// holds the instruments `L(q) x(t − l)` in place of the outputs `y(t − l)`. The instruments have to be independent of
-/// the noise, so `u` must not be fed back from `y` unless they are chosen accordingly.
+/// Estimates an ARX model (see [`crate::Arx`]) with instruments: `θ` solves `Σ ζ(t) L(q) (y(t) − φᵀ(t) θ) = 0`, where
+/// `ζ` holds the instruments `L(q) x(t − l)` in place of the outputs `y(t − l)`. The instruments have to be independent
+/// of the noise, so `u` must not be fed back from `y` unless they are chosen accordingly.
 ///
-/// With more instruments than parameters it is two-stage least squares. The covariance comes from the scatter between 20
-/// stretches of the data (fewer where they are short), whatever the colour of the noise.
+/// With more instruments than parameters it is two-stage least squares. The covariance comes from the scatter between
+/// 20 stretches of the data (fewer where they are short), whatever the colour of the noise.
 ///
 /// # Example
 /// ```
@@ -86,8 +86,8 @@ impl InstrumentalVariables {
     /// Fits the model to data.
     ///
     /// # Errors
-    /// Those of [`crate::Arx::fit`]; [`IdentError::Structure`] where there is no input to make instruments of, or the filter
-    /// is zero; [`IdentError::Length`], [`IdentError::NotFinite`] for instruments not made for these data;
+    /// Those of [`crate::Arx::fit`]; [`IdentError::Structure`] where there is no input to make instruments of, or the
+    /// filter is zero; [`IdentError::Length`], [`IdentError::NotFinite`] for instruments not made for these data;
     /// [`IdentError::RankDeficient`] where instruments and regressors are hardly correlated.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
         self.orders.check(data)?;

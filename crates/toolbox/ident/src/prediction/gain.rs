@@ -7,8 +7,8 @@ use super::form::Form;
 /// The gain from prediction errors to states at each sample: `K` while every output is there, that of the time-varying
 /// Kalman filter from a missing one until the state is known again.
 ///
-/// Its state is the covariance `P` of the error of the predicted state. With `o` the outputs that are there and `E_o` the
-/// selection of them, `S = C_o P C_oᵀ + Λ_oo`, `L = (A P C_oᵀ + K Λ_o) S⁻¹` and
+/// Its state is the covariance `P` of the error of the predicted state. With `o` the outputs that are there and `E_o`
+/// the selection of them, `S = C_o P C_oᵀ + Λ_oo`, `L = (A P C_oᵀ + K Λ_o) S⁻¹` and
 /// `P⁺ = (A − L C_o) P (A − L C_o)ᵀ + (K − L E_o) Λ (K − L E_o)ᵀ`: zero where nothing is missing.
 ///
 /// # Source
@@ -225,8 +225,8 @@ impl<'a> Gain<'a> {
         divide(x, x.ncols(), self.factor());
     }
 
-    /// Gives prediction errors of covariance `S` the covariance `Λ` that they have where nothing was missing; rows of all
-    /// outputs, one after the other.
+    /// Gives prediction errors of covariance `S` the covariance `Λ` that they have where nothing was missing; rows of
+    /// all outputs, one after the other.
     pub(crate) fn as_of_whole_data(&self, rows: &mut [f64], width: usize) {
         if self.settled {
             return;
@@ -280,7 +280,8 @@ fn cholesky(m: &Mat<f64>) -> Mat<f64> {
     l
 }
 
-/// Writes the lower Cholesky factor of an n × n matrix; a pivot lost to rounding is held at a small part of the diagonal.
+/// Writes the lower Cholesky factor of an n × n matrix; a pivot lost to rounding is held at a small part of the
+/// diagonal.
 fn cholesky_into(n: usize, m: impl Fn(usize, usize) -> f64, l: &mut Mat<f64>) {
     for j in 0..n {
         let pivot = m(j, j) - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();

@@ -16,14 +16,14 @@ const UNSEEN: f64 = 1e-12;
 /// Coordinates worse conditioned than this do more harm than good.
 const WORST_COORDINATES: f64 = 1e8;
 
-/// The state `x(0)` that makes the sum of squared errors of one experiment smallest: one-step prediction errors, weighed by
-/// their covariance, with `feedback`; simulation errors, each output in units of its own deviation, without.
+/// The state `x(0)` that makes the sum of squared errors of one experiment smallest: one-step prediction errors,
+/// weighed by their covariance, with `feedback`; simulation errors, each output in units of its own deviation, without.
 ///
-/// The errors are affine in the state, `e(t) = e₀(t) − C Φ(t) x(0)`, where `Φ` is the product of `A − L(t) C` or of `A`.
-/// Rows are taken until `Φ` is forgotten: a few for a predictor, all of them for a slow mode in simulation. Coordinates
-/// along the eigenvectors keep modes that grow from hiding those that decay. In simulation only states that inputs can
-/// move are estimated: the free response of a noise model is no part of it, and would take up the disturbance. Without a
-/// noise model prediction is simulation, and both take the state of the first.
+/// The errors are affine in the state, `e(t) = e₀(t) − C Φ(t) x(0)`, where `Φ` is the product of `A − L(t) C` or of
+/// `A`. Rows are taken until `Φ` is forgotten: a few for a predictor, all of them for a slow mode in simulation.
+/// Coordinates along the eigenvectors keep modes that grow from hiding those that decay. In simulation only states that
+/// inputs can move are estimated: the free response of a noise model is no part of it, and would take up the
+/// disturbance. Without a noise model prediction is simulation, and both take the state of the first.
 pub(super) fn estimate(form: &Form, experiment: &Experiment, feedback: bool) -> Result<Vec<f64>, IdentError> {
     let n = form.states;
     if n == 0 || experiment.is_empty() {
@@ -200,8 +200,8 @@ fn smallest_solution(triangle: Triangle, n: usize) -> Result<Vec<f64>, IdentErro
     Ok(solution.iter().zip(&scale).map(|(v, s)| if *s > 0.0 { v / s } else { 0.0 }).collect())
 }
 
-/// Modal coordinates of the states that an input reaches along entries of `B` and `A` other than zero; of all states where
-/// there is no input. These states are closed under `A`.
+/// Modal coordinates of the states that an input reaches along entries of `B` and `A` other than zero; of all states
+/// where there is no input. These states are closed under `A`.
 fn driven_basis(system: &StateSpace) -> Mat<f64> {
     let (n, inputs) = (system.states(), system.inputs());
     let mut driven: Vec<bool> = (0..n).map(|i| inputs == 0 || (0..inputs).any(|k| system.b()[(i, k)] != 0.0)).collect();

@@ -1,7 +1,7 @@
 //! Application of a model to data: simulation, k-step prediction, residuals, and the initial state they start from.
 //!
-//! Every model is taken in innovations form, so all of it is written once. Band-limited inputs of a model in continuous time
-//! are followed between the samples; within 32 samples of an end they rest on a mirrored record.
+//! Every model is taken in innovations form, so all of it is written once. Band-limited inputs of a model in continuous
+//! time are followed between the samples; within 32 samples of an end they rest on a mirrored record.
 
 mod form;
 mod gain;
@@ -22,9 +22,9 @@ use stepper::Stepper;
 /// The state at the first sample of each experiment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum InitialState {
-    /// Fitted to each experiment. Estimators fit it together with the model; otherwise it is by least squares: to the errors of the simulation for [`simulate`], to the one-step
-    /// prediction errors, weighed by their covariance, for [`predict`] and [`residuals`]. Directions of the state that the
-    /// data do not show stay zero.
+    /// Fitted to each experiment. Estimators fit it together with the model; otherwise it is by least squares: to the
+    /// errors of the simulation for [`simulate`], to the one-step prediction errors, weighed by their covariance, for
+    /// [`predict`] and [`residuals`]. Directions of the state that the data do not show stay zero.
     #[default]
     Estimated,
     /// At rest.
@@ -78,8 +78,8 @@ pub fn simulate<M: LinearModel + ?Sized>(
 ///
 /// One step is the predictor of the innovations form, `x̂(t+1) = A x̂(t) + B u(t) + K (y(t) − ŷ(t | t−1))`,
 /// `ŷ(t | t−1) = C x̂(t) + D u(t)`. With k steps the last k − 1 measurements are not used:
-/// `ŷ(t | t−k) = ŷ(t | t−1) − Σ_{j=1}^{k−1} C A^{j−1} K e(t − j)`, with `e` the one-step errors. Before the `k`-th sample
-/// the prediction starts from the initial state.
+/// `ŷ(t | t−k) = ŷ(t | t−1) − Σ_{j=1}^{k−1} C A^{j−1} K e(t − j)`, with `e` the one-step errors. Before the `k`-th
+/// sample the prediction starts from the initial state.
 ///
 /// At a missing output the predictor coasts and goes on with the gain of the time-varying Kalman filter until the state
 /// is known again, so that a gap costs no more than it must.
@@ -101,9 +101,9 @@ pub fn predict<M: LinearModel + ?Sized>(
     Ok(respond(model, data, initial, Some(horizon))?.0)
 }
 
-/// The one-step prediction errors `ε(t) = y(t) − ŷ(t | t−1)`, samples × outputs for each experiment, NaN where the output
-/// is missing, and near the ends of an experiment where a model in continuous time would rest on a guess of band-limited
-/// inputs beyond it.
+/// The one-step prediction errors `ε(t) = y(t) − ŷ(t | t−1)`, samples × outputs for each experiment, NaN where the
+/// output is missing, and near the ends of an experiment where a model in continuous time would rest on a guess of
+/// band-limited inputs beyond it.
 ///
 /// # Errors
 /// Those of [`simulate`].

@@ -214,9 +214,9 @@ impl Task<'_> {
 
     /// `C` and `D` from all there is, with the dynamics held that were found to stand at these places.
     ///
-    /// The errors of the dynamics carry over to `C` and `D` by `−(JᵀJ)⁻¹ Jᵀ J_d`, with `J` and `J_d` the columns of `C` and
-    /// `D`, and of the dynamics. Apart from that both are independent: the former come of the noise times inputs, the
-    /// latter of the noise times itself.
+    /// The errors of the dynamics carry over to `C` and `D` by `−(JᵀJ)⁻¹ Jᵀ J_d`, with `J` and `J_d` the columns of `C`
+    /// and `D`, and of the dynamics. Apart from that both are independent: the former come of the noise times inputs,
+    /// the latter of the noise times itself.
     fn with_noise<'a>(
         &self,
         all: &[Segment<'a>],
@@ -364,8 +364,8 @@ impl Task<'_> {
         all
     }
 
-    /// [`Task::start`] for the dynamics alone. Where the inputs explain more of what the best leaves, also by way of models of
-    /// higher order: their searches are not caught as easily where one pole has to do the work of two.
+    /// [`Task::start`] for the dynamics alone. Where the inputs explain more of what the best leaves, also by way of
+    /// models of higher order: their searches are not caught as easily where one pole has to do the work of two.
     fn simulating_start(
         &self,
         all: &[Segment<'_>],
@@ -388,8 +388,8 @@ impl Task<'_> {
         self.start(&few, Aim::Simulation, |_| Ok(others))
     }
 
-    /// Of given starting values that which suits all data best, where the numerators that suit its denominators may replace
-    /// its own.
+    /// Of given starting values that which suits all data best, where the numerators that suit its denominators may
+    /// replace its own.
     fn best_of(&self, all: &[Segment<'_>], aim: Aim, starts: &[Vec<f64>]) -> Result<Vec<f64>, IdentError> {
         let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
         let mut best: Option<(f64, Vec<f64>)> = None;
@@ -409,8 +409,8 @@ impl Task<'_> {
         Ok(theta)
     }
 
-    /// The best of several starting values, each followed some way down on a part of the data, the most promising first,
-    /// unless it comes to where another has been.
+    /// The best of several starting values, each followed some way down on a part of the data, the most promising
+    /// first, unless it comes to where another has been.
     fn start(
         &self,
         all: &[Segment<'_>],

@@ -1,8 +1,8 @@
 //! Prediction errors, their gradient and the initial states, streamed through the data.
 //!
 //! With the states X of the innovations form as polynomials in q⁻¹ that act at the start of a segment:
-//! `w_k = (B_k u_k + X_k)/F_k`, `v = A y − Σ w_k − X_a`, `e = (D v − X_v)/C`. The prediction error is linear in X, which
-//! is therefore found by least squares for every θ and projected out of the gradient.
+//! `w_k = (B_k u_k + X_k)/F_k`, `v = A y − Σ w_k − X_a`, `e = (D v − X_v)/C`. The prediction error is linear in X,
+//! which is therefore found by least squares for every θ and projected out of the gradient.
 
 use faer::Mat;
 
@@ -75,8 +75,8 @@ impl<'a> Evaluator<'a> {
             && p.f.iter().all(|f| is_stable(f, self.largest_radius))
     }
 
-    /// θ with the roots outside the unit circle mirrored into it, where one lies beyond the edge. A start that was found on a part of
-    /// the data may lie there, as shorter data let through a faster growth.
+    /// θ with the roots outside the unit circle mirrored into it, where one lies beyond the edge. A start that was
+    /// found on a part of the data may lie there, as shorter data let through a faster growth.
     pub(super) fn within_the_edge(&self, theta: &[f64]) -> Vec<f64> {
         let mut theta = theta.to_vec();
         let denominators = (0..self.orders.inputs()).map(|k| self.orders.f(k));
@@ -186,8 +186,8 @@ impl<'a> Evaluator<'a> {
         Ok(Split::new(&triangle.finish(), count)?.explained())
     }
 
-    /// Writes the rows of J, with the initial state projected out, and the errors of the part of a segment from a row on
-    /// that follows the part written last, at the θ of [`Evaluator::linearise`]; at most [`BLOCK`] rows.
+    /// Writes the rows of J, with the initial state projected out, and the errors of the part of a segment from a row
+    /// on that follows the part written last, at the θ of [`Evaluator::linearise`]; at most [`BLOCK`] rows.
     pub(super) fn gradient(
         &mut self,
         theta: &[f64],

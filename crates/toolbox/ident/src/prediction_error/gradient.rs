@@ -47,7 +47,8 @@ proptest! {
         let factor = evaluator.factor(theta).unwrap();
         let cost = evaluator.cost(theta).unwrap();
         let n = theta.len();
-        // A direction of the initial state that moves the residuals by 1e-10 of the strongest is known to rounding over 1e-10.
+        // A direction of the initial state that moves the residuals by 1e-10 of the strongest is known to rounding over
+        // 1e-10.
         let rounding = if estimate { 1e-6 } else { 1e-10 };
         prop_assert!((factor.col(n).squared_norm_l2() / cost - 1.0).abs() < rounding);
         for j in 0..n {
@@ -58,7 +59,8 @@ proptest! {
                 evaluator.cost(&moved).unwrap()
             };
             let [wide, narrow] = [4e-6, 2e-6].map(|step| (at(step) - at(-step)) / (4.0 * step));
-            // Along such a direction the cost may bend within a step: differences are no slope there, and depend on the step.
+            // Along such a direction the cost may bend within a step: differences are no slope there, and depend on the
+            // step.
             prop_assume!(!estimate || (wide - narrow).abs() < 1e-7 * cost);
             prop_assert!((half_slope - narrow).abs() < 1e-6 * cost, "{j}: {half_slope} {narrow}");
         }

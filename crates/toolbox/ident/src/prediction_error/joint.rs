@@ -1,7 +1,7 @@
 //! The covariance of the equations of all outputs together.
 //!
-//! To first order `θ̂_i − θ_i = −U_i Σ_t ψ_i(t) e_i(t)` with `ψ_i(t)` the gradient of the error `e_i(t)` of output `i`, the
-//! initial states projected out of it, and `U_i = (Σ ψ_i ψ_iᵀ)⁻¹`. Hence
+//! To first order `θ̂_i − θ_i = −U_i Σ_t ψ_i(t) e_i(t)` with `ψ_i(t)` the gradient of the error `e_i(t)` of output `i`,
+//! the initial states projected out of it, and `U_i = (Σ ψ_i ψ_iᵀ)⁻¹`. Hence
 //! `P_ij = U_i (Σ_t Σ_s ψ_i(t) E[e_i(t) e_j(s)] ψ_j(s)ᵀ) U_j`, which is `λ_ij U_i (Σ_t ψ_i ψ_jᵀ) U_j` for white errors.
 
 use faer::Mat;
@@ -65,8 +65,8 @@ impl Stage<'_> {
     }
 }
 
-/// The covariance of the coefficients of all equations, and the degrees of freedom of its intervals. Every equation comes
-/// with the stages of its estimate, which are alike for all.
+/// The covariance of the coefficients of all equations, and the degrees of freedom of its intervals. Every equation
+/// comes with the stages of its estimate, which are alike for all.
 ///
 /// # Errors
 /// Stretches fewer than two, or shorter than a stage has coefficients.
@@ -190,8 +190,8 @@ fn sandwich(
     Ok(sandwich.covariance())
 }
 
-/// The sandwich whose middle is the scatter of `Σ ψ e` between stretches of equally many instants at which any output is
-/// known.
+/// The sandwich whose middle is the scatter of `Σ ψ e` between stretches of equally many instants at which any output
+/// is known.
 fn by_stretches(stages: &[&Stage<'_>], lengths: &[usize], stretches: usize) -> Result<Mat<f64>, IdentError> {
     let known = known(stages, lengths);
     let total = known.iter().flatten().filter(|k| **k).count();

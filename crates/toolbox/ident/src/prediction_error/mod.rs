@@ -57,8 +57,8 @@ impl Polynomial {
         }
     }
 
-    /// Takes inputs, outputs and noise as zero before each stretch of data. Otherwise the state that suits a stretch best is
-    /// found by least squares, for every trial model.
+    /// Takes inputs, outputs and noise as zero before each stretch of data. Otherwise the state that suits a stretch
+    /// best is found by least squares, for every trial model.
     #[must_use]
     pub fn from_rest(self) -> Self {
         Polynomial { from_rest: true, ..self }
@@ -71,22 +71,23 @@ impl Polynomial {
     }
 
     /// Finds the dynamics where this filter lets pass, such as a band around what matters: `B` and `F` from filtered
-    /// prediction errors, whose noise model is thrown away, or from the simulated output under [`Focus::Simulation`] and
-    /// wherever there is an `A`, since errors that the filter colours would take part in it. `C` and `D` are those that
-    /// predict all of the data best with these dynamics; residuals and criteria are those of unfiltered data.
+    /// prediction errors, whose noise model is thrown away, or from the simulated output under [`Focus::Simulation`]
+    /// and wherever there is an `A`, since errors that the filter colours would take part in it. `C` and `D` are those
+    /// that predict all of the data best with these dynamics; residuals and criteria are those of unfiltered data.
     ///
     /// # Source
-    /// Ljung 1999, §14.4: a filter on the errors is a noise model `1/L` times as large, which a free noise model undoes.
+    /// Ljung 1999, §14.4: a filter on the errors is a noise model `1/L` times as large, which a free noise model
+    /// undoes.
     #[must_use]
     pub fn with_prefilter(self, prefilter: Sos) -> Self {
         Polynomial { prefilter: Some(prefilter), ..self }
     }
 
-    /// Takes the covariance from the scatter between `batches` stretches of the data, two at least and each long against
-    /// the memory of the residuals, right also where the residuals are coloured or change in size. It is what happens,
-    /// with 30 stretches, to dynamics from filtered prediction errors. Otherwise the residuals of a noise model are taken
-    /// as white, and those of an output-error model, or of dynamics that were found by simulation, as having the
-    /// autocorrelation they show, independent of the inputs.
+    /// Takes the covariance from the scatter between `batches` stretches of the data, two at least and each long
+    /// against the memory of the residuals, right also where the residuals are coloured or change in size. It is what
+    /// happens, with 30 stretches, to dynamics from filtered prediction errors. Otherwise the residuals of a noise
+    /// model are taken as white, and those of an output-error model, or of dynamics that were found by simulation, as
+    /// having the autocorrelation they show, independent of the inputs.
     #[must_use]
     pub fn robust(self, batches: usize) -> Self {
         Polynomial { batches: Some(batches), ..self }
@@ -101,8 +102,8 @@ impl Polynomial {
 
     /// Starts the search at these coefficients, in the order of [`Fit::parameters`], or at the best of several such; by
     /// default starting values are sought on the data. An output-error model starts with the numerators that suit the
-    /// denominators given. For a scan of many structures that start at their neighbours, or a model that is known roughly:
-    /// the minimum found is that nearest to the start, and need not be the lowest.
+    /// denominators given. For a scan of many structures that start at their neighbours, or a model that is known
+    /// roughly: the minimum found is that nearest to the start, and need not be the lowest.
     ///
     /// # Example
     /// ```
@@ -133,11 +134,10 @@ impl Polynomial {
     /// missing.
     ///
     /// # Errors
-    /// [`IdentError::Structure`] for orders that make no model, a held coefficient that there is not, or a simulation or
-    /// prefilter without inputs;
-    /// [`IdentError::Length`] for orders of another number of inputs, or a start of another number of coefficients;
-    /// [`IdentError::NotFinite`] for a start or a held value that is no number; [`IdentError::TooFewSamples`];
-    /// [`IdentError::RankDeficient`] where the data do not determine every coefficient.
+    /// [`IdentError::Structure`] for orders that make no model, a held coefficient that there is not, or a simulation
+    /// or prefilter without inputs; [`IdentError::Length`] for orders of another number of inputs, or a start of
+    /// another number of coefficients; [`IdentError::NotFinite`] for a start or a held value that is no number;
+    /// [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not determine every coefficient.
     ///
     /// # Example
     /// ```

@@ -11,7 +11,8 @@ use crate::{Focus, NonlinearOptions};
 ///
 /// with polynomials in `q⁻¹` as in [`lti::PolynomialEquation`]: `A`, `C`, `D`, `F` start with one, and `B_k` with its
 /// `nb` coefficients after a delay of `nk` samples. Every output has an equation of its own with the same orders. The
-/// known members of the family are [`Armax`](crate::Armax), [`Ararx`](crate::Ararx), [`OutputError`](crate::OutputError), [`BoxJenkins`](crate::BoxJenkins) and [`Arma`](crate::Arma).
+/// known members of the family are [`Armax`](crate::Armax), [`Ararx`](crate::Ararx),
+/// [`OutputError`](crate::OutputError), [`BoxJenkins`](crate::BoxJenkins) and [`Arma`](crate::Arma).
 ///
 /// Prediction errors are minimised by the Levenberg–Marquardt method with analytic gradients. `C` and `F` are kept in
 /// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an
@@ -19,7 +20,8 @@ use crate::{Focus, NonlinearOptions};
 /// leaves the sample out, and others cut the experiment there too.
 ///
 /// # Source
-/// Ljung, *System Identification*, 2nd ed., 1999, §7.2 (the method), §10.2–10.3 (search and gradient), (9.17) (covariance).
+/// Ljung, *System Identification*, 2nd ed., 1999, §7.2 (the method), §10.2–10.3 (search and gradient), (9.17)
+/// (covariance).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polynomial {
     pub(super) na: usize,

@@ -68,7 +68,8 @@ fn carried(from: &Orders, theta: &[f64], to: &Orders) -> Vec<f64> {
     placed
 }
 
-/// The polynomials `1 + p₁ q⁻¹ + …` that are left when `fewer` roots are taken away, two at most, complex ones in pairs.
+/// The polynomials `1 + p₁ q⁻¹ + …` that are left when `fewer` roots are taken away, two at most, complex ones in
+/// pairs.
 fn shorter(p: &[f64], fewer: usize) -> Vec<Vec<f64>> {
     let full: Vec<f64> = std::iter::once(1.0).chain(p.iter().copied()).collect();
     let Ok(roots) = polynomial::roots(&full) else { return Vec::new() };

@@ -1,5 +1,5 @@
-//! Starting values for signals sampled much faster than the system moves: dynamics are sought at a slower rate, where the
-//! samples differ by more than the noise, and brought back.
+//! Starting values for signals sampled much faster than the system moves: dynamics are sought at a slower rate, where
+//! the samples differ by more than the noise, and brought back.
 
 use std::borrow::Cow;
 

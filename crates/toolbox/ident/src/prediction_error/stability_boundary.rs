@@ -22,8 +22,8 @@ struct Guarded {
     others: Vec<(char, Range<usize>)>,
 }
 
-/// The root that would cross the unit circle, where that is what stopped the search for an equation; none for roots well
-/// outside, which are what [`Doubt::Unstable`] says.
+/// The root that would cross the unit circle, where that is what stopped the search for an equation; none for roots
+/// well outside, which are what [`Doubt::Unstable`] says.
 ///
 /// # Errors
 /// Those of [`polynomial::roots`].

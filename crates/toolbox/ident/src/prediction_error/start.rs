@@ -1,4 +1,5 @@
-//! Starting values: a long ARX model, from which the noise and the noise-free outputs are read, then linear regressions.
+//! Starting values: a long ARX model, from which the noise and the noise-free outputs are read, then linear
+//! regressions.
 
 use faer::Mat;
 use numerics::linalg;
@@ -22,10 +23,12 @@ const SETTLED: f64 = 1e-6;
 /// Singular values below this fraction of the largest carry nothing.
 const TOLERANCE: f64 = 1e-11;
 
-/// Past residuals, and samples of each input, that are tested for whether they explain more, and rows a coefficient at least.
+/// Past residuals, and samples of each input, that are tested for whether they explain more, and rows a coefficient at
+/// least.
 const TOLD_ORDER: usize = 16;
 const TOLD_ROWS: usize = 10;
-/// A fraction of what is left is noticeable from here on, and where chance makes a larger one with this probability only.
+/// A fraction of what is left is noticeable from here on, and where chance makes a larger one with this probability
+/// only.
 const CLEAR: f64 = 0.02;
 const CHANCE: f64 = 1e-3;
 
@@ -347,8 +350,8 @@ impl Round<'_, '_> {
     }
 }
 
-/// θ with the numerators that, with the initial states that suit them, simulate the output best at its denominators, and the
-/// sum of squares they leave; `None` where a denominator is not stable.
+/// θ with the numerators that, with the initial states that suit them, simulate the output best at its denominators,
+/// and the sum of squares they leave; `None` where a denominator is not stable.
 pub(super) fn with_numerators(
     orders: &Orders,
     segments: &[Segment<'_>],

@@ -23,21 +23,22 @@ const FIRST_DELAY: (f64, f64) = (30.0, 0.1);
 const LONGER: f64 = 3.0;
 /// ... up to this part of the record.
 const LONGEST_DELAY: f64 = 1.0 / 3.0;
-/// Lags searched by default: the shortest in samples, the longest in lengths of the record. Beyond, a lag has no effect that
-/// the samples show, or is an integrator's.
+/// Lags searched by default: the shortest in samples, the longest in lengths of the record. Beyond, a lag has no effect
+/// that the samples show, or is an integrator's.
 const LAGS: (f64, f64) = (0.01, 10.0);
 
 /// Estimates process models, gain, lags, zero and delay, by minimising the error of the simulated output:
 ///
-/// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `G(s) = K (1 + T_z s) / Π(1 + T_p s) · e^{−T_d s}`, see [`ProcessModel`].
+/// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `G(s) = K (1 + T_z s) / Π(1 + T_p s) · e^{−T_d s}`, see
+/// [`ProcessModel`].
 ///
-/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
-/// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and
-/// the delay is a continuous parameter found below a sample. The search starts from the best of a grid of delays and
-/// lags. Initial states are estimated. Inputs that rest at first are taken to have rested before, unless the outputs refute
-/// that; then the samples before the longest delay only serve as past inputs. Several outputs are estimated together, by the determinant of the covariance of their errors,
-/// unless they are sampled at different instants. The covariance allows for noise with the autocorrelation of the
-/// residuals.
+/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an
+/// end of an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled
+/// exactly, and the delay is a continuous parameter found below a sample. The search starts from the best of a grid of
+/// delays and lags. Initial states are estimated. Inputs that rest at first are taken to have rested before, unless the
+/// outputs refute that; then the samples before the longest delay only serve as past inputs. Several outputs are
+/// estimated together, by the determinant of the covariance of their errors, unless they are sampled at different
+/// instants. The covariance allows for noise with the autocorrelation of the residuals.
 ///
 /// # Example
 /// ```
@@ -69,8 +70,8 @@ pub struct ProcessFit {
 
 impl ProcessFit {
     /// The structure in the customary letters: `P` and the number of poles (0 to 3) beside an integrator, then in any
-    /// order `D` for a delay, `Z` for a zero, `U` for two poles that may be complex, `I` for an integrator; for every input
-    /// the same.
+    /// order `D` for a delay, `Z` for a zero, `U` for two poles that may be complex, `I` for an integrator; for every
+    /// input the same.
     ///
     /// # Errors
     /// [`IdentError::Structure`] for another name, or `U` with fewer than two poles.
@@ -92,8 +93,8 @@ impl ProcessFit {
         }
     }
 
-    /// Bounds of the delay in seconds, one pair an input or one for all. If none are given it is searched from 0 to 30 samples,
-    /// a tenth of the record at most; where it ends at that limit, up to a third of the record.
+    /// Bounds of the delay in seconds, one pair an input or one for all. If none are given it is searched from 0 to 30
+    /// samples, a tenth of the record at most; where it ends at that limit, up to a third of the record.
     #[must_use]
     pub fn with_delay_between(self, delay_s: &[(f64, f64)]) -> Self {
         ProcessFit { delay_s: Some(delay_s.to_vec()), ..self }
@@ -136,8 +137,9 @@ impl ProcessFit {
         self
     }
 
-    /// Searches one parameter from `low` to `high`, in place of its usual bounds: those of lags and delay above, and 0 to 10 for a
-    /// damping ratio; gain and zero have none. Starting values beyond are moved to the bound. Names are those of [`hold`](Self::hold).
+    /// Searches one parameter from `low` to `high`, in place of its usual bounds: those of lags and delay above, and 0
+    /// to 10 for a damping ratio; gain and zero have none. Starting values beyond are moved to the bound. Names are
+    /// those of [`hold`](Self::hold).
     ///
     /// # Example
     /// ```
@@ -164,11 +166,11 @@ impl ProcessFit {
     /// Estimates the models.
     ///
     /// # Errors
-    /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
-    /// are no range or that no process has, a zero and no pole, or a parameter that there is not; [`IdentError::Missing`] for a gap in
-    /// an input (gaps in outputs are left out); [`IdentError::Constant`]; [`IdentError::TooFewSamples`];
-    /// [`IdentError::RankDeficient`] where the data do not determine every parameter. Two lags that come out equal are no
-    /// error: no data separate those, and they are put a little apart.
+    /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds
+    /// that are no range or that no process has, a zero and no pole, or a parameter that there is not;
+    /// [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out); [`IdentError::Constant`];
+    /// [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not determine every parameter.
+    /// Two lags that come out equal are no error: no data separate those, and they are put a little apart.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let record = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
         let mut longest = FIRST_DELAY.0.min((FIRST_DELAY.1 * record).floor());
@@ -188,7 +190,8 @@ impl ProcessFit {
         Ok(combine(&ground, beginning, &parts, self.settings())?.made_by("simulation error", data))
     }
 
-    /// The estimates of all outputs with delays of at most so many samples where they have no other bounds, without profiles.
+    /// The estimates of all outputs with delays of at most so many samples where they have no other bounds, without
+    /// profiles.
     fn search_to(&self, ground: &Ground<'_>, longest_delay: f64) -> Result<(Beginning, Parts), IdentError> {
         let ranges = self.ranges(ground.plain, longest_delay)?;
         let longest = |r: &Ranges| first_sample(&r.delay_s, ground.plain.sample_time_s());

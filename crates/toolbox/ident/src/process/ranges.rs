@@ -127,7 +127,8 @@ impl Ranges {
         self.bounds[parameter].lower == self.bounds[parameter].upper
     }
 
-    /// The structures with these delays, with lags spread down from `longest_s`, and gains of one, each moved to within its bounds.
+    /// The structures with these delays, with lags spread down from `longest_s`, and gains of one, each moved to within
+    /// its bounds.
     pub(crate) fn at(&self, delay_s: &[f64], longest_s: &[f64]) -> Result<ProcessSystem, IdentError> {
         let mut channels = Vec::with_capacity(self.structure.len());
         for ((model, delay), longest) in self.structure.iter().zip(delay_s).zip(longest_s) {

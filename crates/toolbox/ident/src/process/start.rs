@@ -1,4 +1,5 @@
-//! Where the search for a process model begins: the best of a grid of delays and lags, gains and zeros by least squares.
+//! Where the search for a process model begins: the best of a grid of delays and lags, gains and zeros by least
+//! squares.
 
 use faer::Mat;
 

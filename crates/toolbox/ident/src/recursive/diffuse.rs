@@ -47,8 +47,8 @@ impl Information {
         }
     }
 
-    /// Parameters, the inverse of the factor (an upper root of the covariance for noise of variance one), and the sum of
-    /// squares left; `None` as long as they are not well determined.
+    /// Parameters, the inverse of the factor (an upper root of the covariance for noise of variance one), and the sum
+    /// of squares left; `None` as long as they are not well determined.
     pub(super) fn solve(&self) -> Option<(Vec<f64>, Mat<f64>, f64)> {
         let n = self.row.len() - 1;
         if self.rows < ROWS * n + 1 {

@@ -62,7 +62,8 @@ pub struct Recursive {
 /// Prediction and error of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Update {
-    /// `ŷ(t | t−1)`, by the parameters before the sample; NaN where what it needs of the past is missing, as at the start.
+    /// `ŷ(t | t−1)`, by the parameters before the sample; NaN where what it needs of the past is missing, as at the
+    /// start.
     pub prediction: f64,
     /// `y(t) − ŷ(t | t−1)`; NaN where either is missing.
     pub error: f64,
@@ -86,8 +87,8 @@ impl Recursive {
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a structure without parameters or with lists of different lengths;
-    /// [`signal::SignalError::Parameter`] for an adaptation outside its range; [`IdentError::Length`] where the drift does
-    /// not have one value a parameter.
+    /// [`signal::SignalError::Parameter`] for an adaptation outside its range; [`IdentError::Length`] where the drift
+    /// does not have one value a parameter.
     pub fn new(structure: RecursiveStructure, adaptation: Adaptation) -> Result<Self, IdentError> {
         let regressor = Regressor::new(structure)?;
         let count = regressor.parameter_count();
@@ -97,8 +98,8 @@ impl Recursive {
     }
 
     /// Takes one sample: the inputs of this instant, and the output they and the past have led to. NaN is a missing
-    /// sample: the parameters stay, a missing output is replaced by its prediction in what follows, a missing input by the
-    /// one before it.
+    /// sample: the parameters stay, a missing output is replaced by its prediction in what follows, a missing input by
+    /// the one before it.
     ///
     /// # Errors
     /// [`IdentError::Length`] for a wrong number of inputs; [`IdentError::NotFinite`] for an infinite value.
@@ -135,8 +136,8 @@ impl Recursive {
         self.parameters.copy_from_slice(&self.before);
     }
 
-    /// Follows data from where it stands. Past samples are forgotten between experiments, parameters are not; the first rows
-    /// of each experiment, whose past is not known, teach nothing.
+    /// Follows data from where it stands. Past samples are forgotten between experiments, parameters are not; the first
+    /// rows of each experiment, whose past is not known, teach nothing.
     ///
     /// # Errors
     /// [`IdentError::Structure`] for several outputs; [`IdentError::Length`] for a wrong number of inputs.

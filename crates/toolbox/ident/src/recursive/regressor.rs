@@ -176,8 +176,8 @@ impl Regressor {
         start..start + self.nf[input]
     }
 
-    /// Writes the regressor φ and the gradient ψ = ∂ŷ/∂θ of the present instant, in the order a, b, c, f. At the start the
-    /// poles of an output-error model are those of the output itself.
+    /// Writes the regressor φ and the gradient ψ = ∂ŷ/∂θ of the present instant, in the order a, b, c, f. At the start
+    /// the poles of an output-error model are those of the output itself.
     pub(super) fn write(&mut self, starting: bool, phi: &mut [f64], psi: &mut [f64]) {
         let filters = !starting && (self.nc > 0 || !self.nf.is_empty());
         let mut at = 0;

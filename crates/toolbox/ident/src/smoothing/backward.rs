@@ -12,8 +12,8 @@ use super::sparse::SparseRow;
 use super::steady::Memory;
 use crate::triangle::upper_factor;
 
-/// Minus the curvature of the likelihood by the state, N of Durbin and Koopman, as RᵀR. By R, information that a measurement
-/// replaces leaves no rounding error behind that a wide covariance would enlarge.
+/// Minus the curvature of the likelihood by the state, N of Durbin and Koopman, as RᵀR. By R, information that a
+/// measurement replaces leaves no rounding error behind that a wide covariance would enlarge.
 struct Later {
     /// R, by rows.
     root: Vec<f64>,

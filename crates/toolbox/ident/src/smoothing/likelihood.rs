@@ -6,8 +6,8 @@ use super::forward::{Forward, Innovation};
 use super::system::{Belief, NoisySystem};
 use crate::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
 
-/// Every parameter is held where it starts as by one sample's worth of likelihood over 1000: enough to settle one that the
-/// measurements say nothing of, such as the level of a noise that is not there.
+/// Every parameter is held where it starts as by one sample's worth of likelihood over 1000: enough to settle one that
+/// the measurements say nothing of, such as the level of a noise that is not there.
 const HELD: f64 = 1e-3;
 /// Step of the numerical derivatives.
 const STEP: f64 = 1e-4;
@@ -32,24 +32,24 @@ pub struct Likeliest {
 }
 
 /// Finds the parameters of a [`NoisySystem`], and a common scale of all its covariances, that make the measurements
-/// likeliest. Covariances are those of the innovations alone: parameters are best the logarithms of ratios between noises, so
-/// that one of them can stay at one.
+/// likeliest. Covariances are those of the innovations alone: parameters are best the logarithms of ratios between
+/// noises, so that one of them can stay at one.
 ///
-/// With the scale at its best, Σ v²/(N F), minus twice the likelihood is N ln(Σ v²/F) + Σ ln F up to a constant, and its
-/// minimum that of Σ (g v/√F)², ln g the mean of ½ ln F: a sum of squares. Its slopes hold one half of the information on
-/// parameters that move F; rows of the Jacobian beside residuals of zero hold the other, so that steps are those of Fisher's
-/// scoring.
+/// With the scale at its best, Σ v²/(N F), minus twice the likelihood is N ln(Σ v²/F) + Σ ln F up to a constant, and
+/// its minimum that of Σ (g v/√F)², ln g the mean of ½ ln F: a sum of squares. Its slopes hold one half of the
+/// information on parameters that move F; rows of the Jacobian beside residuals of zero hold the other, so that steps
+/// are those of Fisher's scoring.
 ///
-/// The likelihood can have several maxima. From each of several `starts` there is a short search over the first quarter of
-/// the samples; the search over all of them begins at that end which makes all of them likeliest, or at the first start where
-/// no short search succeeds.
+/// The likelihood can have several maxima. From each of several `starts` there is a short search over the first quarter
+/// of the samples; the search over all of them begins at that end which makes all of them likeliest, or at the first
+/// start where no short search succeeds.
 ///
 /// # Errors
 /// Those of [`NoisySystem::smooth`] where the last search begins, and of [`minimise`]; no start.
 ///
 /// # Source
-/// Durbin & Koopman 2012, §7.2 and §2.10 (concentration); Harvey 1989, *Forecasting, Structural Time Series Models and the
-/// Kalman Filter*, §3.4.5 (information).
+/// Durbin & Koopman 2012, §7.2 and §2.10 (concentration); Harvey 1989, *Forecasting, Structural Time Series Models and
+/// the Kalman Filter*, §3.4.5 (information).
 pub fn likeliest(
     starts: &[Vec<f64>],
     bounds: &[Bounds],

@@ -19,8 +19,8 @@ pub use system::{Belief, NoisySystem, Smoothed};
 use system::{check_length, check_square};
 
 impl NoisySystem {
-    /// A discrete system with the covariance `process_covariance` of what moves its states a sample (states × states), and
-    /// the variances of what is added to its outputs.
+    /// A discrete system with the covariance `process_covariance` of what moves its states a sample (states × states),
+    /// and the variances of what is added to its outputs.
     ///
     /// # Errors
     /// A continuous system, sizes that do not fit, values that are not finite, variances below zero.
@@ -51,19 +51,20 @@ impl NoisySystem {
 
     /// States and their covariance at every sample, given all measurements.
     ///
-    /// `inputs` is samples × inputs, `outputs` samples × outputs; an output that was not measured is NaN. `start` is what
-    /// is known of x(0) before the first measurement; where that is nothing, a covariance that is large but not beyond 10¹²
-    /// times what the measurements leave of it.
+    /// `inputs` is samples × inputs, `outputs` samples × outputs; an output that was not measured is NaN. `start` is
+    /// what is known of x(0) before the first measurement; where that is nothing, a covariance that is large but not
+    /// beyond 10¹² times what the measurements leave of it.
     ///
-    /// The backward pass is Bryson and Frazier's form of the smoother of Rauch, Tung and Striebel: the same numbers without
-    /// the inverse of the predicted covariance, which is singular where noise does not reach every state. Measurements of
-    /// a sample are taken up one after the other.
+    /// The backward pass is Bryson and Frazier's form of the smoother of Rauch, Tung and Striebel: the same numbers
+    /// without the inverse of the predicted covariance, which is singular where noise does not reach every state.
+    /// Measurements of a sample are taken up one after the other.
     ///
     /// # Errors
     /// Sizes that do not fit; inputs that are not finite; measurements that noise and start leave no room for.
     ///
     /// # Source
-    /// Bryson & Frazier (1963); Koopman & Durbin (2000), *Fast filtering and smoothing for multivariate state space models*.
+    /// Bryson & Frazier (1963); Koopman & Durbin (2000), *Fast filtering and smoothing for multivariate state space
+    /// models*.
     pub fn smooth(
         &self,
         start: &Belief,
@@ -74,7 +75,8 @@ impl NoisySystem {
         Ok(backward::smooth(&forward, outputs))
     }
 
-    /// The states alone of [`NoisySystem::smooth`], without their covariances: far faster. Arguments and errors are the same.
+    /// The states alone of [`NoisySystem::smooth`], without their covariances: far faster. Arguments and errors are the
+    /// same.
     ///
     /// # Errors
     /// Those of [`NoisySystem::smooth`].
@@ -101,8 +103,8 @@ impl NoisySystem {
         Ok(Forward::run(self, start, inputs, outputs, false)?.log_likelihood())
     }
 
-    /// Innovations over their standard deviations, in the order in which they were measured: white, of variance one, where
-    /// the system is right. Arguments and errors as of [`NoisySystem::smooth`].
+    /// Innovations over their standard deviations, in the order in which they were measured: white, of variance one,
+    /// where the system is right. Arguments and errors as of [`NoisySystem::smooth`].
     ///
     /// # Errors
     /// Those of [`NoisySystem::smooth`].

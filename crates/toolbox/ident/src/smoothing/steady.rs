@@ -1,5 +1,5 @@
-//! Covariances settle: once a matrix is again what it was some samples before, with the same outputs measured, all that is made
-//! of it is known. An output that is read at every second sample alone makes it come back every second sample.
+//! Covariances settle: once a matrix is again what it was some samples before, with the same outputs measured, all that
+//! is made of it is known. An output that is read at every second sample alone makes it come back every second sample.
 
 /// Samples whose covariances are remembered.
 const REMEMBERED: usize = 8;

@@ -22,9 +22,9 @@ const INSIDE: f64 = 1e-3;
 
 /// The factor of `[Ψ₀, Ψ, ε]` for `B`, and `D` where there is feed-through, of a predictor in which both are zero.
 ///
-/// With `χ` the characteristic polynomial of `Ã = A − K C`, `ŷ = adj(…)/χ · u`, so that every column of `Ψ` is a sum of few
-/// shifts of `w = u/χ`: one filter an input, and the correlations of w and ε over n lags, hold all there is to know.
-/// `None` where outputs are missing, or where that would lose accuracy.
+/// With `χ` the characteristic polynomial of `Ã = A − K C`, `ŷ = adj(…)/χ · u`, so that every column of `Ψ` is a sum of
+/// few shifts of `w = u/χ`: one filter an input, and the correlations of w and ε over n lags, hold all there is to
+/// know. `None` where outputs are missing, or where that would lose accuracy.
 pub(super) fn factor(
     data: &Dataset,
     predictor: &Predictor,
@@ -62,7 +62,8 @@ struct Shape<'a> {
 }
 
 impl Shape<'_> {
-    /// For each whitened output the columns `[Ψ, ε]` in terms of w and ε at the lags n … 0: (lags · channels) × columns.
+    /// For each whitened output the columns `[Ψ, ε]` in terms of w and ε at the lags n … 0: (lags · channels) ×
+    /// columns.
     fn columns(&self) -> Vec<Mat<f64>> {
         let Predictor { n, m, p, .. } = *self.predictor;
         let (channels, direct) = (m + p, if self.feedthrough { p * m } else { 0 });

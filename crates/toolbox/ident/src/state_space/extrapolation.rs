@@ -1,7 +1,7 @@
 //! Anderson's extrapolation of a search's steps (Walker and Ni, SIAM J. Numer. Anal. 49, 2011, p. 1715).
 //!
-//! Gauss–Newton steps towards a model that explains the data shrink fast. Towards one of too low an order each is nearly the
-//! same part of the one before, and there may be hundreds: how they shrink shows where they lead.
+//! Gauss–Newton steps towards a model that explains the data shrink fast. Towards one of too low an order each is
+//! nearly the same part of the one before, and there may be hundreds: how they shrink shows where they lead.
 
 use std::collections::VecDeque;
 
@@ -33,9 +33,9 @@ impl Extrapolation {
         self.past.push_back((at, step));
     }
 
-    /// Where steps like the last ones lead from these entries, as a step along the columns of `basis`, entries × directions; the
-    /// next one by itself is `step`. Steps are as long as the changes of the errors, `jacobian` times the step. `None` as long as
-    /// there are too few.
+    /// Where steps like the last ones lead from these entries, as a step along the columns of `basis`, entries ×
+    /// directions; the next one by itself is `step`. Steps are as long as the changes of the errors, `jacobian` times
+    /// the step. `None` as long as there are too few.
     pub(super) fn step(
         &self,
         at: &[f64],
@@ -63,8 +63,8 @@ impl Extrapolation {
     }
 }
 
-/// Coordinates of `moves`, a column each, along the columns of `basis`: what only turns the states' basis is left out. Entries
-/// count by the sizes of their rows, which have the entries' units.
+/// Coordinates of `moves`, a column each, along the columns of `basis`: what only turns the states' basis is left out.
+/// Entries count by the sizes of their rows, which have the entries' units.
 fn along(basis: MatRef<'_, f64>, moves: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     let (rows, sizes) = scaled_columns(basis.transpose());
     let moves = Mat::from_fn(moves.nrows(), moves.ncols(), |i, j| moves[(i, j)] / sizes[i]);

@@ -175,8 +175,8 @@ pub(crate) fn gather(
     })
 }
 
-/// The predictor and the scatter of its errors. After a missing output its gain depends on the covariance of the errors, which a
-/// first pass finds.
+/// The predictor and the scatter of its errors. After a missing output its gain depends on the covariance of the
+/// errors, which a first pass finds.
 fn scattered(
     data: &Dataset,
     model: &Innovations,
@@ -195,8 +195,8 @@ fn scattered(
     Ok((predictor, scatter))
 }
 
-/// The covariance under errors with the autocorrelation of the residuals and `scale` times their size, and its degrees of
-/// freedom; `None` where they look white.
+/// The covariance under errors with the autocorrelation of the residuals and `scale` times their size, and its degrees
+/// of freedom; `None` where they look white.
 fn coloured(
     lineariser: &Lineariser<'_>,
     linearised: &Linearised,

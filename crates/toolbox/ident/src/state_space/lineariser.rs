@@ -86,7 +86,8 @@ impl Lineariser<'_> {
         Linearised { factor: whole.finish(), rows, tops }
     }
 
-    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. While a chunk is folded, the derivatives of the next are formed.
+    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. While a chunk is folded, the derivatives of the next are
+    /// formed.
     fn experiment(&self, experiment: &Experiment, x0: &[f64], instants: usize) -> Triangle {
         let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
         let mut rows = Rows::new(self, experiment, x0);
@@ -122,8 +123,8 @@ impl Lineariser<'_> {
         });
     }
 
-    /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is there;
-    /// where not, they are without meaning. For a model without a noise model.
+    /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is
+    /// there; where not, they are without meaning. For a model without a noise model.
     pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], bool)) {
         Rows::new(self, experiment, x0).advance(experiment.len(), visit);
     }

@@ -141,8 +141,8 @@ impl Predictor {
         Walk::new(self, experiment, x0).advance(experiment.len(), visit);
     }
 
-    /// `Σ ε εᵀ` of the weighed errors, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
-    /// ascend.
+    /// `Σ ε εᵀ` of the weighed errors, the instants it runs over, and the predicted states at the instants `marks` of
+    /// each experiment, which ascend.
     pub(crate) fn scatter(&self, data: &Dataset, x0: &[Vec<f64>], marks: &[Vec<usize>]) -> Scatter {
         let mut sums = vec![0.0; self.p * self.p];
         let mut whole = Scatter { sum: Mat::zeros(self.p, self.p), instants: 0, marked: Vec::new() };

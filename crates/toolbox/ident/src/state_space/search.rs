@@ -15,8 +15,8 @@ use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
 const DECREASE_TOLERANCE: f64 = 1e-13;
-/// ... or by less than this part of what one standard error in one parameter makes of it; a search whose steps are not extrapolated
-/// may have many small ones before it.
+/// ... or by less than this part of what one standard error in one parameter makes of it; a search whose steps are not
+/// extrapolated may have many small ones before it.
 const STATISTICAL_TOLERANCE: f64 = 1e-4;
 const STATISTICAL_TOLERANCE_OF_SMALL_STEPS: f64 = 1e-8;
 /// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
@@ -149,7 +149,8 @@ impl<'a, M: Searchable> Search<'a, M> {
         Ok(Search { data, model, x0, scatter, floor, estimated, misses, damping: 1e-2, extrapolation, iterations: 0 })
     }
 
-    /// The predictor of a model whose errors have the covariance found, on which its gain after a missing output depends.
+    /// The predictor of a model whose errors have the covariance found, on which its gain after a missing output
+    /// depends.
     fn predictor(&self, innovations: &Innovations) -> Result<Predictor, IdentError> {
         if !self.misses {
             return Ok(Predictor::new(innovations));
@@ -279,8 +280,9 @@ impl<'a, M: Searchable> Search<'a, M> {
         all
     }
 
-    /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they have `now`:
-    /// with those of the model tried, the search would prefer models that take errors after a gap for uncertain.
+    /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they
+    /// have `now`: with those of the model tried, the search would prefer models that take errors after a gap for
+    /// uncertain.
     fn tried(&self, (now, basis): (&Predictor, &Mat<f64>), step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();

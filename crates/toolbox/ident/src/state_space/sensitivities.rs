@@ -1,13 +1,13 @@
 //! The derivatives of predictions whose gain changes, as it does after a missing output.
 //!
 //! With x̂⁺ = A x̂ + B u + L ε and ε = y − C x̂ − D u, a change of the matrices makes
-//! `dx̂⁺ = A dx̂ + dA x̂ + dB u + dL ε − L dŷ`, `dŷ = C dx̂ + dC x̂ + dD u`, with zero columns of L for what is missing. The gain is
-//! that of [`Gain`](crate::prediction::Gain): `L = M S⁻¹`, `S = C_o P C_oᵀ + Λ_oo`, `M = A P C_oᵀ + K Λ_o`,
-//! `P⁺ = A P Aᵀ + K Λ Kᵀ − L S Lᵀ`, from which follow `dL = (dM − L dS) S⁻¹` and dP⁺.
+//! `dx̂⁺ = A dx̂ + dA x̂ + dB u + dL ε − L dŷ`, `dŷ = C dx̂ + dC x̂ + dD u`, with zero columns of L for what is
+//! missing. The gain is that of [`Gain`](crate::prediction::Gain): `L = M S⁻¹`, `S = C_o P C_oᵀ + Λ_oo`,
+//! `M = A P C_oᵀ + K Λ_o`, `P⁺ = A P Aᵀ + K Λ Kᵀ − L S Lᵀ`, from which follow `dL = (dM − L dS) S⁻¹` and dP⁺.
 //!
 //! # Source
-//! Gupta & Mehra, *Computational aspects of maximum likelihood estimation and reduction in sensitivity function calculations*,
-//! IEEE Trans. Autom. Control 19(6), 1974; Ljung 1999, §14.2 (missing data).
+//! Gupta & Mehra, *Computational aspects of maximum likelihood estimation and reduction in sensitivity function
+//! calculations*, IEEE Trans. Autom. Control 19(6), 1974; Ljung 1999, §14.2 (missing data).
 
 use faer::{Mat, MatRef};
 

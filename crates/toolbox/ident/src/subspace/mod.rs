@@ -163,8 +163,8 @@ impl Subspace {
         self.finish(data, scaled)
     }
 
-    /// A model for a search to start from, also where outputs miss samples: short gaps are filled by straight lines, and the data
-    /// are split at the others where what is left is enough.
+    /// A model for a search to start from, also where outputs miss samples: short gaps are filled by straight lines,
+    /// and the data are split at the others where what is left is enough.
     ///
     /// # Errors
     /// Those of [`Subspace::fit`].
@@ -205,8 +205,8 @@ impl Subspace {
     }
 
     /// The singular values of the weighted projection, largest first: a drop shows the order. Canonical correlations
-    /// with [`Weighting::Cva`] and [`Weighting::Ssarx`], those of the former for [`Weighting::Automatic`]; otherwise in units
-    /// of scaled outputs per window.
+    /// with [`Weighting::Cva`] and [`Weighting::Ssarx`], those of the former for [`Weighting::Automatic`]; otherwise in
+    /// units of scaled outputs per window.
     ///
     /// # Errors
     /// Those of [`Subspace::fit`].
@@ -220,8 +220,8 @@ impl Subspace {
         Ok(Projection::new(&hankel, &factor, self.weighting)?.singular_values().to_vec())
     }
 
-    /// Block rows: as asked for, or enough for the order and what the data can fill ten times over. Where the order is to be
-    /// chosen, short data make it smaller.
+    /// Block rows: as asked for, or enough for the order and what the data can fill ten times over. Where the order is
+    /// to be chosen, short data make it smaller.
     fn horizons(&self, data: &Dataset) -> Result<Horizons, IdentError> {
         let largest = match self.order {
             StateOrder::Fixed(order) => return self.horizons_of(order, data),

@@ -10,9 +10,9 @@ use crate::dense::spectral_radius;
 
 /// Canonical variates of the past and of the future without what later inputs and outputs contribute.
 ///
-/// With `Ã = A − K C` the future is `y(t+f) = C Ãᶠ x(t) + Σ_{i ≤ f} C Ãⁱ⁻¹ [B K] [u y](t+f−i) + e(t+f)`. The coefficients
-/// of the sum are those of a long autoregression with inputs; what is left when it is taken off depends on the past and on
-/// later noise only, whatever makes the inputs.
+/// With `Ã = A − K C` the future is `y(t+f) = C Ãᶠ x(t) + Σ_{i ≤ f} C Ãⁱ⁻¹ [B K] [u y](t+f−i) + e(t+f)`. The
+/// coefficients of the sum are those of a long autoregression with inputs; what is left when it is taken off depends on
+/// the past and on later noise only, whatever makes the inputs.
 ///
 /// # Source
 /// Jansson, *Subspace identification and ARX modeling*, 13th IFAC SYSID, 2003.
@@ -55,8 +55,8 @@ impl<'a> PredictorStates<'a> {
         Ok(Realised::new(a, c, &joint, noise_model))
     }
 
-    /// `C` by outputs on states; `A` and `K` by next states on states, inputs and the errors of the outputs. With the errors
-    /// known, an input may follow the output of the same instant.
+    /// `C` by outputs on states; `A` and `K` by next states on states, inputs and the errors of the outputs. With the
+    /// errors known, an input may follow the output of the same instant.
     fn regress(&self, states: &Mat<f64>) -> Result<Regressed, IdentError> {
         let (hankel, factor) = (self.hankel, self.factor);
         let (m, q, past, n) = (hankel.inputs, hankel.channels(), hankel.horizons.past, states.ncols());

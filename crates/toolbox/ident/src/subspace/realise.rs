@@ -90,9 +90,9 @@ impl<'a> Projection<'a> {
         Ok(Realised::new(a, c, &joint, noise_model))
     }
 
-    /// The model where the shift structure gives an unstable `A`. States beyond the order of the system have a direction
-    /// of Γ made of noise, whose shift may grow; as sequences they do not. So `A` and `C` are taken from the sequences if
-    /// that makes them stable, which it does not where the system itself grows.
+    /// The model where the shift structure gives an unstable `A`. States beyond the order of the system have a
+    /// direction of Γ made of noise, whose shift may grow; as sequences they do not. So `A` and `C` are taken from the
+    /// sequences if that makes them stable, which it does not where the system itself grows.
     fn realise_unstable(
         &self,
         gamma: MatRef<'_, f64>,
@@ -113,8 +113,8 @@ impl<'a> Projection<'a> {
         Ok(Realised::new(a, gamma.subrows(0, p).to_owned(), &self.residual_covariance(gamma)?, noise_model))
     }
 
-    /// Next states and outputs regressed on states and inputs, all states by the same function of their past: transposed
-    /// `[A B; C D]`, and the residuals' covariance `[Q S; Sᵀ R]`.
+    /// Next states and outputs regressed on states and inputs, all states by the same function of their past:
+    /// transposed `[A B; C D]`, and the residuals' covariance `[Q S; Sᵀ R]`.
     ///
     /// # Source
     /// Larimore, *Canonical variate analysis in identification, filtering, and adaptive control*, 29th IEEE CDC, 1990.

@@ -11,8 +11,8 @@ use numerics::linalg;
 
 use crate::{Criteria, Fit, Parametric, SpectralFit};
 
-/// The model's equations with standard errors, then the method, how well it describes the estimation data, criteria, how
-/// the search ended, and what to doubt.
+/// The model's equations with standard errors, then the method, how well it describes the estimation data, criteria,
+/// how the search ended, and what to doubt.
 ///
 /// # Example
 /// ```
@@ -51,8 +51,8 @@ impl<M> Fit<M> {
     /// `100 (1 − √(mean of ε² / mean of (y − ȳ)²))`. NaN for an output that does not vary; empty where the estimate was
     /// read from a file or made from frequency data.
     ///
-    /// The means are over the samples of the estimation data that the estimate rests on. [`judge`](crate::validate::judge)
-    /// counts the first samples too, and simulates.
+    /// The means are over the samples of the estimation data that the estimate rests on.
+    /// [`judge`](crate::validate::judge) counts the first samples too, and simulates.
     #[must_use]
     pub fn fit_percent(&self) -> Vec<f64> {
         let Some(origin) = &self.origin else { return Vec::new() };

@@ -11,8 +11,8 @@ use crate::validate::{JointTest, ResidualReport};
 const REMARKABLE: f64 = 0.01;
 
 impl fmt::Display for ResidualReport {
-    /// One line a test with its p-value, and one where only a part of the data was tested. A value below 0.01 speaks against the
-    /// model, and is marked.
+    /// One line a test with its p-value, and one where only a part of the data was tested. A value below 0.01 speaks
+    /// against the model, and is marked.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (output, whiteness) in self.whiteness.iter().enumerate() {
             line(f, &format!("residuals of y{} are white", output + 1), &whiteness.joint)?;

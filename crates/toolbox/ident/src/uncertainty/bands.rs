@@ -109,11 +109,12 @@ impl<M: Parametric + Dynamics> Fit<M> {
 }
 
 impl<M: Parametric + LinearModel> Fit<M> {
-    /// The response of an output from rest to an input that is one from the first time on, held between the grid's times;
-    /// these are the samples of a discrete model.
+    /// The response of an output from rest to an input that is one from the first time on, held between the grid's
+    /// times; these are the samples of a discrete model.
     ///
     /// # Errors
-    /// Those of the model, another step than a discrete model's among them; [`lti::LtiError::Index`]; [`IdentError::NotFinite`] where an unstable model overflows.
+    /// Those of the model, another step than a discrete model's among them; [`lti::LtiError::Index`];
+    /// [`IdentError::NotFinite`] where an unstable model overflows.
     pub fn step_band(&self, output: usize, input: usize, grid: &TimeGrid) -> Result<TimeBand, IdentError> {
         self.time_band(ChannelPair { output, input }, grid, |_| 1.0)
     }

@@ -49,9 +49,9 @@ pub struct StepChart {
 }
 
 impl<M: Parametric + Dynamics> Fit<M> {
-    /// The Bode plot of every channel, output by output, with 95 % bands: from a decade below the slowest pole to a decade
-    /// above the fastest, or to the Nyquist frequency, denser about resonances. [`Fit::bode_at`] takes frequencies of
-    /// one's own.
+    /// The Bode plot of every channel, output by output, with 95 % bands: from a decade below the slowest pole to a
+    /// decade above the fastest, or to the Nyquist frequency, denser about resonances. [`Fit::bode_at`] takes
+    /// frequencies of one's own.
     ///
     /// # Errors
     /// Those of [`Fit::frequency_band`].

@@ -23,8 +23,8 @@ pub trait Dynamics {
     /// Where the model has no such system.
     fn system(&self) -> Result<StateSpace, LtiError>;
 
-    /// The delay from an input to an output that [`Dynamics::system`] leaves out, in seconds: that of a continuous model. A
-    /// discrete model holds its delays as states.
+    /// The delay from an input to an output that [`Dynamics::system`] leaves out, in seconds: that of a continuous
+    /// model. A discrete model holds its delays as states.
     ///
     /// # Errors
     /// [`LtiError::Index`].
@@ -32,7 +32,8 @@ pub trait Dynamics {
         Ok(0.0)
     }
 
-    /// The ratio from an input to an output, delays left out, where the model is written in polynomials; `None` where it is not. Their roots are the poles and zeros then.
+    /// The ratio from an input to an output, delays left out, where the model is written in polynomials; `None` where
+    /// it is not. Their roots are the poles and zeros then.
     ///
     /// # Errors
     /// [`LtiError::Index`].

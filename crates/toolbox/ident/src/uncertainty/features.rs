@@ -16,12 +16,13 @@ const MOST_PEAKS: usize = 6;
 const WIDTH: f64 = 1e-4;
 /// Reach of the last parabola, as a part of the interval.
 const LAST: f64 = 1e-3;
-/// Part of the grid's spacing to which the parabola of a resonance reaches: narrow, so that it moves as the maximum does.
+/// Part of the grid's spacing to which the parabola of a resonance reaches: narrow, so that it moves as the maximum
+/// does.
 const STENCIL: f64 = 0.1;
 /// Relative step of frequency for a slope.
 const SLOPE: f64 = 1e-4;
-/// A frequency so far below the slowest pole that is not at rest, where a gain that ends has ended; and the factor by which
-/// one that does not end rises over a decade, at least.
+/// A frequency so far below the slowest pole that is not at rest, where a gain that ends has ended; and the factor by
+/// which one that does not end rises over a decade, at least.
 const SLOW: f64 = 1e-2;
 const RISES: f64 = 3.0;
 
@@ -131,8 +132,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         Ok(nearer > RISES * near)
     }
 
-    /// The lowest frequency in rad/s from which on the gain is less than 1/√2 of that at rest, looked for on a rising grid;
-    /// `None` where there is none, or no gain at rest.
+    /// The lowest frequency in rad/s from which on the gain is less than 1/√2 of that at rest, looked for on a rising
+    /// grid; `None` where there is none, or no gain at rest.
     ///
     /// Its error is `∂ln ω = ∂(ln|H(ω)| − ln|H(0)|)/(d ln|H|/d ln ω)`.
     ///
@@ -154,8 +155,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
 
     /// The maxima of the gain that stand out, by rising frequency, looked for on a rising grid.
     ///
-    /// Each is the top of a parabola of `ln|H|` over `ln ω` through three near points, whose change with the parameters is
-    /// its uncertainty.
+    /// Each is the top of a parabola of `ln|H|` over `ln ω` through three near points, whose change with the parameters
+    /// is its uncertainty.
     ///
     /// # Errors
     /// Those of the model.
@@ -168,7 +169,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         found.into_iter().map(|k| self.resonance(&omega_rad_s[k - 1..=k + 1])).collect()
     }
 
-    /// How far the loop that this way closes with a negative sign is from its stability limit, looked for on a rising grid.
+    /// How far the loop that this way closes with a negative sign is from its stability limit, looked for on a rising
+    /// grid.
     ///
     /// # Errors
     /// Those of the model.
@@ -190,8 +192,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         })
     }
 
-    /// Where the gain is largest between the ends of a grid's three points of which the middle one is the highest: by golden
-    /// section, which no shape of the peak leads astray, and a parabola where rounding ends it.
+    /// Where the gain is largest between the ends of a grid's three points of which the middle one is the highest: by
+    /// golden section, which no shape of the peak leads astray, and a parabola where rounding ends it.
     fn highest(&self, around: &[f64]) -> Result<f64, IdentError> {
         let loss = |log_omega: f64| Ok::<f64, LtiError>(-self.gain_at(self.model, log_omega.exp())?.norm());
         let (bounds, length) = ((around[0].ln(), around[2].ln()), (around[2] / around[0]).ln());
@@ -230,8 +232,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
 }
 
 impl<M: Parametric + Dynamics + LinearModel> Features<'_, M> {
-    /// The step response from rest in a few numbers, read off a grid; `None` where it does not end at a value other than
-    /// zero.
+    /// The step response from rest in a few numbers, read off a grid; `None` where it does not end at a value other
+    /// than zero.
     ///
     /// # Errors
     /// Those of the model, and of [`Fit::step_band`].

@@ -34,15 +34,15 @@ impl RatioTest {
     }
 }
 
-/// Tests whether the larger of two nested models, both fitted to the same rows, explains more than chance would: passes where
-/// the smaller one is enough.
+/// Tests whether the larger of two nested models, both fitted to the same rows, explains more than chance would: passes
+/// where the smaller one is enough.
 ///
-/// For one output `F = (V_s − V_l)/V_l · (N − d_l)/(d_l − d_s)`; for several the likelihood ratio `N ln(V_s/V_l)`, χ² with
-/// `d_l − d_s` degrees of freedom.
+/// For one output `F = (V_s − V_l)/V_l · (N − d_l)/(d_l − d_s)`; for several the likelihood ratio `N ln(V_s/V_l)`, χ²
+/// with `d_l − d_s` degrees of freedom.
 ///
 /// # Errors
-/// [`IdentError::Length`] where the estimates do not rest on equally many rows; [`IdentError::Structure`] where the larger
-/// model does not have more free parameters; [`IdentError::TooFewSamples`].
+/// [`IdentError::Length`] where the estimates do not rest on equally many rows; [`IdentError::Structure`] where the
+/// larger model does not have more free parameters; [`IdentError::TooFewSamples`].
 ///
 /// # Source
 /// Ljung 1999, §16.4 (F-test and likelihood ratio); Söderström & Stoica, *System Identification*, 1989, §11.4.
@@ -70,8 +70,8 @@ pub fn nested<S: Parametric, L: Parametric>(small: &Fit<S>, large: &Fit<L>) -> R
     Ok(RatioTest::new(gained * rest / added, added, rest))
 }
 
-/// Tests whether two estimates of the same structure from independent data agree: `δᵀ (P₁ + P₂)⁻¹ δ` with `δ = θ₁ − θ₂`, over
-/// its degrees of freedom.
+/// Tests whether two estimates of the same structure from independent data agree: `δᵀ (P₁ + P₂)⁻¹ δ` with
+/// `δ = θ₁ − θ₂`, over its degrees of freedom.
 ///
 /// # Errors
 /// [`IdentError::Length`] where the parameters differ in number; [`IdentError::NotFinite`].

@@ -1,5 +1,5 @@
-//! How certain an estimate is, and whatever is computed from it: functions of the parameters, poles and zeros, frequency
-//! and time responses, sampled models, tests between estimates.
+//! How certain an estimate is, and whatever is computed from it: functions of the parameters, poles and zeros,
+//! frequency and time responses, sampled models, tests between estimates.
 
 mod bands;
 mod charts;
@@ -71,8 +71,9 @@ impl Derived {
 impl<M: Parametric> Fit<M> {
     /// A function of the model with its covariance by the delta method, `Cov g(θ̂) = g′ P g′ᵀ`.
     ///
-    /// Derivatives are central differences along the principal directions of the covariance (parameters in units of their
-    /// deviations), never along single parameters: those may be far more uncertain than anything that follows from them.
+    /// Derivatives are central differences along the principal directions of the covariance (parameters in units of
+    /// their deviations), never along single parameters: those may be far more uncertain than anything that follows
+    /// from them.
     ///
     /// # Errors
     /// Those of `function`, also where it fails within a hundredth of a standard deviation of the estimate;

@@ -19,10 +19,11 @@ pub struct UncertainMode {
 }
 
 impl UncertainRoot {
-    /// Natural frequency, damping and time constant of the root of a system with this sample time, `None` for a continuous
-    /// one.
+    /// Natural frequency, damping and time constant of the root of a system with this sample time, `None` for a
+    /// continuous one.
     ///
-    /// `s = ln(z)/T`, hence `∂s = ∂z/(zT)`; `∂ω_n = (σ ∂σ + ω ∂ω)/|s|` and `∂ζ = (σω ∂ω − ω² ∂σ)/|s|³` with `s = σ + jω`.
+    /// `s = ln(z)/T`, hence `∂s = ∂z/(zT)`; `∂ω_n = (σ ∂σ + ω ∂ω)/|s|` and `∂ζ = (σω ∂ω − ω² ∂σ)/|s|³` with
+    /// `s = σ + jω`.
     ///
     /// # Source
     /// Ljung 1999, §9.6, for the delta method.
@@ -44,8 +45,8 @@ impl UncertainRoot {
 }
 
 impl UncertainMode {
-    /// The interval of the natural frequency in rad/s; `None` without uncertainty, and where the root lies so near another
-    /// that it means nothing.
+    /// The interval of the natural frequency in rad/s; `None` without uncertainty, and where the root lies so near
+    /// another that it means nothing.
     #[must_use]
     pub fn natural_frequency_rad_s(&self, level: f64) -> Option<(f64, f64)> {
         if self.is_monotonic() {
@@ -71,8 +72,8 @@ impl UncertainMode {
         Some((low.max(-1.0), high.min(1.0)))
     }
 
-    /// The interval of the time constant in seconds, that of the rate `−σ` turned over; infinite at one end where the rate
-    /// may be zero.
+    /// The interval of the time constant in seconds, that of the rate `−σ` turned over; infinite at one end where the
+    /// rate may be zero.
     #[must_use]
     pub fn time_constant_s(&self, level: f64) -> Option<(f64, f64)> {
         let (low, high) = self.rate(level)?;

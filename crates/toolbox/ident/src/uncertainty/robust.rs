@@ -8,12 +8,12 @@ use crate::prediction::{InitialState, residuals};
 use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
 
 impl<M: Parametric + LinearModel> Fit<M> {
-    /// The covariance of the parameters when the residuals on `data` (those of the fit) are coloured up to `lags` samples
-    /// apart, or change in size: `G⁻¹ M G⁻¹` with `ψ(t)` the sensitivity of the prediction error, `s(t) = ψ(t) Λ⁻¹ ε(t)`,
-    /// `G = Σ_t ψ(t) Λ⁻¹ ψ(t)ᵀ` and `M = Σ_{|τ| ≤ lags} (1 − |τ|/(lags + 1)) Σ_t s(t) s(t−τ)ᵀ`.
+    /// The covariance of the parameters when the residuals on `data` (those of the fit) are coloured up to `lags`
+    /// samples apart, or change in size: `G⁻¹ M G⁻¹` with `ψ(t)` the sensitivity of the prediction error,
+    /// `s(t) = ψ(t) Λ⁻¹ ε(t)`, `G = Σ_t ψ(t) Λ⁻¹ ψ(t)ᵀ` and `M = Σ_{|τ| ≤ lags} (1 − |τ|/(lags + 1)) Σ_t s(t) s(t−τ)ᵀ`.
     ///
-    /// An output-error model of a system with coloured noise needs it: its own covariance can be several times too small.
-    /// Take several times as many lags as the residuals remember.
+    /// An output-error model of a system with coloured noise needs it: its own covariance can be several times too
+    /// small. Take several times as many lags as the residuals remember.
     ///
     /// # Errors
     /// Those of [`residuals`]; [`IdentError::Missing`] where an output is missing; [`IdentError::TooFewSamples`].

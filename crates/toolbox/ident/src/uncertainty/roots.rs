@@ -97,14 +97,15 @@ impl<M: Parametric + Dynamics> Fit<M> {
     /// The poles from an input to an output, those of the whole system where the model is not written in polynomials.
     /// Delays of a discrete model, poles at zero by structure, are left out.
     ///
-    /// Derivatives are those of roots, `∂p = −Σ ∂c_i p^{n−i} / c′(p)`, or of eigenvalues, `∂p = wᴴ ∂A v / wᴴ v`; differences
-    /// are taken of coefficients or matrices only.
+    /// Derivatives are those of roots, `∂p = −Σ ∂c_i p^{n−i} / c′(p)`, or of eigenvalues, `∂p = wᴴ ∂A v / wᴴ v`;
+    /// differences are taken of coefficients or matrices only.
     ///
     /// # Errors
     /// Those of the model; [`IdentError::NotFinite`].
     ///
     /// # Source
-    /// Stewart & Sun, *Matrix Perturbation Theory*, 1990, ch. IV, for the derivative of an eigenvalue; Ljung 1999, §9.6.
+    /// Stewart & Sun, *Matrix Perturbation Theory*, 1990, ch. IV, for the derivative of an eigenvalue; Ljung 1999,
+    /// §9.6.
     pub fn poles(&self, output: usize, input: usize) -> Result<Vec<UncertainRoot>, IdentError> {
         if self.model.polynomials(output, input)?.is_some() {
             return self
@@ -115,7 +116,8 @@ impl<M: Parametric + Dynamics> Fit<M> {
         let mut roots = self.pencil_roots(&values, system.states(), |m| Ok(pencil(&m.system()?, false)))?;
         let fastest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
         for (root, (value, is_at_rest)) in roots.iter_mut().zip(lti::settled(&values, system.sample_time_s())) {
-            // By its structure the system integrates: its pole is at rest whatever the parameters, and rounding beside it.
+            // By its structure the system integrates: its pole is at rest whatever the parameters, and rounding beside
+            // it.
             let deviation = root.largest_deviation();
             if is_at_rest && (deviation <= STRUCTURAL * fastest || !deviation.is_finite()) {
                 *root = UncertainRoot { value, covariance: [[0.0; 2]; 2], near_multiple: false, ..root.clone() };
@@ -187,8 +189,8 @@ fn pencil(s: &StateSpace, bordered: bool) -> Vec<f64> {
     (0..size).flat_map(|i| (0..size).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
 }
 
-/// `P − λ E` at a root, with its null vectors. Inputs and outputs are brought to the size of the states first: they have
-/// units of their own, and beside much larger numbers the null vectors would be rounding.
+/// `P − λ E` at a root, with its null vectors. Inputs and outputs are brought to the size of the states first: they
+/// have units of their own, and beside much larger numbers the null vectors would be rounding.
 struct Shifted {
     rows: Vec<f64>,
     columns: Vec<f64>,

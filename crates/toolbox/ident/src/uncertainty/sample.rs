@@ -20,7 +20,8 @@ pub struct Sample<M> {
 pub struct Samples<M> {
     /// The models, stable or not.
     pub models: Vec<Sample<M>>,
-    /// Draws at which the structure has no model; where there are many, the distribution is not normal in these parameters.
+    /// Draws at which the structure has no model; where there are many, the distribution is not normal in these
+    /// parameters.
     pub refused: usize,
 }
 

@@ -110,7 +110,8 @@ impl LinearisedResiduals {
         if columns.states.iter().map(Mat::ncols).sum::<usize>() <= few_states {
             all.extend(columns.states_in_full(&stack));
         } else {
-            // The experiments' states are orthogonal: taken out one experiment at a time they cost no more than one of all.
+            // The experiments' states are orthogonal: taken out one experiment at a time they cost no more than one of
+            // all.
             blocks = Block::each(&columns.states, &stack, &whiten)?;
             all.retain_mut(|column| is_left(column, &blocks));
         }
@@ -142,7 +143,8 @@ impl LinearisedResiduals {
         })
     }
 
-    /// `S_k = Σ_t ε(t) u(t − k)` for k = −M … M with their covariance, of one output whose samples are marked by `there`.
+    /// `S_k = Σ_t ε(t) u(t − k)` for k = −M … M with their covariance, of one output whose samples are marked by
+    /// `there`.
     ///
     /// # Errors
     /// Those of the correlations.
@@ -228,8 +230,8 @@ impl LinearisedResiduals {
         along
     }
 
-    /// The same with lags that all count as full as the first, and each sum scaled to the products it has. What the blocks
-    /// take out is left in, little beside so many samples: regions are too wide by that.
+    /// The same with lags that all count as full as the first, and each sum scaled to the products it has. What the
+    /// blocks take out is left in, little beside so many samples: regions are too wide by that.
     fn stationary(&self, output: usize, there: &Series, u: &Series, lags: usize) -> Result<Parts, IdentError> {
         let rows = u.parts.iter().map(Vec::len).sum::<usize>();
         let longest = u.parts.iter().map(Vec::len).max().unwrap_or(1).max(1);

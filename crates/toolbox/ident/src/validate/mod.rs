@@ -42,8 +42,8 @@ impl JointTest {
     }
 }
 
-/// 100(1 − ‖y − ŷ‖/‖y − ȳ‖): 100 is perfect, 0 no better than the mean, negative worse than it. NaN where y does not vary by
-/// more than rounding: of nothing, no part is explained.
+/// 100(1 − ‖y − ŷ‖/‖y − ȳ‖): 100 is perfect, 0 no better than the mean, negative worse than it. NaN where y does not
+/// vary by more than rounding: of nothing, no part is explained.
 ///
 /// # Errors
 /// Lengths that differ, or no data.

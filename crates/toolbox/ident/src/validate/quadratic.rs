@@ -174,8 +174,9 @@ fn over_eigenvectors(c: &Mat<f64>, a: &Mat<f64>) -> Result<(f64, usize), IdentEr
 
 /// Columns whitened by a Toeplitz covariance.
 ///
-/// Where it is singular and the sums are many, δ is added to the variance λ of each direction, 1e-8 of the largest there can
-/// be: a direction then counts as `λ/(λ + δ)` of a degree of freedom, which is what it adds to a form on average.
+/// Where it is singular and the sums are many, δ is added to the variance λ of each direction, 1e-8 of the largest
+/// there can be: a direction then counts as `λ/(λ + δ)` of a degree of freedom, which is what it adds to a form on
+/// average.
 fn whiten_toeplitz(covariances: &[f64], columns: &Mat<f64>) -> Result<(Mat<f64>, f64), IdentError> {
     let m = columns.nrows();
     let largest = covariances[0] + 2.0 * covariances.iter().take(m).skip(1).map(|v| v.abs()).sum::<f64>();
@@ -192,9 +193,9 @@ fn whiten_toeplitz(covariances: &[f64], columns: &Mat<f64>) -> Result<(Mat<f64>,
     along_directions(&Mat::from_fn(m, m, |i, j| covariances[i.abs_diff(j)]), columns)
 }
 
-/// Columns whitened by `Q = P + floor·I`, and the trace of `Q⁻¹`, which bounds the reciprocal of the smallest eigenvalue:
-/// each sum is predicted from those before it, and the errors are taken in units of their deviations. The trace is
-/// `Σ (1 + φᵀφ)/v` for the predictors φ and variances v. `None` where Q is not positive.
+/// Columns whitened by `Q = P + floor·I`, and the trace of `Q⁻¹`, which bounds the reciprocal of the smallest
+/// eigenvalue: each sum is predicted from those before it, and the errors are taken in units of their deviations. The
+/// trace is `Σ (1 + φᵀφ)/v` for the predictors φ and variances v. `None` where Q is not positive.
 ///
 /// # Source
 /// Brockwell & Davis, *Time Series: Theory and Methods*, 2nd ed., 1991, proposition 5.2.1 (Durbin and Levinson).

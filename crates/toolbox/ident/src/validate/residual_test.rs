@@ -39,9 +39,9 @@ pub struct ResidualTest {
     pub level: f64,
     /// The initial state of each experiment.
     pub initial: InitialState,
-    /// Of longer data, as many samples as this, in stretches spread evenly over them, or from the start of each experiment
-    /// where its initial state is known; never fewer than forty times the lags. Of an estimate with many parameters fewer: time and
-    /// memory are in proportion to the samples times the parameters.
+    /// Of longer data, as many samples as this, in stretches spread evenly over them, or from the start of each
+    /// experiment where its initial state is known; never fewer than forty times the lags. Of an estimate with many
+    /// parameters fewer: time and memory are in proportion to the samples times the parameters.
     pub most_samples: usize,
 }
 
@@ -89,11 +89,11 @@ pub struct ResidualReport {
 pub struct Whiteness {
     /// Mean of the residual; the correlations are taken about it.
     pub mean: f64,
-    /// `r_ε(k)/r_ε(0)` for k = 0 … M, of what the parameters cannot explain in data that they were fitted to. NaN at lags at
-    /// which no two samples are known.
+    /// `r_ε(k)/r_ε(0)` for k = 0 … M, of what the parameters cannot explain in data that they were fitted to. NaN at
+    /// lags at which no two samples are known.
     pub auto: Vec<f64>,
-    /// Each of them after the first stays below its bound in magnitude, at the level asked for, if ε is white: k = 0 … M,
-    /// NaN where there is no correlation. Narrow where the estimate leaves little.
+    /// Each of them after the first stays below its bound in magnitude, at the level asked for, if ε is white: k = 0 …
+    /// M, NaN where there is no correlation. Narrow where the estimate leaves little.
     pub bounds: Vec<f64>,
     /// The test over lags 1 to M. With parameters that are known it is that of Ljung and Box.
     pub joint: JointTest,
@@ -110,16 +110,16 @@ impl Whiteness {
 /// The correlation of a residual with an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Independence {
-    /// `r_εu(k)/√(r_ε(0) r_u(0))` for k = −M … M, with `r_εu(k)` the mean of `ε(t) u(t − k)`, of what the parameters cannot
-    /// explain in data that they were fitted to. NaN at lags at which no sample meets another.
+    /// `r_εu(k)/√(r_ε(0) r_u(0))` for k = −M … M, with `r_εu(k)` the mean of `ε(t) u(t − k)`, of what the parameters
+    /// cannot explain in data that they were fitted to. NaN at lags at which no sample meets another.
     pub cross: Vec<f64>,
     /// Each stays below its bound in magnitude, at the level asked for, if ε does not depend on u: k = −M … M. Next to
     /// nothing where the estimate leaves no correlation, NaN where there is none.
     pub bounds: Vec<f64>,
     /// Lags 0 to M, the input's present and past: what fails here is dynamics that the model lacks.
     pub dynamics: JointTest,
-    /// Lags 1 to M, the input's past alone. Where this passes and [`Independence::dynamics`] fails, the residual goes with the
-    /// input of the same sample only: the input acts at once, or it follows the output within a sample.
+    /// Lags 1 to M, the input's past alone. Where this passes and [`Independence::dynamics`] fails, the residual goes
+    /// with the input of the same sample only: the input acts at once, or it follows the output within a sample.
     pub past: JointTest,
     /// Lags −M to −1, the input's future: what fails here is feedback from the output to the input.
     pub feedback: JointTest,
@@ -136,26 +136,27 @@ impl Independence {
 impl ResidualTest {
     /// Tests the one-step prediction errors of an estimate, on data it was fitted to or on others.
     ///
-    /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so are
-    /// lags at which no two samples are known, as those longer than every experiment: they have no degree of freedom.
+    /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so
+    /// are lags at which no two samples are known, as those longer than every experiment: they have no degree of
+    /// freedom.
     ///
     /// With `U` the lagged input, or the lagged residual for whiteness, `R` the covariance in time of the errors `v`,
-    /// `Ψ` the sensitivity of the predictions to the parameters, to the initial states that are estimated here and on own data
-    /// to [levels](Fit::levels) that were estimated,
-    /// and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of covariance `Λ`:
+    /// `Ψ` the sensitivity of the predictions to the parameters, to the initial states that are estimated here and on
+    /// own data to [levels](Fit::levels) that were estimated, and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of
+    /// covariance `Λ`:
     /// - on [`TestData::Own`] the sums tested are `Uᵀ M ε`, of covariance `Uᵀ M R Mᵀ U`. Where ε is the smallest in the
-    ///   sense of Λ, `M ε = ε`. An estimate of another kind (instruments, subspaces) is so tested as if a last step had been
-    ///   taken to that minimum: what a step of the parameters explains is no missing dynamics. One that is far from it, as
-    ///   by subspaces from few data, fails more often than the level says.
-    /// - on [`TestData::Unseen`] they are `Uᵀ ε`, of covariance `UᵀRU + Uᵀ Ψ P Ψᵀ U` with `P` the estimate's covariance and
-    ///   `Ψ` that of the parameters; the initial states estimated here are taken out as above.
+    ///   sense of Λ, `M ε = ε`. An estimate of another kind (instruments, subspaces) is so tested as if a last step had
+    ///   been taken to that minimum: what a step of the parameters explains is no missing dynamics. One that is far
+    ///   from it, as by subspaces from few data, fails more often than the level says.
+    /// - on [`TestData::Unseen`] they are `Uᵀ ε`, of covariance `UᵀRU + Uᵀ Ψ P Ψᵀ U` with `P` the estimate's covariance
+    ///   and `Ψ` that of the parameters; the initial states estimated here are taken out as above.
     ///
-    /// `R` is that of an autoregression fitted to the residuals; for whiteness, that of white errors, with `UᵀU` what it
-    /// then is on average. Directions that the estimate holds have no degree of freedom: of an autoregression estimated with
-    /// `n` coefficients that are forgotten within M lags, M − n are left on its own data. On unseen data its errors change no
-    /// correlation on average, but all of them together by as much as chance does: `Uᵀ Ψ P Ψᵀ U` is of the order of `UᵀRU`.
-    /// All this is linear in the errors of the parameters, and holds where those are small. A model of the dynamics alone
-    /// has nothing that would make its residuals white.
+    /// `R` is that of an autoregression fitted to the residuals; for whiteness, that of white errors, with `UᵀU` what
+    /// it then is on average. Directions that the estimate holds have no degree of freedom: of an autoregression
+    /// estimated with `n` coefficients that are forgotten within M lags, M − n are left on its own data. On unseen data
+    /// its errors change no correlation on average, but all of them together by as much as chance does: `Uᵀ Ψ P Ψᵀ U`
+    /// is of the order of `UᵀRU`. All this is linear in the errors of the parameters, and holds where those are small.
+    /// A model of the dynamics alone has nothing that would make its residuals white.
     ///
     /// # Errors
     /// Those of [`residuals`]; [`IdentError::TooFewSamples`] under four times as many samples as lags;
@@ -163,12 +164,12 @@ impl ResidualTest {
     /// model beside the estimate.
     ///
     /// # Source
-    /// Ljung 1999, §16.6; Box and Pierce, *Distribution of residual autocorrelations in autoregressive-integrated moving
-    /// average time series models*, 1970, and McLeod, *On the distribution of residual autocorrelations in Box–Jenkins
-    /// models*, 1978, for whiteness on own data; Neyman, *Optimal asymptotic tests of composite statistical
+    /// Ljung 1999, §16.6; Box and Pierce, *Distribution of residual autocorrelations in autoregressive-integrated
+    /// moving average time series models*, 1970, and McLeod, *On the distribution of residual autocorrelations in
+    /// Box–Jenkins models*, 1978, for whiteness on own data; Neyman, *Optimal asymptotic tests of composite statistical
     /// hypotheses*, 1959, for sums that errors of the parameters leave alone. Ljung, G. M. and Box, *On a measure of
-    /// lack of fit in time series models*, 1978; for several outputs Hosking, *The multivariate portmanteau
-    /// statistic*, 1980.
+    /// lack of fit in time series models*, 1978; for several outputs Hosking, *The multivariate portmanteau statistic*,
+    /// 1980.
     pub fn run<M: Parametric + LinearModel>(
         &self,
         fit: &Fit<M>,
@@ -333,7 +334,8 @@ impl ResidualTest {
     }
 }
 
-/// The directions of initial states, and beside them a level of every output in each experiment, where the output is there.
+/// The directions of initial states, and beside them a level of every output in each experiment, where the output is
+/// there.
 fn with_levels(states: &[Mat<f64>], errors: &[Mat<f64>]) -> Vec<Mat<f64>> {
     let of = |(states, errors): (&Mat<f64>, &Mat<f64>)| {
         let (length, count) = (errors.nrows(), states.ncols());

@@ -79,8 +79,8 @@ impl Stack {
     }
 }
 
-/// The change of the errors along each direction in which the parameters are uncertain, a standard deviation far, up to what
-/// the initial states do where these are estimated.
+/// The change of the errors along each direction in which the parameters are uncertain, a standard deviation far, up to
+/// what the initial states do where these are estimated.
 ///
 /// # Errors
 /// [`IdentError::NotFinite`] where there is no model however near to the estimate.
@@ -149,8 +149,8 @@ fn to_states_side_by_side(form: &Innovations, data: &Dataset) -> Vec<Mat<f64>> {
     tables.into_iter().zip(data.experiments()).map(|(columns, experiment)| table(columns, experiment)).collect()
 }
 
-/// The change of the errors along the directions of which a model is moved by the first of [`STEPS`]; `None` for those that change
-/// the size of its form, as a delay may, and for all where the predictor has not one gain throughout.
+/// The change of the errors along the directions of which a model is moved by the first of [`STEPS`]; `None` for those
+/// that change the size of its form, as a delay may, and for all where the predictor has not one gain throughout.
 fn side_by_side<M: LinearModel>(
     model: &M,
     moved: &[Option<M>],
@@ -186,9 +186,9 @@ fn side_by_side<M: LinearModel>(
     Ok(columns)
 }
 
-/// The errors that the entries of each experiment's initial state leave: the rows of the experiment in the stack × entries,
-/// a table an experiment. No tables where they are not estimated, and none where they would take so much memory that the
-/// regions had better be a little too wide.
+/// The errors that the entries of each experiment's initial state leave: the rows of the experiment in the stack ×
+/// entries, a table an experiment. No tables where they are not estimated, and none where they would take so much
+/// memory that the regions had better be a little too wide.
 ///
 /// # Errors
 /// Those of the model's innovations form.

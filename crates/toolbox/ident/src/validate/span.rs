@@ -75,7 +75,8 @@ pub(super) fn weigh(columns: &Mat<f64>, stack: &Stack, weight: &Mat<f64>) -> Mat
     weighed
 }
 
-/// The span of columns, orthonormal once an instant's outputs are multiplied by `whitenᵀ`; columns of every size count alike.
+/// The span of columns, orthonormal once an instant's outputs are multiplied by `whitenᵀ`; columns of every size count
+/// alike.
 pub(super) fn orthonormal(columns: &[Vec<f64>], stack: &Stack, whiten: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     let norm = |c: &Vec<f64>| c.iter().map(|v| v * v).sum::<f64>().sqrt();
     let moving: Vec<(&Vec<f64>, f64)> = columns.iter().map(|c| (c, norm(c))).filter(|(_, n)| n.is_normal()).collect();

@@ -1,8 +1,8 @@
 //! How prediction errors change along directions of the parameters, by the linear equations that the changes obey.
 //!
 //! With `x⁺ = A x + B u + K e` and `e = y − C x − D u`, a change of the matrices makes `de = −(C s + dC x + dD u)` and
-//! `s⁺ = A s + K de + dA x + dB u + dK e` from `s = 0` on. All directions go through the record side by side, so that each entry of
-//! a matrix is read once a sample, and serves whole vector registers.
+//! `s⁺ = A s + K de + dA x + dB u + dK e` from `s = 0` on. All directions go through the record side by side, so that
+//! each entry of a matrix is read once a sample, and serves whole vector registers.
 //!
 //! # Source
 //! Ljung 1999, §10.3 (gradients of the predictor).
@@ -108,7 +108,8 @@ impl Tangent {
         Tangent { start, ..Tangent::new(form, &unmoved, 1.0) }
     }
 
-    /// The form of a model, and the forms that it has a step `h` along each direction from there. All have the same size.
+    /// The form of a model, and the forms that it has a step `h` along each direction from there. All have the same
+    /// size.
     pub(super) fn new(form: &Innovations, moved: &[&Innovations], h: f64) -> Self {
         let system = form.system();
         let (n, m, p, width) = (system.states(), system.inputs(), system.outputs(), moved.len());
@@ -143,8 +144,8 @@ impl Tangent {
         !self.d_transition.places.is_empty() || !self.d_output.places.is_empty()
     }
 
-    /// Writes the change of the errors of one experiment without missing outputs into its rows of a column for each direction,
-    /// output by output. Whether each stays finite.
+    /// Writes the change of the errors of one experiment without missing outputs into its rows of a column for each
+    /// direction, output by output. Whether each stays finite.
     pub(super) fn errors(&self, experiment: &Experiment, x0: &[f64], columns: &mut [&mut [f64]]) -> Vec<bool> {
         let Tangent { states, inputs, outputs, width, .. } = *self;
         let length = experiment.len();

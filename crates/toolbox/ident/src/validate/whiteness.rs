@@ -13,19 +13,21 @@ use crate::{IdentError, variance_course};
 
 /// Residuals below this part of what they were before their mean was taken off are a constant and rounding.
 const VARYING: f64 = 1e-12;
-/// Most sums of which the covariance that blocks leave is written out; of more, regions are too wide by what these take.
+/// Most sums of which the covariance that blocks leave is written out; of more, regions are too wide by what these
+/// take.
 const MOST_SUMS: usize = 500;
 
 /// The sums `S_ijk = Σ_t ε_i(t) ε_j(t − k)` for k = 1 … M of residuals in units of their deviations, and the covariance
 /// they have if the errors are white.
 ///
 /// Each is a sum of the errors with what the past determines, so what an estimate takes out of the errors, or its own
-/// errors add to them, changes it as it changes a sum with an input; in `ε_j(t − k)` such changes are of second order. The
-/// covariance of the errors themselves is that of independent ones, `E S_ijk S_i'j'k = n_k Λ_ii' Λ_jj'`. Where the errors
-/// change in size over time, it has the mean of `ε_i²(t) ε_j²(t − k)` in place of `Λ_ii Λ_jj`.
+/// errors add to them, changes it as it changes a sum with an input; in `ε_j(t − k)` such changes are of second order.
+/// The covariance of the errors themselves is that of independent ones, `E S_ijk S_i'j'k = n_k Λ_ii' Λ_jj'`. Where the
+/// errors change in size over time, it has the mean of `ε_i²(t) ε_j²(t − k)` in place of `Λ_ii Λ_jj`.
 ///
 /// # Source
-/// Lobato, Nankervis & Savin, *Testing for autocorrelation using a modified Box–Pierce Q test*, Int. Econ. Rev. 42, 2001.
+/// Lobato, Nankervis & Savin, *Testing for autocorrelation using a modified Box–Pierce Q test*, Int. Econ. Rev. 42,
+/// 2001.
 pub(super) struct PastSums {
     outputs: usize,
     /// Pairs behind the sums at the lags 0 … M, outputs × outputs.
@@ -44,8 +46,9 @@ pub(super) struct PastSums {
     spread: Vec<f64>,
 }
 
-/// Of one output: correlations at the lags 0 … M, their deviations, and the test. Where an estimate leaves next to nothing,
-/// what is of second order in its errors is no longer small beside it: deviations are no less than with [`HELD`].
+/// Of one output: correlations at the lags 0 … M, their deviations, and the test. Where an estimate leaves next to
+/// nothing, what is of second order in its errors is no longer small beside it: deviations are no less than with
+/// [`HELD`].
 pub(super) struct OwnPast {
     pub(super) auto: Vec<f64>,
     pub(super) deviations: Vec<f64>,
@@ -239,8 +242,8 @@ impl Units<'_> {
         Ok(found)
     }
 
-    /// The deviation of each sum over that of independent errors, `√(mean of ε_i²(t) ε_j²(t − k))`: one where no output changes
-    /// in size.
+    /// The deviation of each sum over that of independent errors, `√(mean of ε_i²(t) ε_j²(t − k))`: one where no output
+    /// changes in size.
     fn spread(&self, outputs: &[Series], pairs: &[Mat<f64>]) -> Result<Vec<f64>, IdentError> {
         let p = self.past.len();
         let mut spread = vec![1.0; p * p * self.lags];
@@ -278,8 +281,8 @@ impl Units<'_> {
         }
     }
 
-    /// `Σ (−Z Bᵀ − B Zᵀ + B K Bᵀ)` over the blocks, and `−Σ B EᵀR E₀`, which makes `UᵀRE₀` that of `U` cleared of them, from
-    /// `R E₀`.
+    /// `Σ (−Z Bᵀ − B Zᵀ + B K Bᵀ)` over the blocks, and `−Σ B EᵀR E₀`, which makes `UᵀRE₀` that of `U` cleared of them,
+    /// from `R E₀`.
     fn change_by_blocks(
         &self,
         outputs: &[Series],

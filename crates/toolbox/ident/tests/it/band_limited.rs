@@ -225,8 +225,8 @@ impl Tally {
     }
 }
 
-/// At 0.3 of the sample rate nothing of the inputs' description shows; at 0.45 its part of 1e-4 must stay below the noise,
-/// here of a tenth of the output's size.
+/// At 0.3 of the sample rate nothing of the inputs' description shows; at 0.45 its part of 1e-4 must stay below the
+/// noise, here of a tenth of the output's size.
 #[test]
 #[ignore = "slow"]
 fn stat_transfer_functions_and_process_models() {

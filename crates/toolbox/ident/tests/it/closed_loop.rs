@@ -96,8 +96,8 @@ fn judge((inside, mean): ([f64; 2], [f64; 2])) {
     assert!(mean.iter().all(|m| m.abs() < 0.35), "{inside:?} {mean:?}");
 }
 
-/// The noise that circulates hides from the residuals, and the intervals are too short, as is said of them. Ten lags: what
-/// they leave of the sensitivity is 10⁻⁴, and they follow little of the noise.
+/// The noise that circulates hides from the residuals, and the intervals are too short, as is said of them. Ten lags:
+/// what they leave of the sensitivity is 10⁻⁴, and they follow little of the noise.
 #[test]
 #[ignore = "slow"]
 fn stat_two_stages_are_less_certain_than_their_residuals() {

@@ -163,7 +163,8 @@ fn exact_an_output_that_is_three_times_another_adds_nothing() {
     }
 }
 
-/// The errors of short records look opposed from sample to sample; that makes no interval shorter beside another output.
+/// The errors of short records look opposed from sample to sample; that makes no interval shorter beside another
+/// output.
 #[test]
 fn regress_another_output_does_not_narrow_the_intervals_of_short_records() {
     let fit = |data: &Dataset| ContinuousTransferFunction::new(0, 1).with_offset().fit(data).unwrap().standard_errors();

@@ -325,7 +325,8 @@ fn regress_an_output_that_is_the_input_claims_nothing() {
     assert!(found.best().faults.contains(&DelayFault::TooEarly { input: 0 }), "{found:?}");
 }
 
-/// The model of a gain has a level for every recording, as those with a lag have: otherwise a lag would win by its levels.
+/// The model of a gain has a level for every recording, as those with a lag have: otherwise a lag would win by its
+/// levels.
 #[test]
 fn regress_recordings_at_levels_of_their_own_are_one_gain() {
     let is_found = |seed: &u64| {

@@ -173,8 +173,8 @@ fn exact_prior_alone_gives_its_own_uncertainty_back() {
     assert!((error / 1e-7 - 1.0).abs() < 0.01, "{error}");
 }
 
-/// A prior as strong as the data, which the noise levels stated must not weaken or strengthen: what is known beforehand is in
-/// units of its own.
+/// A prior as strong as the data, which the noise levels stated must not weaken or strengthen: what is known beforehand
+/// is in units of its own.
 #[test]
 fn exact_prior_and_data_combine_whatever_the_stated_noise() {
     let signals = records(&mut Noise::new(6), 0.3);
@@ -191,8 +191,8 @@ fn exact_prior_and_data_combine_whatever_the_stated_noise() {
     }
 }
 
-/// The truth is drawn from the prior, and the noise levels are three times what they are: 95 % intervals still hold the truth in
-/// 95 % of the draws.
+/// The truth is drawn from the prior, and the noise levels are three times what they are: 95 % intervals still hold the
+/// truth in 95 % of the draws.
 #[test]
 fn stat_intervals_with_a_prior_hold_the_truth_where_the_noise_is_overstated() {
     let (runs, uncertainty) = (300, 2e-4);

@@ -235,7 +235,8 @@ fn stat_responses_estimated_elsewhere_are_taken() {
     );
 }
 
-/// Neighbouring lines of a local estimate come from the same noise: intervals that take them for independent held 63–67 %.
+/// Neighbouring lines of a local estimate come from the same noise: intervals that take them for independent held 63–67
+/// %.
 #[test]
 #[ignore = "slow"]
 fn stat_intervals_from_local_estimates_cover_the_truth() {

@@ -80,8 +80,8 @@ fn regression(data: &Dataset, taps: usize) -> (Mat<f64>, Mat<f64>) {
     (Mat::from_fn(rows, taps, |t, l| u[t + taps - 1 - l]), Mat::from_fn(rows, 1, |t, _| y[t + taps]))
 }
 
-/// Minus twice the logarithm of the marginal likelihood, up to a constant, where `c` is so many noise variances and that
-/// variance makes the data most likely: `N ln yᵀ S⁻¹ y + ln det S`, `S = I + c Φ K Φᵀ`.
+/// Minus twice the logarithm of the marginal likelihood, up to a constant, where `c` is so many noise variances and
+/// that variance makes the data most likely: `N ln yᵀ S⁻¹ y + ln det S`, `S = I + c Φ K Φᵀ`.
 fn unlikelihood(spread: &Mat<f64>, target: &Mat<f64>, ratio: f64) -> f64 {
     use faer::linalg::solvers::Solve;
     let rows = target.nrows();

@@ -92,7 +92,8 @@ fn exact_active_bound_is_kept_and_reported() {
     assert!(fit.unscaled_covariance[(0, 0)] > 0.0);
 }
 
-/// x + y = −1 is seen sharply, x − y = 2000 dimly: the step to both leads far beyond any bounds, into their wrong corner.
+/// x + y = −1 is seen sharply, x − y = 2000 dimly: the step to both leads far beyond any bounds, into their wrong
+/// corner.
 struct Slanted;
 
 impl ResidualModel for Slanted {

@@ -61,7 +61,8 @@ fn exact_long_horizon_is_simulation() {
     assert!(largest_difference(&predicted.outputs[0], &simulated.outputs[0]) < 1e-11);
 }
 
-/// Ljung 1999, §3.2: for `y(t) = e(t) + c e(t−1) − a y(t−1)` the k-step predictor is `(c − a)(−a)^{k−1} / (1 + c q⁻¹) y(t−k)`.
+/// Ljung 1999, §3.2: for `y(t) = e(t) + c e(t−1) − a y(t−1)` the k-step predictor is
+/// `(c − a)(−a)^{k−1} / (1 + c q⁻¹) y(t−k)`.
 #[test]
 fn exact_armax_first_order_predictor_is_the_one_by_hand() {
     let (a, c) = (-0.8, 0.4);

@@ -205,8 +205,9 @@ fn stat_simulation_and_band_focus_are_consistent() {
     assert!(matches!(Arma::new(1, 1).with_prefilter(low_pass()).fit(&series), Err(IdentError::Structure { .. })));
 }
 
-/// Rows of an output-error record and a band whose low edge is 1/200 of the sample rate: its filter remembers for hundreds
-/// of samples. The first `skipped` rows of what was simulated are cut off, so that the rest does not start from rest.
+/// Rows of an output-error record and a band whose low edge is 1/200 of the sample rate: its filter remembers for
+/// hundreds of samples. The first `skipped` rows of what was simulated are cut off, so that the rest does not start
+/// from rest.
 fn low_band_record(run: u64, skipped: usize, noise: f64) -> (Dataset, PolynomialModel, Sos) {
     let (b, f) = (vec![vec![1.0, 0.5]], vec![vec![-1.5, 0.7]]);
     let model = siso(1, PolynomialEquation { b, f, ..Default::default() });
@@ -315,8 +316,8 @@ fn ref_dryer() {
     assert_rounds_to(&[fit.loss], &[0.0084634], 5e-8);
 }
 
-/// The published optimiser stopped short of the minimum: its mean squared error is met or undercut, and its coefficients
-/// lie within half a standard error.
+/// The published optimiser stopped short of the minimum: its mean squared error is met or undercut, and its
+/// coefficients lie within half a standard error.
 #[test]
 fn ref_simulated_systems() {
     let cases: [(&str, Polynomial, &[f64], f64); 3] = [
@@ -346,8 +347,9 @@ fn ref_gas_furnace() {
     assert!((0.0555..0.0575).contains(&fit.loss), "{}", fit.loss);
 }
 
-/// Two slow poles carry nearly all of the output and two lightly damped resonances the rest; the delay is two samples longer
-/// than the model's. A search caught with a third slow pole instead of the faster resonance leaves four times as much.
+/// Two slow poles carry nearly all of the output and two lightly damped resonances the rest; the delay is two samples
+/// longer than the model's. A search caught with a third slow pole instead of the faster resonance leaves four times as
+/// much.
 #[test]
 fn regress_slow_poles_do_not_hide_a_resonance() {
     let mut random = signal::excitation::Random::new(4);
@@ -403,8 +405,8 @@ fn stat_fast_sampled_poles_are_found() {
     }
 }
 
-/// A search that starts at given coefficients comes to the minimum that starting values from the data lead to, for every kind of
-/// structure and both focuses; of several starts the best is taken.
+/// A search that starts at given coefficients comes to the minimum that starting values from the data lead to, for
+/// every kind of structure and both focuses; of several starts the best is taken.
 #[test]
 fn exact_a_search_starts_where_it_is_asked_to() {
     let output_error = simulated(&oe_model(), 2000, 0.1, 5);

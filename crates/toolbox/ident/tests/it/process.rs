@@ -256,7 +256,8 @@ fn regress_a_delay_of_too_many_samples_is_refused() {
     assert!(system(vec![model]).innovations(0.01, Intersample::ZeroOrderHold).is_err());
 }
 
-/// One step up from a rest at which neither channel is zero, and the record ends before the lag does: means are no levels.
+/// One step up from a rest at which neither channel is zero, and the record ends before the lag does: means are no
+/// levels.
 #[test]
 fn stat_the_level_of_a_step_test_is_estimated_with_its_uncertainty() {
     let (gain, lag, level) = (1.5, 6.0, 5.0);

@@ -4,7 +4,8 @@ use ident::{Dataset, IdentError};
 
 use crate::noise::Noise;
 
-/// `y = 1.5 y(t−1) − 0.7 y(t−2) + u(t−1) + 0.5 u(t−2) + e + c e(t−1)`, or the same plant with noise on the output alone.
+/// `y = 1.5 y(t−1) − 0.7 y(t−2) + u(t−1) + 0.5 u(t−2) + e + c e(t−1)`, or the same plant with noise on the output
+/// alone.
 fn simulate(seed: u64, rows: usize, c: f64, sigma: f64, output_error: bool) -> Dataset {
     let mut noise = Noise::new(seed);
     let u = noise.normals(rows);
@@ -181,8 +182,8 @@ fn stat_recursive_output_error_covers_the_truth() {
     judge(&output_error(), &[1.0, 0.5, -1.5, 0.7], |s| simulate(3000 + s, 4000, 0.0, 2.0, true));
 }
 
-/// A small gain comes near the truth, slowly where others of the signals that share it are larger; it knows nothing of how
-/// certain it is.
+/// A small gain comes near the truth, slowly where others of the signals that share it are larger; it knows nothing of
+/// how certain it is.
 #[test]
 fn stat_normalised_gradients_lead_to_the_truth() {
     for (structure, data, truth) in [

@@ -110,9 +110,9 @@ fn subspace(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     Subspace::new(2).fit(data).map(|fit| fit.map(Into::into))
 }
 
-/// Counts within binomial bounds of one in a thousand; from below also half of 5 %, and only where `exact`, since the colour
-/// of noise that remembers longer than a short record is seen with a wide margin. Tests of feedback on unseen data are a
-/// little cautious.
+/// Counts within binomial bounds of one in a thousand; from below also half of 5 %, and only where `exact`, since the
+/// colour of noise that remembers longer than a short record is seen with a wide margin. Tests of feedback on unseen
+/// data are a little cautious.
 fn check(name: &str, alarms: [Alarms; 2], runs: u64, exact: bool) {
     let (mut report, mut good) = (String::new(), true);
     for (which, found) in ["own", "unseen"].iter().zip(alarms) {

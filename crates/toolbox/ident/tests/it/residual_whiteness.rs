@@ -85,8 +85,8 @@ fn stat_whiteness_of_state_space_holds_its_level() {
     }
 }
 
-/// An output-error model has nothing that would make residuals white, and takes nothing off: it holds the level where the
-/// noise is white.
+/// An output-error model has nothing that would make residuals white, and takes nothing off: it holds the level where
+/// the noise is white.
 #[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_output_errors_holds_its_level_under_white_noise() {
@@ -106,8 +106,8 @@ fn stat_a_missing_noise_pole_is_found() {
     }
 }
 
-/// `y(t) = a y(t − 1) + u(t − 1) + e(t)`: the estimate makes the residuals' correlations at short lags smaller than chance
-/// makes those of errors.
+/// `y(t) = a y(t − 1) + u(t − 1) + e(t)`: the estimate makes the residuals' correlations at short lags smaller than
+/// chance makes those of errors.
 #[test]
 fn stat_the_region_of_an_autoregression_is_narrow_at_short_lags() {
     let (a, samples) = (0.3, 20_000);

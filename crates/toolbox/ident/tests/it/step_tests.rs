@@ -16,7 +16,8 @@ struct StepTest {
     output: Vec<f64>,
 }
 
-/// Samples of the answer of a channel without delay to a unit step at time zero, from `late` on: by the matrix exponential.
+/// Samples of the answer of a channel without delay to a unit step at time zero, from `late` on: by the matrix
+/// exponential.
 fn step_response(channel: &ProcessModel, late: f64, sample_time_s: f64, count: usize) -> Vec<f64> {
     let system = channel.to_transfer_function().unwrap().with_delay(0.0).unwrap().to_state_space().unwrap();
     let n = system.states();
@@ -38,7 +39,8 @@ fn step_response(channel: &ProcessModel, late: f64, sample_time_s: f64, count: u
     (0..count).map(|_| at()).collect()
 }
 
-/// The answer of a channel with a delay in seconds to an input that steps now and then, and has always been what it is at first.
+/// The answer of a channel with a delay in seconds to an input that steps now and then, and has always been what it is
+/// at first.
 fn answer(channel: &ProcessModel, delay_s: f64, input: &[f64], sample_time_s: f64) -> Vec<f64> {
     let (mut y, samples) = (vec![0.0; input.len()], delay_s / sample_time_s);
     for step in (1..input.len()).filter(|k| input[*k] != input[k - 1]) {
@@ -119,7 +121,8 @@ impl StepTest {
         Dataset::siso(self.sample_time_s, &self.input, &self.output).unwrap()
     }
 
-    /// The smallest sum of squares at time constants, damping and delay: gain, zero, offset and initial state enter linearly.
+    /// The smallest sum of squares at time constants, damping and delay: gain, zero, offset and initial state enter
+    /// linearly.
     fn cost(&self, nonlinear: &[f64]) -> f64 {
         let has_delay = self.truth.delay_s().is_some();
         let (times, delay_s) = nonlinear.split_at(nonlinear.len() - usize::from(has_delay));

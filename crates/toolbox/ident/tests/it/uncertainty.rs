@@ -155,7 +155,8 @@ impl Dynamics for TwoMass {
     }
 }
 
-/// The resonance is √(k (1/J₁ + 1/J₂)) and the anti-resonance √(k/J₂) where there is no damping; their deviations follow.
+/// The resonance is √(k (1/J₁ + 1/J₂)) and the anti-resonance √(k/J₂) where there is no damping; their deviations
+/// follow.
 #[test]
 fn exact_resonances_of_a_continuous_model_have_the_deviations_of_the_formulas() {
     let (j1, j2, k) = (0.02, 0.05, 400.0);

@@ -289,8 +289,8 @@ fn regress_an_output_that_does_not_vary_has_no_fit() {
     assert!(fit[0][0].is_finite() && fit[0][1].is_nan(), "{fit:?}");
 }
 
-/// Hundreds of stretches shorter than the lags asked for: initial states are taken out stretch by stretch, and lags that no
-/// stretch has are not there.
+/// Hundreds of stretches shorter than the lags asked for: initial states are taken out stretch by stretch, and lags
+/// that no stretch has are not there.
 #[test]
 fn regress_hundreds_of_short_stretches_are_tested_at_the_lags_they_have() {
     let model = system::armax().unwrap();

@@ -55,8 +55,8 @@ fn between((low, high): (f64, f64), roots: &[Complex64], points: usize) -> Vec<f
 }
 
 /// Frequencies for one Bode plot of several systems, from where the first begins to where the last ends, the Nyquist
-/// frequency of each discrete one among them; see [`ZeroPoleGain::frequency_grid`]. A discrete system has no response beyond
-/// its own.
+/// frequency of each discrete one among them; see [`ZeroPoleGain::frequency_grid`]. A discrete system has no response
+/// beyond its own.
 ///
 /// # Errors
 /// [`LtiError::NoConvergence`].

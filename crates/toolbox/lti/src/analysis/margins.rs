@@ -49,9 +49,9 @@ const ON_AXIS: f64 = 1e-6;
 const ROUNDING: f64 = 1e-12;
 
 impl Margins {
-    /// The margins of a loop gain given at any frequency, continuous or of this sample time, looked for on a rising grid in
-    /// rad/s, and beyond its ends where the gain comes to one there with the slope it has, and refined between its points;
-    /// two crossings between neighbouring points are missed. A gain that stays real crosses nothing.
+    /// The margins of a loop gain given at any frequency, continuous or of this sample time, looked for on a rising
+    /// grid in rad/s, and beyond its ends where the gain comes to one there with the slope it has, and refined between
+    /// its points; two crossings between neighbouring points are missed. A gain that stays real crosses nothing.
     ///
     /// # Source
     /// Åström, K. J. and Murray, R. M. (2021), *Feedback Systems*, 2nd ed., §10.3.
@@ -101,7 +101,8 @@ fn crossings(
     found
 }
 
-/// A grid with what is beyond its ends until the unit circle, at high frequencies only where there is no Nyquist frequency.
+/// A grid with what is beyond its ends until the unit circle, at high frequencies only where there is no Nyquist
+/// frequency.
 fn extended(grid: &[f64], is_continuous: bool, gain: &impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (Some(first), Some(last)) = (grid.first(), grid.last()) else { return Vec::new() };
     let mut all = beyond(*first, 0.5, gain);

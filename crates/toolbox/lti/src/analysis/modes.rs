@@ -106,8 +106,8 @@ fn rest_limit(modes: &[Mode], sample_time_s: Option<f64>) -> f64 {
     AT_REST * sizes.fold(sample_time_s.map_or(0.0, f64::recip), f64::max)
 }
 
-/// Poles of one system, those at rest exactly so: at `s = 0` or `z = 1`; and which these are. Rounding puts the pole of an
-/// integrator beside it, where it would have a time constant of a million years.
+/// Poles of one system, those at rest exactly so: at `s = 0` or `z = 1`; and which these are. Rounding puts the pole of
+/// an integrator beside it, where it would have a time constant of a million years.
 ///
 /// # Example
 /// ```

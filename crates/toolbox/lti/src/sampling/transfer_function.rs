@@ -77,8 +77,8 @@ impl TransferFunction {
         continuous.with_delay(self.delay_s())
     }
 
-    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). But for
-    /// the zero-order hold and the impulse response the delay has to be whole samples of the new sample time.
+    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). But
+    /// for the zero-order hold and the impulse response the delay has to be whole samples of the new sample time.
     ///
     /// # Errors
     /// Those of [`StateSpace::resampled`](crate::StateSpace::resampled), [`LtiError::FractionalDelay`].

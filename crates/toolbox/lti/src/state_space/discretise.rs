@@ -24,7 +24,8 @@ impl StateSpace {
     }
 
     /// The covariance of what white noise in this continuous system's states adds to them in a sample,
-    /// `∫₀ᵀ e^{As} W e^{Aᵀs} ds`; `density` is W, states × states: the noise's spectral density in both directions of frequency.
+    /// `∫₀ᵀ e^{As} W e^{Aᵀs} ds`; `density` is W, states × states: the noise's spectral density in both directions of
+    /// frequency.
     ///
     /// `e^{[−A W; 0 Aᵀ] T} = [· F; 0 Φᵀ]` gives `Φ F`.
     ///

@@ -203,7 +203,8 @@ impl StateSpace {
         Ok(&self.d + &self.c * (inverse * &self.b))
     }
 
-    /// The gain at one complex point, outputs × inputs: `D + C (pI − A)⁻¹ B` at `p = s` or `p = z`. Not finite on a pole.
+    /// The gain at one complex point, outputs × inputs: `D + C (pI − A)⁻¹ B` at `p = s` or `p = z`. Not finite on a
+    /// pole.
     #[must_use]
     pub fn evaluate(&self, point: Complex64) -> Mat<Complex64> {
         let n = self.states();

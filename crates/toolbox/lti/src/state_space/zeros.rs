@@ -44,7 +44,8 @@ impl StateSpace {
         let (size_a, size_b) = (norm_2(system.a.as_ref()), norm_2(system.b.as_ref()));
         let (small_d, small_c) = (rounding * size_b, rounding * size_a);
         let mut gain = 1.0;
-        // Units of input and output are no measure of what is small: a feed-through is compared with what the states add.
+        // Units of input and output are no measure of what is small: a feed-through is compared with what the states
+        // add.
         let of_states = size_b * norm_2(system.c.as_ref());
         if system.d == 0.0 || (size_a > 0.0 && system.d.abs() * size_a <= rounding * of_states) {
             if norm_2(system.c.as_ref()) == 0.0 {

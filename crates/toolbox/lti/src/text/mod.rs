@@ -13,8 +13,9 @@ pub use polynomial::{Fraction, Polynomial};
 ///
 /// Every model of this crate also implements `Display`, which is [`Written::written`] without standard errors.
 pub trait Written {
-    /// The kind of model and its equations, one or more lines without a newline at the end. `standard_errors` has one entry
-    /// a parameter, in the order of the model's parameters; parameters beyond its length are written without an error.
+    /// The kind of model and its equations, one or more lines without a newline at the end. `standard_errors` has one
+    /// entry a parameter, in the order of the model's parameters; parameters beyond its length are written without an
+    /// error.
     fn written(&self, standard_errors: Option<&[f64]>) -> String;
 }
 

@@ -24,8 +24,8 @@ pub fn number(value: f64) -> String {
     minus(trimmed(&format!("{value:.decimals$}")))
 }
 
-/// A number and its standard error, both down to the second digit of the error, joined by ` ± `. An error of zero is that
-/// of a parameter that was held.
+/// A number and its standard error, both down to the second digit of the error, joined by ` ± `. An error of zero is
+/// that of a parameter that was held.
 ///
 /// # Example
 /// ```

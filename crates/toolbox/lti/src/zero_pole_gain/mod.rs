@@ -15,8 +15,8 @@ use crate::transfer_function::TransferFunction;
 
 /// One input, one output: `H(s) = k Π(s − zᵢ) / Π(s − pᵢ) · e^{−s·delay}`, or the same in `z` with `z^{−delay/T}`.
 ///
-/// Roots off the real axis come in conjugate pairs. This form keeps roots that lie close together, such as the slow poles
-/// of a system sampled fast; the coefficients of a polynomial would lose them.
+/// Roots off the real axis come in conjugate pairs. This form keeps roots that lie close together, such as the slow
+/// poles of a system sampled fast; the coefficients of a polynomial would lose them.
 ///
 /// # Example
 /// ```

@@ -61,8 +61,8 @@ pub fn complex_svd(m: MatRef<'_, c64>) -> Result<ComplexSvd, DecompositionError>
     Ok(ComplexSvd { u: svd.U().to_owned(), values, v: svd.V().to_owned() })
 }
 
-/// The `X` of least norm that makes `‖M X − B‖` least, with singular values below `tolerance` times the largest taken as
-/// zero.
+/// The `X` of least norm that makes `‖M X − B‖` least, with singular values below `tolerance` times the largest taken
+/// as zero.
 ///
 /// # Errors
 /// [`DecompositionError::SingularValues`].

@@ -41,8 +41,8 @@ pub fn random_binary(
     timing.signal((0..timing.length).map(sample).collect())
 }
 
-/// Feedback taps of a shift register of 2, 3, … 31 bits that runs through all its non-zero states; bit `i` stands for tap
-/// `i + 1`.
+/// Feedback taps of a shift register of 2, 3, … 31 bits that runs through all its non-zero states; bit `i` stands for
+/// tap `i + 1`.
 ///
 /// Source: Golomb, S. W. (1967), *Shift Register Sequences*; Alfke, P. (1996), Xilinx application note XAPP 052.
 const TAPS: [u32; 30] = [
@@ -79,8 +79,8 @@ const TAPS: [u32; 30] = [
 ];
 
 /// A pseudo-random binary sequence of maximal length from a shift register with linear feedback: periodic with
-/// `(2^order − 1) · hold` samples, white up to about `0.4/(hold · T)` hertz; in a period it is once more often high than
-/// low.
+/// `(2^order − 1) · hold` samples, white up to about `0.4/(hold · T)` hertz; in a period it is once more often high
+/// than low.
 ///
 /// At the switching clock its autocorrelation has two values: for levels `±a`, `a²` at multiples of the period and
 /// `−a²/(2^order − 1)` elsewhere.

@@ -44,7 +44,8 @@ impl Timing {
 /// that switches between `±a`, `√2` for a sine; the mean counts.
 ///
 /// # Errors
-/// [`SignalError::TooShort`] for an empty signal, [`SignalError::Constant`] for one of zeros, [`SignalError::NonFinite`].
+/// [`SignalError::TooShort`] for an empty signal, [`SignalError::Constant`] for one of zeros,
+/// [`SignalError::NonFinite`].
 ///
 /// # Example
 /// ```

@@ -20,8 +20,8 @@ pub enum Phases {
         /// Of the random numbers.
         seed: u64,
     },
-    /// Optimised for a low crest factor: the signal is clipped, at a level that rises, and the phases of what results are
-    /// kept. From Schroeder's phases and four sets at random; the best is taken.
+    /// Optimised for a low crest factor: the signal is clipped, at a level that rises, and the phases of what results
+    /// are kept. From Schroeder's phases and four sets at random; the best is taken.
     LowCrest {
         /// Times the signal is clipped from each start; a few hundred serve.
         iterations: usize,
@@ -72,8 +72,8 @@ impl Multisine {
     ///
     /// # Errors
     /// [`SignalError::Parameter`] for a harmonic, an amplitude or `rms` out of range or a harmonic given twice;
-    /// [`SignalError::TooShort`] without a harmonic; [`SignalError::LengthMismatch`] unless there is an amplitude for each
-    /// harmonic or none; [`SignalError::Constant`] for amplitudes of zero alone; [`SignalError::SampleTime`].
+    /// [`SignalError::TooShort`] without a harmonic; [`SignalError::LengthMismatch`] unless there is an amplitude for
+    /// each harmonic or none; [`SignalError::Constant`] for amplitudes of zero alone; [`SignalError::SampleTime`].
     pub fn generate(&self, timing: Timing) -> Result<Signal, SignalError> {
         let amplitudes = self.scaled_amplitudes()?;
         let one_period = match self.phases {
@@ -122,8 +122,8 @@ impl Multisine {
         inverse_fft_real(spectrum, self.period)
     }
 
-    /// The best of the signals met while clipping, from Schroeder's phases and from a few at random: those serve where lines
-    /// are sparse.
+    /// The best of the signals met while clipping, from Schroeder's phases and from a few at random: those serve where
+    /// lines are sparse.
     fn optimise(&self, amplitudes: &[f64], iterations: usize) -> Result<Vec<f64>, SignalError> {
         let start = schroeder(amplitudes);
         let mut best = self.synthesise(amplitudes, &start)?;

@@ -5,8 +5,8 @@ use crate::error::{SignalError, check_finite, check_range, check_sample_time};
 use crate::spectrum::inverse_fft_real;
 use crate::{Complex64, Signal};
 
-/// Normal white noise, each value held for `hold_s` (rounded to whole samples, at least one: white on every sample for a
-/// `hold_s` of zero).
+/// Normal white noise, each value held for `hold_s` (rounded to whole samples, at least one: white on every sample for
+/// a `hold_s` of zero).
 ///
 /// # Errors
 /// [`SignalError::Parameter`], [`SignalError::SampleTime`], [`SignalError::NonFinite`] for the mean.
@@ -30,14 +30,15 @@ pub fn held_noise(
     timing.signal((0..timing.length).map(sample).collect())
 }
 
-/// Normal noise with all its power between two frequencies, evenly spread, and none elsewhere; periodic with its length.
+/// Normal noise with all its power between two frequencies, evenly spread, and none elsewhere; periodic with its
+/// length.
 ///
 /// The standard deviation is that expected: the one realised scatters by `1/√(2·lines)` relative to it, with
 /// `(high − low) · length · T` lines.
 ///
 /// # Errors
-/// [`SignalError::Parameter`] for a negative deviation, a band not within zero to half the sample rate, or no line within
-/// the band; [`SignalError::SampleTime`].
+/// [`SignalError::Parameter`] for a negative deviation, a band not within zero to half the sample rate, or no line
+/// within the band; [`SignalError::SampleTime`].
 ///
 /// # Example
 /// ```

@@ -54,8 +54,8 @@ impl Fir {
     /// Low-pass by the window method: gain one half (−6 dB) at `cutoff_hz`, one at rest. Linear phase.
     ///
     /// # Errors
-    /// [`SignalError::Cutoff`] unless `0 < cutoff_hz < 1/(2·sample_time_s)`; [`SignalError::Parameter`] without a tap or
-    /// for an impossible window; [`SignalError::SampleTime`].
+    /// [`SignalError::Cutoff`] unless `0 < cutoff_hz < 1/(2·sample_time_s)`; [`SignalError::Parameter`] without a tap
+    /// or for an impossible window; [`SignalError::SampleTime`].
     ///
     /// # Source
     /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), §7.5. Scaled as `scipy.signal.firwin`.
@@ -150,8 +150,8 @@ impl Fir {
         self.taps.iter().zip(inputs.iter().rev()).map(|(h, v)| h * v).sum()
     }
 
-    /// Filters `x` with the delay of `(taps − 1)/2` samples of a linear-phase filter taken off, so that the pass band is
-    /// not shifted in time: no phase, the gain once. Beyond its ends the record continues by odd reflection.
+    /// Filters `x` with the delay of `(taps − 1)/2` samples of a linear-phase filter taken off, so that the pass band
+    /// is not shifted in time: no phase, the gain once. Beyond its ends the record continues by odd reflection.
     ///
     /// # Errors
     /// [`SignalError::EvenTaps`] where that delay is not a whole number of samples; [`SignalError::TooShort`] for an
@@ -186,13 +186,13 @@ impl Fir {
     }
 }
 
-/// Taps and window of a filter that departs from the ideal by at most `attenuation_db` (positive, the ripple of pass and
-/// stop band alike) outside transitions `transition_hz` wide; the rule is empirical and may miss by two or three decibels, more
-/// below 40 dB. The number of taps is odd, so any band may be made of it.
+/// Taps and window of a filter that departs from the ideal by at most `attenuation_db` (positive, the ripple of pass
+/// and stop band alike) outside transitions `transition_hz` wide; the rule is empirical and may miss by two or three
+/// decibels, more below 40 dB. The number of taps is odd, so any band may be made of it.
 ///
 /// # Errors
-/// [`SignalError::Parameter`] for an attenuation below 8 dB or above 200 dB, or a transition that is not between zero and
-/// half the sample rate or asks for more than ten million taps; [`SignalError::SampleTime`].
+/// [`SignalError::Parameter`] for an attenuation below 8 dB or above 200 dB, or a transition that is not between zero
+/// and half the sample rate or asks for more than ten million taps; [`SignalError::SampleTime`].
 ///
 /// # Example
 /// ```

@@ -11,10 +11,11 @@ use crate::series::mean;
 use crate::spectrum::PowerSpectrum;
 
 /// Frequency response and noise spectrum from correlations under a Hann lag window `w` of width `M`:
-/// `Φ̂(f) = T Σ_{|τ|≤M} w(τ) R̂(τ) e^{−j2πfτT}`, `Ĝ = Φ̂_uy/Φ̂_u`, `Φ̂_v = Φ̂_y − |Φ̂_uy|²/Φ̂_u` (matrices for several inputs).
+/// `Φ̂(f) = T Σ_{|τ|≤M} w(τ) R̂(τ) e^{−j2πfτT}`, `Ĝ = Φ̂_uy/Φ̂_u`, `Φ̂_v = Φ̂_y − |Φ̂_uy|²/Φ̂_u` (matrices for several
+/// inputs).
 ///
-/// A larger `M` resolves more (about `1/(M·T)` hertz) and scatters more: the variance grows with `M/N`. Means are removed.
-/// Without an input the noise spectrum is that of the output.
+/// A larger `M` resolves more (about `1/(M·T)` hertz) and scatters more: the variance grows with `M/N`. Means are
+/// removed. Without an input the noise spectrum is that of the output.
 ///
 /// # Example
 /// ```
@@ -61,9 +62,10 @@ impl BlackmanTukey {
     /// Frequencies where the inputs do not determine the response are left out.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`] for less than two lags or a frequency out of range; [`SignalError::TooShort`] where the
-    /// record is not longer than the lags, or too short for so many inputs and lags; [`SignalError::NotExcited`] where no
-    /// frequency is left; [`SignalError::LengthMismatch`], [`SignalError::NonFinite`], [`SignalError::SampleTime`].
+    /// [`SignalError::Parameter`] for less than two lags or a frequency out of range; [`SignalError::TooShort`] where
+    /// the record is not longer than the lags, or too short for so many inputs and lags; [`SignalError::NotExcited`]
+    /// where no frequency is left; [`SignalError::LengthMismatch`], [`SignalError::NonFinite`],
+    /// [`SignalError::SampleTime`].
     pub fn estimate(
         &self,
         inputs: &[&[f64]],

@@ -13,9 +13,10 @@ const NO_POWER: f64 = 1e-24;
 /// The empirical transfer function estimate `Ĝ(f_k) = Y(f_k)/U(f_k)` at the bins of the discrete Fourier transform,
 /// smoothed over `k − h ..= k + h` where asked: `Ĝ = Σ w Y U* / Σ w |U|²` with Hann weights `w`.
 ///
-/// Exact for periodic data in steady state without noise, with `period` given. Otherwise leakage and noise do not average
-/// out however long the record, without smoothing; then the variance is not known either and is NaN. With smoothing it is
-/// found from what the smoothed response leaves unexplained. The bins at rest and at half the sample rate are not used.
+/// Exact for periodic data in steady state without noise, with `period` given. Otherwise leakage and noise do not
+/// average out however long the record, without smoothing; then the variance is not known either and is NaN. With
+/// smoothing it is found from what the smoothed response leaves unexplained. The bins at rest and at half the sample
+/// rate are not used.
 ///
 /// # Example
 /// ```

@@ -66,8 +66,8 @@ impl LeastSquares {
         true
     }
 
-    /// `Σ_i w_i (1 − h_ii)`, `h` the projection on the columns: what the squared norm of the residual is expected to be for
-    /// errors of variances `w`. Rows less columns for equal ones.
+    /// `Σ_i w_i (1 − h_ii)`, `h` the projection on the columns: what the squared norm of the residual is expected to be
+    /// for errors of variances `w`. Rows less columns for equal ones.
     pub(super) fn expected_residual(&self, weights: &[f64]) -> f64 {
         let leverage = |i: usize| self.q.iter().skip(i).step_by(self.rows).map(|q| q.norm_sqr()).sum::<f64>();
         weights.iter().enumerate().map(|(i, w)| w * (1.0 - leverage(i)).max(0.0)).sum()

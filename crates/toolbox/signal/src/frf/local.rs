@@ -13,10 +13,10 @@ use crate::spectrum::fft_real;
 pub enum LocalKind {
     /// Polynomials in frequency: unbiased by noise, right where the response is smooth over the window.
     Polynomial,
-    /// Polynomials over a common one for each output: follows sharp resonances. Linear least squares with the noisy output
-    /// among the regressors: the response scatters somewhat more than stated, at order two by about 20 % in variance at a
-    /// resonance that stands out from the noise, and by 40 % where a polynomial would do and noise alone determines the
-    /// denominator.
+    /// Polynomials over a common one for each output: follows sharp resonances. Linear least squares with the noisy
+    /// output among the regressors: the response scatters somewhat more than stated, at order two by about 20 % in
+    /// variance at a resonance that stands out from the noise, and by 40 % where a polynomial would do and noise alone
+    /// determines the denominator.
     Rational,
 }
 
@@ -26,8 +26,8 @@ pub enum LocalKind {
 /// `1 + a₁r + … + a_R r^R`) by least squares.
 ///
 /// The transient `T` is what makes a record of finite length not periodic; taking it along removes leakage. Estimates
-/// closer than `2n` bins share data and so are correlated. At both ends of the frequency axis the window stays inside and
-/// `k` is off its centre. The bins at rest and at half the sample rate are not used: offsets do no harm.
+/// closer than `2n` bins share data and so are correlated. At both ends of the frequency axis the window stays inside
+/// and `k` is off its centre. The bins at rest and at half the sample rate are not used: offsets do no harm.
 ///
 /// # Example
 /// ```
@@ -43,8 +43,8 @@ pub enum LocalKind {
 /// ```
 ///
 /// # Source
-/// Pintelon and Schoukens (2012), *System Identification: A Frequency Domain Approach*, ch. 7, (7-10) to (7-25); rational:
-/// McKelvey and Guérin (2012), IFAC SYSID 16, 398–403.
+/// Pintelon and Schoukens (2012), *System Identification: A Frequency Domain Approach*, ch. 7, (7-10) to (7-25);
+/// rational: McKelvey and Guérin (2012), IFAC SYSID 16, 398–403.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LocalModel {
     /// Polynomials, or polynomials over a common one.
@@ -70,8 +70,8 @@ pub struct LocalEstimate {
     /// The bin that the window of each frequency begins with.
     pub first_bin: Vec<usize>,
     /// The error of each response is a weighted sum of the noise in the bins of its window, `Σ_i w_i V(first_bin + i)`,
-    /// which other windows share. That of output `i` from input `j` at frequency `k` has its `2 · half_width + 1` weights
-    /// from `((k · outputs + i) · inputs + j) · (2 · half_width + 1)` on.
+    /// which other windows share. That of output `i` from input `j` at frequency `k` has its `2 · half_width + 1`
+    /// weights from `((k · outputs + i) · inputs + j) · (2 · half_width + 1)` on.
     pub noise_weights: Vec<Complex64>,
 }
 
@@ -83,8 +83,8 @@ impl LocalModel {
         Self::with_enough_bins(LocalKind::Polynomial, order, inputs)
     }
 
-    /// Local rational models with transient, of this order for this many inputs, over a window with six or seven degrees
-    /// of freedom.
+    /// Local rational models with transient, of this order for this many inputs, over a window with six or seven
+    /// degrees of freedom.
     #[must_use]
     pub fn rational(order: usize, inputs: usize) -> Self {
         Self::with_enough_bins(LocalKind::Rational, order, inputs)
@@ -229,8 +229,8 @@ impl<'a> Window<'a> {
         true
     }
 
-    /// Columns: inputs at order zero (their coefficients are the response at `k`), then the higher orders, the transient,
-    /// and the common denominator.
+    /// Columns: inputs at order zero (their coefficients are the response at `k`), then the higher orders, the
+    /// transient, and the common denominator.
     fn set_up(&mut self, k: usize, first: usize, output: usize) -> bool {
         let (model, width) = (self.model, 2 * self.model.half_width + 1);
         let power = |i: usize, s: usize| offset(k, first, i, model.half_width).powi(s as i32);

@@ -8,8 +8,8 @@
 //! | [`Etfe`] | a quick look; exact for periodic data |
 //! | [`BlackmanTukey`] | smooth responses and noise spectra from random excitation |
 //!
-//! Conventions: `Y(f) = G(f) U(f) + V(f)` with transforms by `e^{−jωt}`, so a lag has a negative phase. The variance of a
-//! complex quantity is `E|Ĝ − EĜ|²`, the sum of those of its real and imaginary parts, which are alike.
+//! Conventions: `Y(f) = G(f) U(f) + V(f)` with transforms by `e^{−jωt}`, so a lag has a negative phase. The variance of
+//! a complex quantity is `E|Ĝ − EĜ|²`, the sum of those of its real and imaginary parts, which are alike.
 
 mod blackman_tukey;
 mod etfe;
@@ -48,8 +48,8 @@ pub struct FrequencyResponse {
     pub response: Vec<Complex64>,
     /// Variance `E|Ĝ − EĜ|²` of each entry; NaN where the method knows none.
     pub variance: Vec<f64>,
-    /// Degrees of freedom ν of the variances at each frequency: `ν·V̂/V` is distributed as χ² with ν of them, so that the
-    /// real part, with half the variance, has an interval by Student's t. Zero where no variance is known.
+    /// Degrees of freedom ν of the variances at each frequency: `ν·V̂/V` is distributed as χ² with ν of them, so that
+    /// the real part, with half the variance, has an interval by Student's t. Zero where no variance is known.
     pub degrees_of_freedom: Vec<f64>,
 }
 
@@ -72,9 +72,10 @@ impl FrequencyResponse {
         self.pick(&self.variance, output, input)
     }
 
-    /// The interval that holds the magnitude of [`FrequencyResponse::response_of`] with probability `level`, one a frequency: by
-    /// Student's t from the part of the variance along the gain, which is half of it. Where the gain may be zero, by the F
-    /// test of both parts, the interval begins at zero: along a gain that is all noise there is no direction.
+    /// The interval that holds the magnitude of [`FrequencyResponse::response_of`] with probability `level`, one a
+    /// frequency: by Student's t from the part of the variance along the gain, which is half of it. Where the gain may
+    /// be zero, by the F test of both parts, the interval begins at zero: along a gain that is all noise there is no
+    /// direction.
     #[must_use]
     pub fn magnitude_interval(&self, output: usize, input: usize, level: f64) -> Vec<(f64, f64)> {
         let gains = self.response_of(output, input).into_iter().zip(self.variance_of(output, input));

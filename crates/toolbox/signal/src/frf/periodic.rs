@@ -29,8 +29,8 @@ pub struct PeriodicSpectra {
 /// Mean spectra over the last whole periods of a steady-state record of several channels; samples before them are not
 /// used.
 ///
-/// `period` is in samples. `harmonics` between 1 and below `period/2`; none means all of them. Put inputs before outputs
-/// to hand the result to [`periodic_response`].
+/// `period` is in samples. `harmonics` between 1 and below `period/2`; none means all of them. Put inputs before
+/// outputs to hand the result to [`periodic_response`].
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than two periods or no channel; [`SignalError::Parameter`] for a period or a
@@ -124,8 +124,8 @@ pub struct PeriodicResponse {
 /// outputs: `Ĝ = Ŷ Û⁻¹` with one record a column.
 ///
 /// As many records as inputs determine a response; a multiple of that is taken as realisations (records of one
-/// realisation one after the other), over which responses are averaged. Noise may be on inputs and outputs and correlated
-/// between them, but not between records. Frequencies where the inputs are not independent are left out.
+/// realisation one after the other), over which responses are averaged. Noise may be on inputs and outputs and
+/// correlated between them, but not between records. Frequencies where the inputs are not independent are left out.
 ///
 /// # Errors
 /// [`SignalError::Parameter`] unless `inputs` is at least one and below the number of channels;

@@ -10,24 +10,25 @@ use crate::error::SignalError;
 pub struct RepeatedResponse {
     /// How the inputs repeat.
     pub repetition: Repetition,
-    /// For each input the response of every output to it, at the lines that it alone excites; no frequency where there is no
-    /// such line.
+    /// For each input the response of every output to it, at the lines that it alone excites; no frequency where there
+    /// is no such line.
     pub responses: Vec<FrequencyResponse>,
     /// Frequencies in hertz that several inputs excite at once: one recording does not separate what each contributes.
     pub shared_hz: Vec<f64>,
 }
 
-/// Response at the excited lines from one record whose inputs repeat, averaged over periods, with the noise variance from
-/// the differences between periods; none where the inputs do not repeat at least twice.
+/// Response at the excited lines from one record whose inputs repeat, averaged over periods, with the noise variance
+/// from the differences between periods; none where the inputs do not repeat at least twice.
 ///
-/// The period, the stretch in which it holds and the excited harmonics are found, unless `period_s` is given. Periods at the
-/// start in which the outputs have not settled are left out, and a drift is taken off. A period that is not a whole number of
-/// samples is resampled to one. Noise may be on inputs and outputs. There is no value where nothing is excited.
+/// The period, the stretch in which it holds and the excited harmonics are found, unless `period_s` is given. Periods
+/// at the start in which the outputs have not settled are left out, and a drift is taken off. A period that is not a
+/// whole number of samples is resampled to one. Noise may be on inputs and outputs. There is no value where nothing is
+/// excited.
 ///
 /// # Errors
-/// [`SignalError::TooShort`] without an input or for fewer than eight samples; [`SignalError::Parameter`] for a period given
-/// in which fewer than two repetitions fit, or after which the inputs do not repeat; [`SignalError::LengthMismatch`],
-/// [`SignalError::NonFinite`], [`SignalError::SampleTime`].
+/// [`SignalError::TooShort`] without an input or for fewer than eight samples; [`SignalError::Parameter`] for a period
+/// given in which fewer than two repetitions fit, or after which the inputs do not repeat;
+/// [`SignalError::LengthMismatch`], [`SignalError::NonFinite`], [`SignalError::SampleTime`].
 ///
 /// # Example
 /// ```

@@ -1,5 +1,5 @@
-//! Where and how inputs repeat: the period, the stretch in which it holds, the harmonics they excite, and from which period
-//! on the outputs have settled.
+//! Where and how inputs repeat: the period, the stretch in which it holds, the harmonics they excite, and from which
+//! period on the outputs have settled.
 
 use std::f64::consts::TAU;
 
@@ -24,12 +24,12 @@ const CHANGED: f64 = 1e-3;
 const EXCITED: f64 = 0.01;
 /// Chance that a line of noise counts as excited, or a settled period as not settled.
 const CHANCE: f64 = 1e-3;
-/// The probability above which a repetition may as well be chance, as in a short stretch; and the levels of a signal of which
-/// only the places of its changes say something.
+/// The probability above which a repetition may as well be chance, as in a short stretch; and the levels of a signal of
+/// which only the places of its changes say something.
 const LIKELY: f64 = 0.01;
 const FEW_LEVELS: usize = 3;
-/// By how many bins the highest line may miss its place for the period not to be a whole number of samples: leakage of as
-/// much goes to the next bins.
+/// By how many bins the highest line may miss its place for the period not to be a whole number of samples: leakage of
+/// as much goes to the next bins.
 const OFF_LINE: f64 = 1e-4;
 /// Standard errors from which a fraction of a sample in the period is more than noise.
 const CERTAIN: f64 = 5.0;
@@ -63,8 +63,8 @@ pub(super) struct Periods {
 }
 
 impl Periods {
-    /// The last whole periods of channels, on a clock on which the period is a whole number of samples; none where there are
-    /// fewer than two.
+    /// The last whole periods of channels, on a clock on which the period is a whole number of samples; none where
+    /// there are fewer than two.
     fn of(channels: &[&[f64]], period_samples: f64) -> Result<Option<Self>, SignalError> {
         let period = period_samples.round();
         let (step, last) = (period_samples / period, channels.first().map_or(0, |x| x.len()) as f64 - 1.0);
@@ -147,8 +147,9 @@ pub(super) fn find(
     Ok(Some((found, periods)))
 }
 
-/// How many times shorter the period is, where all harmonics excited are multiples and few periods were found: as many as make
-/// enough of them. Noise that lasts longer than a period would not show in the differences between shorter ones.
+/// How many times shorter the period is, where all harmonics excited are multiples and few periods were found: as many
+/// as make enough of them. Noise that lasts longer than a period would not show in the differences between shorter
+/// ones.
 fn shorter(excited: &[Vec<usize>], periods: usize) -> Option<usize> {
     let common = excited.iter().flatten().fold(0, |a, b| greatest_common_divisor(a, *b));
     let enough = (2..=common).find(|d| common.is_multiple_of(*d) && d * periods >= WANTED_PERIODS);
@@ -159,8 +160,8 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-/// The probability that inputs which do not repeat look like this after one of the periods tried: of values on either side of
-/// a period that correlate so, and where there are but a few levels, of changes in the same places.
+/// The probability that inputs which do not repeat look like this after one of the periods tried: of values on either
+/// side of a period that correlate so, and where there are but a few levels, of changes in the same places.
 fn by_chance(inputs: &[&[f64]], found: Periodicity) -> f64 {
     let tried = inputs.first().map_or(0, |u| u.len() / 2) as f64;
     let one = |u: &&[f64]| {
@@ -193,8 +194,8 @@ fn has_few_levels(u: &[f64]) -> bool {
     })
 }
 
-/// The period, and begin and end of the longest stretch in which all inputs repeat. Where the whole record does not, its
-/// halves and its middle are tried: an excitation may begin late or end early.
+/// The period, and begin and end of the longest stretch in which all inputs repeat. Where the whole record does not,
+/// its halves and its middle are tried: an excitation may begin late or end early.
 fn stretch(inputs: &[&[f64]]) -> Result<Option<(usize, usize, usize)>, SignalError> {
     let Some(length) = inputs.first().map(|u| u.len()) else { return Ok(None) };
     let parts = [(0, length), (length / 2, length), (0, length / 2), (length / 4, length - length / 4)];
@@ -232,8 +233,9 @@ fn given(inputs: &[&[f64]], period: f64) -> Result<(usize, usize, usize), Signal
     Ok((period, first, end))
 }
 
-/// The longest run in which each block of a period is followed by one that differs from it by no more than `limit` of the
-/// variance of the part in which the period was found; without a limit, by no more than noise as in half of the blocks.
+/// The longest run in which each block of a period is followed by one that differs from it by no more than `limit` of
+/// the variance of the part in which the period was found; without a limit, by no more than noise as in half of the
+/// blocks.
 fn repeating(inputs: &[&[f64]], period: usize, part: (usize, usize), limit: Option<f64>) -> Option<(usize, usize)> {
     let length = inputs.first()?.len();
     let blocks = (length + 1).checked_sub(2 * period)?;
@@ -307,8 +309,8 @@ fn without_line(x: &[f64]) -> Vec<f64> {
     x.iter().enumerate().map(|(t, v)| v - level - slope * (t as f64 - middle)).collect()
 }
 
-/// Whole periods without their means and without the slope that the means of their neighbours have: a drift would look the
-/// same in every period, as a line at each harmonic.
+/// Whole periods without their means and without the slope that the means of their neighbours have: a drift would look
+/// the same in every period, as a line at each harmonic.
 fn without_drift(x: &[f64], period: usize) -> Vec<f64> {
     let means: Vec<f64> = x.chunks_exact(period).map(|p| mean(p).unwrap_or(0.0)).collect();
     let middle = 0.5 * (period as f64 - 1.0);
@@ -341,10 +343,10 @@ fn largest_by_chance(freedom: usize, count: usize) -> f64 {
     freedom * ((CHANCE / count as f64).powf(-1.0 / freedom) - 1.0)
 }
 
-/// How many of the first periods to leave out until the outputs have settled, and whether even half of them are too few. A
-/// period has not settled where its lines differ from those of the later half of the periods by more than noise, at all
-/// lines together or at one. One more is left out with those: what is left in it is too small to be seen in a period, but not
-/// in the mean.
+/// How many of the first periods to leave out until the outputs have settled, and whether even half of them are too
+/// few. A period has not settled where its lines differ from those of the later half of the periods by more than noise,
+/// at all lines together or at one. One more is left out with those: what is left in it is too small to be seen in a
+/// period, but not in the mean.
 fn settling(periods: &Periods, inputs: usize, lines: &[usize]) -> Result<(usize, bool), SignalError> {
     let (count, outputs) = (periods.count(), periods.channels.len() - inputs);
     let late = count - count / 2;

@@ -58,15 +58,16 @@ pub struct Resonance {
     pub misfit: f64,
 }
 
-/// The resonance at the peak with this index among lines: a pole `r/(f − p)` and a straight line `c₀ + c₁f`, fitted to three lines
-/// on either side with the weights of their noise.
+/// The resonance at the peak with this index among lines: a pole `r/(f − p)` and a straight line `c₀ + c₁f`, fitted to
+/// three lines on either side with the weights of their noise.
 ///
-/// `variance` is that of the complex gains, each with `degrees_of_freedom`. None where there are too few lines, where the
-/// fitted curve has no top between the neighbours of the peak, or where what the fit leaves makes that uncertain by more than
-/// the distance of the lines.
+/// `variance` is that of the complex gains, each with `degrees_of_freedom`. None where there are too few lines, where
+/// the fitted curve has no top between the neighbours of the peak, or where what the fit leaves makes that uncertain by
+/// more than the distance of the lines.
 ///
 /// # Source
-/// Pintelon and Schoukens (2012), *System Identification: A Frequency Domain Approach*, §7.2.2 (local rational models) and ch. 9.
+/// Pintelon and Schoukens (2012), *System Identification: A Frequency Domain Approach*, §7.2.2 (local rational models)
+/// and ch. 9.
 #[must_use]
 pub fn resonance(
     freq_hz: &[f64],
@@ -221,8 +222,8 @@ fn half_power(theta: &[Complex64; UNKNOWNS], top: f64, (first, last): (f64, f64)
     Some(reach(last)? - reach(first)?)
 }
 
-/// The variance of a number made of the parameters, for errors of the lines of a variance of one: they act in both parts
-/// alike, so that with `g` the derivative `½(∂/∂re − j ∂/∂im)` it is `2 Σ_k |g·influence_k|²`.
+/// The variance of a number made of the parameters, for errors of the lines of a variance of one: they act in both
+/// parts alike, so that with `g` the derivative `½(∂/∂re − j ∂/∂im)` it is `2 Σ_k |g·influence_k|²`.
 fn variance_of(
     theta: &[Complex64; UNKNOWNS],
     influence: &[Vec<Complex64>],

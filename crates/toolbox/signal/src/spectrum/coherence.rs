@@ -50,15 +50,17 @@ impl CrossSpectrum {
     }
 
     /// The interval that holds the magnitude of the cross density at each frequency with probability `confidence`. With
-    /// γ² the coherence, the relative variance of `|P̂xy|` is `(1 + 1/γ²)/ν`; χ² of the degrees of freedom that have it,
-    /// `2ν/(1 + 1/γ²)`, gives the ends, which is exact at γ² = 1. Where the coherence is weak the interval of the coherence
-    /// leads: the lower end is what its lower end makes of the powers, and where that is zero, so is the upper one. At rest and at half the sample rate it is `[0, ∞]`.
+    /// γ² the coherence, the relative variance of `|P̂xy|` is `(1 + 1/γ²)/ν`; χ² of the degrees of freedom that have
+    /// it, `2ν/(1 + 1/γ²)`, gives the ends, which is exact at γ² = 1. Where the coherence is weak the interval of the
+    /// coherence leads: the lower end is what its lower end makes of the powers, and where that is zero, so is the
+    /// upper one. At rest and at half the sample rate it is `[0, ∞]`.
     ///
     /// # Errors
     /// [`SignalError::Parameter`] unless `0 < confidence < 1`.
     ///
     /// # Source
-    /// Variance: Brillinger, D. R. (1981), *Time Series*, theorem 7.6.2; Bendat and Piersol (2010), *Random Data*, §9.1.
+    /// Variance: Brillinger, D. R. (1981), *Time Series*, theorem 7.6.2; Bendat and Piersol (2010), *Random Data*,
+    /// §9.1.
     pub fn magnitude_interval(&self, confidence: f64) -> Result<Vec<[f64; 2]>, SignalError> {
         let known = self.coherence_interval(confidence)?;
         let averages = 0.5 * self.degrees_of_freedom;
@@ -82,10 +84,10 @@ impl CrossSpectrum {
         Ok(self.coherence().into_iter().enumerate().map(|(k, coherence)| interval(k, coherence)).collect())
     }
 
-    /// The interval in radians that holds the phase of the cross density, and of the frequency response, at each frequency
-    /// with probability `confidence`: `φ̂ ± arcsin(t √((1 − γ²)/(γ² (ν − 2))))`, t being Student's with ν − 2 degrees of
-    /// freedom. Its ends may lie beyond ±π; it is the whole circle where the signals may be unrelated, and at rest and at
-    /// half the sample rate.
+    /// The interval in radians that holds the phase of the cross density, and of the frequency response, at each
+    /// frequency with probability `confidence`: `φ̂ ± arcsin(t √((1 − γ²)/(γ² (ν − 2))))`, t being Student's with ν − 2
+    /// degrees of freedom. Its ends may lie beyond ±π; it is the whole circle where the signals may be unrelated, and
+    /// at rest and at half the sample rate.
     ///
     /// # Errors
     /// [`SignalError::Parameter`] unless `0 < confidence < 1`.

@@ -16,10 +16,11 @@ pub struct SpectralPeak {
 /// Fewest values to either side that make a background.
 const FEWEST: usize = 3;
 
-/// The peaks of `values`, a power or a gain over rising frequencies, by rising frequency: largest within `lobe` values to
-/// either side, at least `excess` times the background, and more than chance makes of it, which is where the lower end of
-/// the value's interval lies above the background. Of two tops without a valley between them whose value, at the upper end of
-/// its interval, is less than `√excess` below the lower top, that one is a ripple on the other and left out.
+/// The peaks of `values`, a power or a gain over rising frequencies, by rising frequency: largest within `lobe` values
+/// to either side, at least `excess` times the background, and more than chance makes of it, which is where the lower
+/// end of the value's interval lies above the background. Of two tops without a valley between them whose value, at the
+/// upper end of its interval, is less than `√excess` below the lower top, that one is a ripple on the other and left
+/// out.
 ///
 /// The background is the geometric mean of two medians, over the octave below and the octave above without the `lobe`
 /// nearest values: the slope of a spectrum cancels in it. Where either has fewer than three values, nothing is a peak.
@@ -58,8 +59,8 @@ pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: us
     without_ripples(found, values, intervals, excess.sqrt())
 }
 
-/// The first and the last place around `index` at which the top of a peak may be: as far as the upper ends of the intervals
-/// reach above the lower end at the peak. With intervals that hold all at once, as probably as those do.
+/// The first and the last place around `index` at which the top of a peak may be: as far as the upper ends of the
+/// intervals reach above the lower end at the peak. With intervals that hold all at once, as probably as those do.
 ///
 /// # Example
 /// ```

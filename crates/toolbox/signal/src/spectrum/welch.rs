@@ -64,8 +64,8 @@ pub struct CrossSpectrum {
     pub segments: usize,
     /// True if segments have an even number of samples, so that the last frequency is half the sample rate.
     pub has_even_segments: bool,
-    /// Degrees of freedom ν of the averages for noise: `ν·P̂/P` is distributed as χ² with ν of them. Half as many at rest and
-    /// at half the sample rate. Fewer than two a segment where segments overlap.
+    /// Degrees of freedom ν of the averages for noise: `ν·P̂/P` is distributed as χ² with ν of them. Half as many at
+    /// rest and at half the sample rate. Fewer than two a segment where segments overlap.
     pub degrees_of_freedom: f64,
 }
 

@@ -28,7 +28,8 @@ fn exact_gaps_and_steps_back_are_located() {
     assert!(matches!(check_clock(&[1.0, 1.0]), Err(SignalError::TooShort { .. })));
 }
 
-/// Stamps k + ε, without those of `left_out`; ε is spread evenly over ±`jitter` as the fractions of multiples of k² are (Weyl).
+/// Stamps k + ε, without those of `left_out`; ε is spread evenly over ±`jitter` as the fractions of multiples of k² are
+/// (Weyl).
 fn shaky(samples: u32, jitter: f64, left_out: &[u32], seed: u32) -> Vec<f64> {
     let spread = |k: f64| (k * k * f64::from(seed).sqrt() * 0.618_033_988_749_895).fract();
     let stamps = (0..samples).map(|k| 0.001 * (f64::from(k) + jitter * (2.0 * spread(f64::from(k)) - 1.0)));
@@ -136,8 +137,9 @@ fn exact_a_spike_of_three_samples_is_found_whole() {
     assert_eq!(check_quality(&x, &QualityOptions::default()).unwrap().spikes, [100, 101, 102]);
 }
 
-/// The speed of an engine in a cycle, rpm: corners at seconds, and the firing ripple of so many cylinders (four strokes), whose
-/// amplitude is that of the load over inertia and speed. With a gate the samples are means over their raster.
+/// The speed of an engine in a cycle, rpm: corners at seconds, and the firing ripple of so many cylinders (four
+/// strokes), whose amplitude is that of the load over inertia and speed. With a gate the samples are means over their
+/// raster.
 fn cycle_with_ripple(seed: u64, raster_s: f64, cylinders: f64, has_gate: bool) -> Vec<f64> {
     let mut random = Random::new(seed);
     let seconds = 240;
@@ -169,7 +171,8 @@ fn cycle_with_ripple(seed: u64, raster_s: f64, cylinders: f64, has_gate: bool) -
 
 const RASTERS_S: [f64; 8] = [0.005, 0.008, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2];
 
-/// Where a sample lasts 0.2 s, an engine may turn round within one: of such a raster two samples in 1200 may be taken for a spike.
+/// Where a sample lasts 0.2 s, an engine may turn round within one: of such a raster two samples in 1200 may be taken
+/// for a spike.
 #[test]
 fn exact_the_ripple_of_firing_has_no_spikes_on_any_raster() {
     for raster_s in RASTERS_S {
@@ -196,8 +199,9 @@ fn exact_spikes_among_the_ripple_of_firing_are_found() {
                 x[*at] = far - x[*at];
             }
             let found = check_quality(&x, &QualityOptions::default()).unwrap().spikes;
-            // From 0.1 s on most samples of the ramps are the median of their window, as those of a held signal are. The deviation of all
-            // then serves, which the large spikes make larger than a wrong sign. These alone have to be found there.
+            // From 0.1 s on most samples of the ramps are the median of their window, as those of a held signal are.
+            // The deviation of all then serves, which the large spikes make larger than a wrong sign. These alone have
+            // to be found there.
             let every = if raster_s < 0.1 { 1 } else { 2 };
             let is_found = planted.iter().step_by(every).all(|at| found.contains(at));
             assert!(is_found && found.len() <= planted.len() + 2, "{raster_s} s, {cylinders} cylinders: {found:?}");

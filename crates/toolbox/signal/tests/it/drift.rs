@@ -72,8 +72,8 @@ fn stat_drift_over_hours_is_found_with_its_standard_error() {
     assert!((found.rate - 3e-7).abs() < 4.0 * found.standard_error && found.standard_error < 1e-7, "{found:?}");
 }
 
-/// A line that another one folds onto, some hundredths of a hertz beside it, turns steadily against the first signal, as behind a clock
-/// that runs apart. All other lines say that none does.
+/// A line that another one folds onto, some hundredths of a hertz beside it, turns steadily against the first signal,
+/// as behind a clock that runs apart. All other lines say that none does.
 #[test]
 fn exact_what_one_line_shows_is_no_clock() {
     let mut random = Random::new(7);

@@ -55,8 +55,8 @@ fn exact_local_models_are_free_of_leakage() {
     assert_eq!(rational.response.freq_hz.len(), 8191);
 }
 
-/// The polynomial off the resonance, where it is not biased, the rational at it: the scatter is the variance stated, the
-/// noise that put in.
+/// The polynomial off the resonance, where it is not biased, the rational at it: the scatter is the variance stated,
+/// the noise that put in.
 #[test]
 fn stat_local_models_state_their_variance() {
     for (kind, at_resonance) in

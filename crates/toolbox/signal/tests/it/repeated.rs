@@ -191,8 +191,8 @@ fn exact_two_inputs_are_separated_by_their_lines() {
     }
 }
 
-/// 95 % intervals of every line, of the resonance, its height and its width, with white noise on the output; from rest in the
-/// second half of the draws, so that periods are left out.
+/// 95 % intervals of every line, of the resonance, its height and its width, with white noise on the output; from rest
+/// in the second half of the draws, so that periods are left out.
 #[test]
 #[ignore = "Monte Carlo of 1000 draws"]
 fn stat_intervals_at_the_lines_and_of_the_resonance_hold() {

@@ -184,8 +184,8 @@ fn ref_welch_with_another_window() {
     assert_close(&psd.density, &expected, 1e-16);
 }
 
-/// White noise: the scatter of the density is that of the stated degrees of freedom, and the interval holds the truth as
-/// often as it says.
+/// White noise: the scatter of the density is that of the stated degrees of freedom, and the interval holds the truth
+/// as often as it says.
 #[test]
 fn stat_welch_degrees_of_freedom_and_intervals() {
     for (overlap, window) in [(0, Window::Hann), (32, Window::Hann), (48, Window::Blackman), (60, Window::Hamming)] {
@@ -239,8 +239,8 @@ fn stat_coherence_threshold_and_response_variance() {
     assert!((spread / stated - 1.0).abs() < 0.1, "{}", spread / stated);
 }
 
-/// White noise has no peaks: of 300 spectra at most a part of 5 % has one by chance, whatever its height. The bound is four
-/// deviations of the binomial above that.
+/// White noise has no peaks: of 300 spectra at most a part of 5 % has one by chance, whatever its height. The bound is
+/// four deviations of the binomial above that.
 #[test]
 fn stat_peaks_of_noise_are_rare_and_a_sine_in_noise_is_found() {
     let welch = Welch::half_overlapping(256);

@@ -1,4 +1,5 @@
-//! A linear model as an FMU, or as a program in C. Both are the model on the clock of its data, which is what dynoid simulates.
+//! A linear model as an FMU, or as a program in C. Both are the model on the clock of its data, which is what dynoid
+//! simulates.
 
 mod description;
 mod extra;
@@ -18,10 +19,12 @@ use crate::{ExportError, ExportedFile};
 use description::Description;
 use model::LinearNumbers;
 
-/// The FMU of a linear model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`; `version` is that of the program. The same model gives the same bytes.
+/// The FMU of a linear model, `NAME_fmi2.fmu` or `NAME_fmi3.fmu`; `version` is that of the program. The same model
+/// gives the same bytes.
 ///
 /// # Errors
-/// [`ExportError::Model`] where the model has no state space, [`ExportError::TooLarge`] where the runtime cannot hold it.
+/// [`ExportError::Model`] where the model has no state space, [`ExportError::TooLarge`] where the runtime cannot hold
+/// it.
 pub fn fmu(
     document: &ModelDocument,
     names: &Names,

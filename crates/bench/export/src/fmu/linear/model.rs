@@ -45,7 +45,8 @@ impl LinearNumbers {
         Ok(LinearNumbers { system, sample_time_s: document.sample_time_s, draws })
     }
 
-    /// The text of `resources/linear.txt`. Numbers are hexadecimal: exact, and the same whatever decimal sign a program uses.
+    /// The text of `resources/linear.txt`. Numbers are hexadecimal: exact, and the same whatever decimal sign a program
+    /// uses.
     pub(super) fn resource(&self, token: &str) -> String {
         let count = |count: usize| hexadecimal(count as f64);
         let mut text = format!("dynoid-linear 0x1p+0\n{token}\n# states, inputs, outputs, draws, sample time in s\n");
@@ -71,8 +72,8 @@ pub(super) fn rows(m: MatRef<'_, f64>) -> Vec<f64> {
     (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
 }
 
-/// Models that the covariance allows, as far as they have the sizes of the estimate and are stable where it is. None without a
-/// covariance, and none where there would be few.
+/// Models that the covariance allows, as far as they have the sizes of the estimate and are stable where it is. None
+/// without a covariance, and none where there would be few.
 fn drawn(document: &ModelDocument, system: &StateSpace) -> Result<Vec<Vec<f64>>, ExportError> {
     let count = DRAWS.min(DRAWN_NUMBERS / flat(system).len().max(1));
     if count < FEWEST_DRAWS || document.estimate.as_ref().is_none_or(|estimate| estimate.covariance.is_empty()) {

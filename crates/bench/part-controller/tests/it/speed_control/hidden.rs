@@ -1,6 +1,6 @@
-//! A speed controller written down here, with terms that a recording has to betray: it computes T_d* anew from the speeds of a
-//! recording, or from the speeds at which it would have demanded the recorded T_d*; then the speed is logged with noise of its
-//! own.
+//! A speed controller written down here, with terms that a recording has to betray: it computes T_d* anew from the
+//! speeds of a recording, or from the speeds at which it would have demanded the recorded T_d*; then the speed is
+//! logged with noise of its own.
 
 use part_controller::speed_controller::AntiWindup;
 use rig::{Experiment, Role};
@@ -72,8 +72,8 @@ impl Hidden {
         self.logged(experiment, &speed, first_nm)
     }
 
-    /// The recording, with constant N_d*, with the speeds at which this controller demands its T_d*: in a loop that is closed,
-    /// the torque is what the engine makes it, whatever the controller.
+    /// The recording, with constant N_d*, with the speeds at which this controller demands its T_d*: in a loop that is
+    /// closed, the torque is what the engine makes it, whatever the controller.
     pub(super) fn in_the_loop(&self, experiment: &Experiment) -> Experiment {
         let torque = &experiment.signals[&Role::DynoTorqueDemand].samples;
         let start = experiment.signals[&Role::DynoSpeed].samples[0];

@@ -413,8 +413,8 @@ impl Labelled {
         experiment.signal(role).unwrap().slice(part.start_s, part.end_s)
     }
 
-    /// How much of a component is missed without each source, and how strong it is where less folds; none where it makes
-    /// little of a line.
+    /// How much of a component is missed without each source, and how strong it is where less folds; none where it
+    /// makes little of a line.
     fn score(&self, part: &PartLines, role: Role, of: &Component, amplitude: f64) -> Option<(f64, f64)> {
         let power = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>();
         let signal = Self::part_of(&self.whole, part, role);

@@ -1,6 +1,6 @@
-//! The strongest lines of the recordings of two simulated benches, where they are present beside the project, against what
-//! made them. The engine has four unequal cylinders, which give half orders beside multiples of order 2; the drive has a
-//! ripple at 100 Hz, part of it in proportion to its torque; torque demands are held for 10 ms.
+//! The strongest lines of the recordings of two simulated benches, where they are present beside the project, against
+//! what made them. The engine has four unequal cylinders, which give half orders beside multiples of order 2; the drive
+//! has a ripple at 100 Hz, part of it in proportion to its torque; torque demands are held for 10 ms.
 
 use part_lines::lines::{Cause, Line, RecordingLines, find_lines};
 use rig::{BenchFile, Role, prepare};
@@ -69,7 +69,8 @@ fn ref_strongest_lines_of_bench_a() {
             ("BS_T_NT_3000", Role::EngineSpeed, &[&["order 2", "2 × 50 Hz"]]),
             ("BS_T_NT_4500", Role::EngineSpeed, &[&["order 2", "3 × 50 Hz"], &["order 1"], &["folded order 4"]]),
             ("Unfired_N_NT_1200", Role::EngineSpeed, &[&["order 2"], &["order 4"]]),
-            // Order 5 lies within a hundredth of a hertz of the ripple, but wanders with the speed: the phase tells them apart.
+            // Order 5 lies within a hundredth of a hertz of the ripple, but wanders with the speed: the phase tells
+            // them apart.
             ("Unfired_N_NT_1200", Role::AirGapTorque, &[&["2 × 50 Hz"]]),
             ("NoShaft_N_NT_1200", Role::AirGapTorque, &[&["2 × 50 Hz"]]),
         ],

@@ -1,8 +1,8 @@
 //! The engine's side of the shaft: s T_shaft + J_e s² ω_e + (P s + I) h(s) ω_e = s T_e.
 //!
-//! P and I are the engine's own speed control, which acts upon its next firing and holds until the one after, h(s) =
-//! (1 − e^{−2sτ})/(2sτ) with 2τ about the time between; what pulses make of it otherwise is part of the uncertainty. T_e is
-//! the rest of the engine's torque, recorded nowhere, which moves both speeds.
+//! P and I are the engine's own speed control, which acts upon its next firing and holds until the one after, h(s) = (1
+//! − e^{−2sτ})/(2sτ) with 2τ about the time between; what pulses make of it otherwise is part of the uncertainty. T_e
+//! is the rest of the engine's torque, recorded nowhere, which moves both speeds.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,8 @@ pub(super) const DELAY: usize = 3;
 pub(super) type Unknowns = [f64; UNKNOWNS];
 /// |2sτ| below which the hold is its series: the next term is 1e-9.
 const SMALL_HOLD: f64 = 1e-4;
-/// The spectrum of s T_e is a mean over so many Hz: wide against the resolution, narrow against what is between firing lines.
+/// The spectrum of s T_e is a mean over so many Hz: wide against the resolution, narrow against what is between firing
+/// lines.
 const SMOOTHED_HZ: f64 = 0.8;
 
 /// The engine's side at every bin.

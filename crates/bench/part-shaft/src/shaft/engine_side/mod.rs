@@ -1,15 +1,16 @@
 //! J_e, from what a demand that knows nothing of the engine's torque makes both sides of the shaft do.
 //!
-//! A demand that does not answer to T_e, T_d* in torque control and N_d* in speed control, is an instrument: with v what the
-//! demand, through the shaft, makes of ω_e, the errors s T_e of the engine's equation are on average orthogonal to s²v, s v,
-//! v and to what the engine's control makes of these, whatever T_e is, be it a firing engine; least squares would take what
-//! T_e did for what J_e is. Over √S, S the spectrum of s T_e, which is taken from the residuals and matters for the variance
-//! alone, the errors' projection on these instruments is made as small as it can be. It is linear but for τ, the delay of
-//! the engine's control: J_e, P and I are solved for each τ, and τ is searched for alone (variable projection).
+//! A demand that does not answer to T_e, T_d* in torque control and N_d* in speed control, is an instrument: with v
+//! what the demand, through the shaft, makes of ω_e, the errors s T_e of the engine's equation are on average
+//! orthogonal to s²v, s v, v and to what the engine's control makes of these, whatever T_e is, be it a firing engine;
+//! least squares would take what T_e did for what J_e is. Over √S, S the spectrum of s T_e, which is taken from the
+//! residuals and matters for the variance alone, the errors' projection on these instruments is made as small as it can
+//! be. It is linear but for τ, the delay of the engine's control: J_e, P and I are solved for each τ, and τ is searched
+//! for alone (variable projection).
 //!
 //! # Source
-//! Söderström & Stoica, *Instrumental variable methods for system identification*, 1983, ch. 3 (extended instruments), 4
-//! and 6; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; thesis (6.4).
+//! Söderström & Stoica, *Instrumental variable methods for system identification*, 1983, ch. 3 (extended instruments),
+//! 4 and 6; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; thesis (6.4).
 
 mod equation;
 mod instruments;
@@ -46,8 +47,8 @@ pub(super) struct EngineInertia {
     pub(super) degrees_of_freedom: f64,
 }
 
-/// Estimates J_e beside shaft parameters θ with their covariance, with `demand` as the instrument. The engine's control is
-/// expected to hold for about `firing_interval_s`.
+/// Estimates J_e beside shaft parameters θ with their covariance, with `demand` as the instrument. The engine's control
+/// is expected to hold for about `firing_interval_s`.
 ///
 /// # Errors
 /// A demand that is not there over the window, or that moves nothing.
@@ -122,8 +123,8 @@ impl Search<'_> {
         Ok(([inertia, p, i, delay_s], left + prior))
     }
 
-    /// Precision of τ beforehand, on the scale of the equations, in which n bins count as n over their overlap and each of
-    /// its two parts as half of one.
+    /// Precision of τ beforehand, on the scale of the equations, in which n bins count as n over their overlap and each
+    /// of its two parts as half of one.
     fn prior(&self) -> f64 {
         0.5 * OVERLAP / (SPREAD * self.half_firing_s).powi(2)
     }
@@ -176,8 +177,8 @@ impl<'a> Scores<'a> {
         (0..theta.len()).map(slope).collect()
     }
 
-    /// Covariance by T_e alone, robust to a spectrum that is not quite that of s T_e: A⁻¹ M A⁻ᵀ, M the products of scores as
-    /// far as the window correlates them.
+    /// Covariance by T_e alone, robust to a spectrum that is not quite that of s T_e: A⁻¹ M A⁻ᵀ, M the products of
+    /// scores as far as the window correlates them.
     fn covariance(&self) -> Result<Mat<f64>, IdentError> {
         let bins = &self.search.equation.spectra.bins;
         let scores: Vec<[f64; UNKNOWNS]> = self.of_bins(&self.search.sides).collect();

@@ -10,9 +10,9 @@ pub struct CostTest {
     pub achieved: f64,
     /// Its expected value under a right model.
     pub expected: f64,
-    /// Between these it lies with 95 % probability under a right model. Above: the shaft is not linear, or the model lacks
-    /// something. Below: periods scatter by more than what their mean keeps, as by a once-a-turn error of an encoder whose
-    /// turns do not repeat with the demand; intervals are wider than need be.
+    /// Between these it lies with 95 % probability under a right model. Above: the shaft is not linear, or the model
+    /// lacks something. Below: periods scatter by more than what their mean keeps, as by a once-a-turn error of an
+    /// encoder whose turns do not repeat with the demand; intervals are wider than need be.
     pub limits: (f64, f64),
 }
 

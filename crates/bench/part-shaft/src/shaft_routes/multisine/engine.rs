@@ -71,8 +71,8 @@ pub enum EngineError {
 pub(super) const ENGINE_UNKNOWNS: usize = 4;
 pub(super) const HOLD: usize = 3;
 pub(super) const ENGINE_SIZES: [f64; ENGINE_UNKNOWNS] = [1e-2, 0.1, 0.1, 1e-3];
-/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its friction, does so
-/// within about this time, s.
+/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its
+/// friction, does so within about this time, s.
 const WITHOUT_FIRING_S: f64 = 1e-5;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 pub(super) const SLOWEST_RAD_S: f64 = 30.0;
@@ -124,7 +124,8 @@ impl<'a> EngineSide<'a> {
         let cost = cost_test(0.5 * squares, freedom, nu);
         Ok(EngineFit {
             inertia_kg_m2: inertia,
-            // As uncertain as what another control would make of the same data; uniform between the two and as far beyond.
+            // As uncertain as what another control would make of the same data; uniform between the two and as far
+            // beyond.
             variance: held.unscaled_covariance[(0, 0)] * nu / (nu - 2.0) * cost.inflation()
                 + through
                 + (delayed - inertia).powi(2) / 3.0,

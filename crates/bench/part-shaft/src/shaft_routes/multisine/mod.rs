@@ -1,28 +1,28 @@
 //! The shaft from a periodic torque demand: sample maximum likelihood.
 //!
-//! At each excited line k every period gives a vector Z of transforms of ω_d, ω_e, T_d and of ω cos θ and ω sin θ of both
-//! encoders, whose once-a-turn errors are estimated along. The shaft's equation c(s_k, θ)ᵀ Z = 0, for exact encoders
-//! (J_d s² + K + B s) ω_d − (K + B s) e^{sδ_e} ω_e + s g(s) e^{sδ_T} T_d = 0, holds for what repeats and for what the engine does
-//! in between alike; what errs are the sensors. With Z̄ the mean over P periods and C its sample covariance,
-//! V = Σ_k |cᵀ Z̄|²/(cᵀ C c*) is made small: noise levels need not be known, and may be correlated between the signals.
-//! g = (1 − e^{−sT_g})/(sT_g) gives the torque the gate of the encoders.
+//! At each excited line k every period gives a vector Z of transforms of ω_d, ω_e, T_d and of ω cos θ and ω sin θ of
+//! both encoders, whose once-a-turn errors are estimated along. The shaft's equation c(s_k, θ)ᵀ Z = 0, for exact
+//! encoders (J_d s² + K + B s) ω_d − (K + B s) e^{sδ_e} ω_e + s g(s) e^{sδ_T} T_d = 0, holds for what repeats and for
+//! what the engine does in between alike; what errs are the sensors. With Z̄ the mean over P periods and C its sample
+//! covariance, V = Σ_k |cᵀ Z̄|²/(cᵀ C c*) is made small: noise levels need not be known, and may be correlated between
+//! the signals. g = (1 − e^{−sT_g})/(sT_g) gives the torque the gate of the encoders.
 //!
-//! A period is weighed by a window that rises like sin² over a quarter of a period and falls over the first quarter of the next,
-//! so that windows add up to one: the mean over periods holds all of the data and nothing of other lines of the demand.
-//! Derivatives are moved to the window, so that what does not repeat leaks into no equation.
+//! A period is weighed by a window that rises like sin² over a quarter of a period and falls over the first quarter of
+//! the next, so that windows add up to one: the mean over periods holds all of the data and nothing of other lines of
+//! the demand. Derivatives are moved to the window, so that what does not repeat leaks into no equation.
 //!
-//! A sample covariance from few periods errs, so that |e|²/σ̂² is F-distributed. It is therefore averaged over neighbouring
-//! lines, as a factor upon the shape that equal white noise of both encoders would have, until it has enough degrees of
-//! freedom ν; cost and covariance are then freed of what is left, ν/(ν − 1) and ν/(ν − 2).
+//! A sample covariance from few periods errs, so that |e|²/σ̂² is F-distributed. It is therefore averaged over
+//! neighbouring lines, as a factor upon the shape that equal white noise of both encoders would have, until it has
+//! enough degrees of freedom ν; cost and covariance are then freed of what is left, ν/(ν − 1) and ν/(ν − 2).
 //!
-//! J_e follows from the engine's side, s T_shaft + J_e s² ω_e + (P s + I) h(s) ω_e = s T_e, with P and I the engine's own
-//! speed control, which acts upon its next firing and holds, h(s) = (1 − e^{−2sτ})/(2sτ). T_e is not recorded, but does not
-//! repeat with the demand; its scatter is in C.
+//! J_e follows from the engine's side, s T_shaft + J_e s² ω_e + (P s + I) h(s) ω_e = s T_e, with P and I the engine's
+//! own speed control, which acts upon its next firing and holds, h(s) = (1 − e^{−2sτ})/(2sτ). T_e is not recorded, but
+//! does not repeat with the demand; its scatter is in C.
 //!
 //! # Source
-//! Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed. 2012, §10.3 and §12.3 (sample maximum
-//! likelihood, its expected cost and covariance); Shinbrot, *On the analysis of linear and nonlinear systems*, 1957
-//! (derivatives by the window); thesis (6.1), (6.4), (6.10).
+//! Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed. 2012, §10.3 and §12.3 (sample
+//! maximum likelihood, its expected cost and covariance); Shinbrot, *On the analysis of linear and nonlinear systems*,
+//! 1957 (derivatives by the window); thesis (6.1), (6.4), (6.10).
 
 mod cost;
 mod engine;
@@ -78,13 +78,12 @@ pub struct MultisineRoute {
     pub engine_error: Option<EngineError>,
 }
 
-/// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the gate;
-/// both skews are estimated, from its values on. The engine's firings show how long its
-/// control holds.
+/// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the
+/// gate; both skews are estimated, from its values on. The engine's firings show how long its control holds.
 ///
 /// # Errors
-/// A demand that does not repeat or repeats too seldom, a torque that is that of a flange, or data that do not determine the
-/// parameters.
+/// A demand that does not repeat or repeats too seldom, a torque that is that of a flange, or data that do not
+/// determine the parameters.
 pub fn estimate(
     inputs: &ShaftInputs<'_>,
     demand: &Signal,

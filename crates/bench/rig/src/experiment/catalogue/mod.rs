@@ -36,8 +36,8 @@ pub fn of(label: &ExperimentLabel) -> Option<&'static Template> {
     all().iter().find(|template| template.label() == *label)
 }
 
-/// The template of a label such as `BS_T_NT`; letter case does not matter, and the test's name will do where one alone has
-/// it.
+/// The template of a label such as `BS_T_NT`; letter case does not matter, and the test's name will do where one alone
+/// has it.
 ///
 /// # Errors
 /// [`CatalogueError::UnknownExperiment`] with the name that was probably meant.

@@ -36,8 +36,8 @@ pub(super) const OPTIMAL: &[Parameter] = &[
     Parameter { meaning: "mean of the dynamometer's torque demand, in speed control of the engine's", ..ENGINE_TORQUE },
 ];
 
-/// The parameters of a multisine: its torque, root mean square, lowest and highest frequency as they are unless given, and
-/// the highest one that the clock of the demand allows.
+/// The parameters of a multisine: its torque, root mean square, lowest and highest frequency as they are unless given,
+/// and the highest one that the clock of the demand allows.
 const fn multisine_parameters(
     torque: Parameter,
     (rms, lowest, highest, limit_hz): (Parameter, f64, f64, f64),

@@ -1,5 +1,6 @@
-//! Damages of growing size, to all recordings of a campaign or to one: no number is wrong without a cause that is named, and the
-//! verdict never improves as the damage grows. The benches are of a simulator that shares no code with the project.
+//! Damages of growing size, to all recordings of a campaign or to one: no number is wrong without a cause that is
+//! named, and the verdict never improves as the damage grows. The benches are of a simulator that shares no code with
+//! the project.
 
 use recording::{Channel, Raster, Recording};
 use report::verdict::{Level, verdict};

@@ -47,8 +47,8 @@ pub(crate) struct SpectrumArguments {
     /// The period of the inputs in seconds; `none` uses --method even if the inputs repeat [default: found in the data]
     #[arg(long, value_name = "SECONDS", value_parser = period)]
     pub(crate) period: Option<Period>,
-    /// Length of Welch's segments or of the lag window, in samples: longer resolves closer peaks, shorter reduces variance
-    /// [default: an eighth of the record, 1024 at most]
+    /// Length of Welch's segments or of the lag window, in samples: longer resolves closer peaks, shorter reduces
+    /// variance [default: an eighth of the record, 1024 at most]
     #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) window: Option<usize>,
     #[command(flatten)]

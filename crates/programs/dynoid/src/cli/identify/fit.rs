@@ -36,8 +36,8 @@ pub(crate) enum Offset {
 /// The level of the output.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct OffsetArgument {
-    /// The level of the output. A mean is not the level at which the system rests: `--offset` alone estimates it with the model
-    /// [default: estimated, and none with --detrend none]
+    /// The level of the output. A mean is not the level at which the system rests: `--offset` alone estimates it with
+    /// the model [default: estimated, and none with --detrend none]
     #[arg(
         long,
         value_enum,
@@ -204,16 +204,16 @@ pub(crate) struct ProcessArguments {
     /// The structure, such as P1D or P2DZ
     #[arg(long, default_value = "P1D")]
     pub(crate) structure: String,
-    /// Range in which the delay is searched, in seconds [default: 0 to 30 samples; up to a third of the record where it ends
-    /// there]
+    /// Range in which the delay is searched, in seconds
+    /// [default: 0 to 30 samples; up to a third of the record where it ends there]
     #[arg(long, value_name = "LOW:HIGH")]
     pub(crate) delay: Option<String>,
-    /// Fix a parameter, such as K=2 for a known gain; repeat it for more. Names as in the result: K, Tp1, Tz, Td …, with
-    /// several inputs `K[1]`, `K[2]` …
+    /// Fix a parameter, such as K=2 for a known gain; repeat it for more. Names as in the result: K, Tp1, Tz, Td …,
+    /// with several inputs `K[1]`, `K[2]` …
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) hold: Vec<String>,
-    /// Search a parameter in a range, such as zeta=0:1; repeat it for more [default: lags from 0.01 samples to 10 times the
-    /// record, zeta from 0 to 10]
+    /// Search a parameter in a range, such as zeta=0:1; repeat it for more
+    /// [default: lags from 0.01 samples to 10 times the record, zeta from 0 to 10]
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     pub(crate) bound: Vec<String>,
     #[command(flatten)]

@@ -15,8 +15,8 @@ pub(crate) struct MeetArguments {
     pub(crate) on: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) window: Window,
-    /// Sample time for a continuous model. In text without a time column: the time from row to row [default: the model's
-    /// sample time]
+    /// Sample time for a continuous model. In text without a time column: the time from row to row
+    /// [default: the model's sample time]
     #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive_seconds, help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What to subtract from every channel first, and to add to the results again
@@ -26,8 +26,8 @@ pub(crate) struct MeetArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MeetDetrend {
-    /// The levels subtracted before the fit, so that levels are judged too: those of the same recording if the model was
-    /// estimated from it, otherwise their mean
+    /// The levels subtracted before the fit, so that levels are judged too: those of the same recording if the model
+    /// was estimated from it, otherwise their mean
     Model,
     /// The mean of each recording: judges the dynamics alone
     Mean,
@@ -40,8 +40,8 @@ pub(crate) enum MeetDetrend {
 /// Arguments about the recordings for a bench model.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArguments {
-    /// With a bench model: the bench file, which names the channels [default: that of the study, if it is beside the model
-    /// or one folder up]
+    /// With a bench model: the bench file, which names the channels
+    /// [default: that of the study, if it is beside the model or one folder up]
     #[arg(long, value_name = "BENCH.toml", help_heading = "Bench model")]
     pub(crate) bench: Option<PathBuf>,
     /// With a bench model: how the dynamometer was controlled [default: by the label in the recording's name, such as

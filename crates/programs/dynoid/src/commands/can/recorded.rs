@@ -124,7 +124,8 @@ fn start(
     found(speed).map(|start_s| (start_s, AlignedOn::Speed)).map_err(|error| error.to_string())
 }
 
-/// Means over a tenth of a second, or the samples of a slower signal, on the clock of the test. What no requirement uses is zero.
+/// Means over a tenth of a second, or the samples of a slower signal, on the clock of the test. What no requirement
+/// uses is zero.
 fn feedback(compared: &Compared, start_s: f64) -> Result<Feedback, String> {
     let of = |role: Option<Role>| role.and_then(|role| compared.experiment.signal(role));
     let (speed, torque, throttle) = (of(compared.speed), of(compared.torque), of(compared.throttle));
@@ -224,8 +225,8 @@ fn judged(
     Ok(JudgedOwn { own: *own, judged, uncertain_by })
 }
 
-/// A recorded demand on a clock that begins at a time. On the raster of its own updates it changes at its samples; on a slower one it
-/// changed somewhere in between.
+/// A recorded demand on a clock that begins at a time. On the raster of its own updates it changes at its samples; on a
+/// slower one it changed somewhere in between.
 fn timed(demand: &Signal, zero_s: f64) -> Samples<'_> {
     Samples {
         start_s: demand.start_s - zero_s,

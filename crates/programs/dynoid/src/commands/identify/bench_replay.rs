@@ -1,7 +1,7 @@
 //! `dynoid model compare` and `simulate` with bench models: recordings replayed on them.
 //!
-//! A bench model is not linear: it has a torque limit and a controller that samples. It runs on the recorded demand and on the engine torque
-//! that the recording shows, as the replays of a study do.
+//! A bench model is not linear: it has a torque limit and a controller that samples. It runs on the recorded demand and
+//! on the engine torque that the recording shows, as the replays of a study do.
 
 use std::path::{Path, PathBuf};
 
@@ -185,7 +185,8 @@ fn stretch(experiment: &Experiment, meet: &MeetArguments, unasked: Unasked) -> O
     }
 }
 
-/// The bench file, which names the channels: the one given, or that of the first model, which lies beside it or one folder up.
+/// The bench file, which names the channels: the one given, or that of the first model, which lies beside it or one
+/// folder up.
 fn bench_file(models: &[Named], given: &BenchArguments) -> Result<PathBuf, CliError> {
     if let Some(path) = &given.bench {
         return Ok(path.clone());

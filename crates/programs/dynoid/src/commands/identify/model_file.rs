@@ -71,7 +71,8 @@ pub(super) struct NamedModel {
     pub(super) margins: LoopMargins,
 }
 
-/// Reads a model file, or a bench model as linear models. A bench model has the margins of its speed loop, which is closed in it.
+/// Reads a model file, or a bench model as linear models. A bench model has the margins of its speed loop, which is
+/// closed in it.
 pub(super) fn read_all(path: &Path) -> Result<Vec<NamedModel>, CliError> {
     let name = name(path);
     let bench = match AnyModelFile::read(path)? {

@@ -57,8 +57,8 @@ pub(super) fn taken_off(detrend: MeetDetrend) -> TakenOff {
     }
 }
 
-/// Data less the levels that were estimated with a model, which become part of its operating point: of the estimation data,
-/// and of others those of the same recording, or the mean of all.
+/// Data less the levels that were estimated with a model, which become part of its operating point: of the estimation
+/// data, and of others those of the same recording, or the mean of all.
 pub(super) fn with_levels(
     fit: &Fit<AnyModel>,
     estimation: Loaded,

@@ -65,7 +65,8 @@ fn whole(
     Ok(Some((start_s, all)))
 }
 
-/// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it for one.
+/// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it
+/// for one.
 pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
     match FileFormat::of_output(path)? {
         format if format.is_text() && recordings > 1 => Err(CliError::Usage {

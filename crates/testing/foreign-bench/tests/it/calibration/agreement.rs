@@ -85,7 +85,8 @@ fn ref_two_simulators_agree_on_a_bench_without_pulses_and_friction() {
     }
 }
 
-/// In a cycle the program sees the slope of T_shaft every 5 ms alone, and intercepts and errors of a good run are next to nothing.
+/// In a cycle the program sees the slope of T_shaft every 5 ms alone, and intercepts and errors of a good run are next
+/// to nothing.
 fn is_compared((statistic, test): &(String, &str)) -> bool {
     let is_next_to_nothing = statistic.ends_with("Intercept") || statistic.ends_with("StandardError");
     !(*test == "cycle" && (statistic == "shaft_torque_slew" || is_next_to_nothing))

@@ -1,7 +1,7 @@
 //! Stated bands and verdicts beside what happens on benches of the other simulator.
 //!
-//! A bench is drawn and its campaign simulated. The study of it gives a model, and the model answers for drawn tests with drawn limits.
-//! The true bench then runs the same demands from several start angles.
+//! A bench is drawn and its campaign simulated. The study of it gives a model, and the model answers for drawn tests
+//! with drawn limits. The true bench then runs the same demands from several start angles.
 
 mod agreement;
 mod asked;
@@ -162,8 +162,8 @@ fn stat_predictions_have_the_size_of_what_happens() {
 fn stat_stated_bands_hold_on_benches_of_the_other_simulator() {
     let (rows, answers) = calibrated(&drawn(300, 60_000), RUNS);
     let tallies = tallies(&rows, &answers);
-    // What holds today, within two standard deviations of the counts; runs of one bench go together. The other goals are printed, and become
-    // assertions as soon as they hold.
+    // What holds today, within two standard deviations of the counts; runs of one bench go together. The other goals
+    // are printed, and become assertions as soon as they hold.
     for statistic in ["power", "speed", "shaft_torque", "shaft_torque_slew", "torque"] {
         let tally = &tallies[statistic];
         assert!(tally.inside() >= LEAST - 2.0 * deviation(LEAST, tally.runs), "{statistic}: {}", tally.inside());

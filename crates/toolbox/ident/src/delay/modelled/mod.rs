@@ -18,7 +18,8 @@ pub use model::{DelayFault, DelayModel, ModelledDelay};
 use model::{LEAD, ROUNDING};
 use structure::Structure;
 
-/// Zeros and poles of what is tried, the simplest first: with and without zeros, since zeros make up for a part of a delay.
+/// Zeros and poles of what is tried, the simplest first: with and without zeros, since zeros make up for a part of a
+/// delay.
 const LADDER: [(usize, usize); 9] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (2, 3), (2, 4)];
 
 /// Confidence with which a richer model has to be better.
@@ -67,8 +68,8 @@ impl ModelledDelay {
     /// The dead times for data of one output and inputs without gaps.
     ///
     /// # Errors
-    /// Those of [`ContinuousTransferFunction::fit`](crate::ContinuousTransferFunction::fit) where no model could be fitted;
-    /// [`signal::SignalError::Parameter`] for options out of range.
+    /// Those of [`ContinuousTransferFunction::fit`](crate::ContinuousTransferFunction::fit) where no model could be
+    /// fitted; [`signal::SignalError::Parameter`] for options out of range.
     pub fn estimate(&self, data: &Dataset) -> Result<DelayModels, IdentError> {
         signals(data)?;
         check_range("longest", self.longest as f64, 1.0, 1e5)?;
@@ -132,8 +133,8 @@ impl ModelledDelay {
         for index in rivals.iter().copied().chain([best]) {
             let model = &mut models[index];
             let structure = Structure { options: self, beginning, zeros: model.zeros, poles: model.poles };
-            // A gain under a held input has an interval of its own kind, and a model with other faults than those of its search is
-            // not claimed, whatever its interval.
+            // A gain under a held input has an interval of its own kind, and a model with other faults than those of
+            // its search is not claimed, whatever its interval.
             let is_profiled = !model.channels.is_empty() && model.faults.iter().all(DelayFault::is_of_search);
             // One that cannot be estimated again keeps the interval of its covariance.
             if is_profiled && let Ok(renewed) = structure.profiled(&cleans[index], model) {
@@ -162,7 +163,8 @@ impl ModelledDelay {
         all.map(|(input, _)| DelayFault::Undetermined { input }).collect()
     }
 
-    /// The inputs whose interval ends where the search did: the true dead time may lie beyond, and dynamics make up for it.
+    /// The inputs whose interval ends where the search did: the true dead time may lie beyond, and dynamics make up for
+    /// it.
     fn at_longest(&self, best: &DelayModel) -> Vec<DelayFault> {
         let tried = self.longest;
         let is_known = |input: usize| best.faults.contains(&DelayFault::AtLongest { input, tried });
@@ -199,9 +201,9 @@ fn rivals(models: &[DelayModel], best: usize) -> Vec<usize> {
     (0..models.len()).filter(may_be).collect()
 }
 
-/// The intervals of the best model and of others that are possible: simpler ones that are not refuted beyond doubt, since where a
-/// further pole is barely seen its time constant is barely known, and the interval with it; and rivals, since zeros and poles
-/// make up for a part of a delay.
+/// The intervals of the best model and of others that are possible: simpler ones that are not refuted beyond doubt,
+/// since where a further pole is barely seen its time constant is barely known, and the interval with it; and rivals,
+/// since zeros and poles make up for a part of a delay.
 fn widened(best: &DelayModel, possible: &[&DelayModel]) -> Vec<(f64, f64)> {
     let mut intervals = best.intervals.clone();
     for other in possible {
@@ -269,15 +271,16 @@ impl DelayModel {
         gained > self.inflation * self.by_chance(REFUTED, self.free)
     }
 
-    /// By how much the logarithm of the loss falls by chance, at most, where so many of the free values are superfluous. They
-    /// may be many: in data with gaps every stretch has initial states of its own, so the test is that of F.
+    /// By how much the logarithm of the loss falls by chance, at most, where so many of the free values are
+    /// superfluous. They may be many: in data with gaps every stretch has initial states of its own, so the test is
+    /// that of F.
     fn by_chance(&self, level: f64, superfluous: usize) -> f64 {
         let (more, left) = (superfluous.max(1) as f64, self.samples.saturating_sub(self.free).max(1) as f64);
         (more / left * f_quantile(level, more, left)).ln_1p()
     }
 
-    /// The inputs whose lines are too few for this structure: it takes a gain, a delay, zeros and poles, and one value more
-    /// has to be there to refute it.
+    /// The inputs whose lines are too few for this structure: it takes a gain, a delay, zeros and poles, and one value
+    /// more has to be there to refute it.
     fn few_lines(&self, data: &Dataset) -> Vec<DelayFault> {
         let needed = (self.zeros + self.poles + 2) / 2 + 1;
         let error = (1.0 - self.fit_percent / 100.0).powi(2).max(ROUNDING);
@@ -298,7 +301,8 @@ impl DelayModel {
     }
 }
 
-/// The frequency, in hertz, of an input that is one sine, all but 1 % of its amplitude: with it, a delay is only a phase shift.
+/// The frequency, in hertz, of an input that is one sine, all but 1 % of its amplitude: with it, a delay is only a
+/// phase shift.
 #[must_use]
 pub fn single_line(data: &Dataset, input: usize) -> Option<f64> {
     let found = (input < data.inputs()).then(|| Lines::of(data, input, None, 0.0).all_hz)?;

@@ -10,15 +10,16 @@ pub(super) const LEAD: usize = 2;
 pub(super) const ROUNDING: f64 = 1e-18;
 
 /// Estimates the dead times `τ_k` of `y(t) = Σ_k G_k(s) e^{−sτ_k} u_k(t) + r(t) + v(t)` by minimising the error of the
-/// simulated output: what is fed in is known between the samples (`Intersample`), so that held inputs give the
-/// fraction of a sample too, and the output may be slower than the inputs, or have gaps. Inputs with gaps are cut there
-/// ([`Dataset::without_input_gaps`](crate::Dataset::without_input_gaps)); outputs count from where all inputs are known that may reach
-/// them.
+/// simulated output: what is fed in is known between the samples (`Intersample`), so that held inputs give the fraction
+/// of a sample too, and the output may be slower than the inputs, or have gaps. Inputs with gaps are cut there
+/// ([`Dataset::without_input_gaps`](crate::Dataset::without_input_gaps)); outputs count from where all inputs are known
+/// that may reach them.
 ///
-/// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon by more than its parameters,
-/// and initial states in every experiment, do by chance, and whose errors do not depend on the inputs any more. Ripple `r`, lines in the errors that the inputs do not have, is estimated along, added
-/// and in proportion to the output: where it keeps time with a held input, it biases the dead time. The covariance is
-/// that of errors with the autocorrelation of the residuals.
+/// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon by more than
+/// its parameters, and initial states in every experiment, do by chance, and whose errors do not depend on the inputs
+/// any more. Ripple `r`, lines in the errors that the inputs do not have, is estimated along, added and in proportion
+/// to the output: where it keeps time with a held input, it biases the dead time. The covariance is that of errors with
+/// the autocorrelation of the residuals.
 ///
 /// A dead time is claimed by `DelayModels::claimed` alone; the other models are there to be looked at.
 ///
@@ -68,13 +69,13 @@ pub struct DelayModel {
     pub zeros: usize,
     /// Poles of each `G_k`; none for a gain.
     pub poles: usize,
-    /// The dead time of each input. Of a gain under a held input it is known to a sample alone, and this is the middle of what is
-    /// left.
+    /// The dead time of each input. Of a gain under a held input it is known to a sample alone, and this is the middle
+    /// of what is left.
     pub dead_times: Vec<DelayEstimate>,
     /// Their intervals, as far as they lie between zero and the longest dead time.
     pub intervals: Vec<(f64, f64)>,
-    /// By how much the answer to slow changes is late: dead time and lags together, `−d arg G/dω` at rest. None for a gain,
-    /// and where an input comes through without its mean.
+    /// By how much the answer to slow changes is late: dead time and lags together, `−d arg G/dω` at rest. None for a
+    /// gain, and where an input comes through without its mean.
     pub late_by: Vec<Option<DelayEstimate>>,
     /// Their intervals, from the covariance of dead time and coefficients to first order.
     pub late_intervals: Vec<Option<(f64, f64)>>,
@@ -104,26 +105,28 @@ pub enum DelayFault {
     Outdone,
     /// The search did not converge, or a profile shows smaller errors elsewhere, where no estimate was possible.
     NotConverged,
-    /// The longest dead time is the best, or cannot be distinguished from it: the true one may be longer than what was searched.
+    /// The longest dead time is the best, or cannot be distinguished from it: the true one may be longer than what was
+    /// searched.
     AtLongest {
         /// Index of the input.
         input: usize,
         /// The longest dead time that was searched, in samples.
         tried: usize,
     },
-    /// The output answers at once, or before the input moves: a direct way, instants that do not fit together, or an input that
-    /// is not held.
+    /// The output answers at once, or before the input moves: a direct way, instants that do not fit together, or an
+    /// input that is not held.
     TooEarly {
         /// Index of the input.
         input: usize,
     },
-    /// The inputs explain no more of the output than chance would, or the interval is nearly as wide as what was searched.
+    /// The inputs explain no more of the output than chance would, or the interval is nearly as wide as what was
+    /// searched.
     Undetermined {
         /// Index of the input.
         input: usize,
     },
-    /// The input moves the output by so few lines of frequency that a delay looks like a phase of the dynamics: each line gives
-    /// a gain and a phase.
+    /// The input moves the output by so few lines of frequency that a delay looks like a phase of the dynamics: each
+    /// line gives a gain and a phase.
     FewLines {
         /// Index of the input.
         input: usize,

@@ -17,8 +17,8 @@ struct Line {
     cost: f64,
 }
 
-/// The best gain without dynamics. `y(t) = g u(t − k)` at whole samples leaves the dead time between k − 1 and k; as far as a
-/// model with a lag goes, its rows are those of `lagged`, and so is the colour of its errors.
+/// The best gain without dynamics. `y(t) = g u(t − k)` at whole samples leaves the dead time between k − 1 and k; as
+/// far as a model with a lag goes, its rows are those of `lagged`, and so is the colour of its errors.
 pub(super) fn fit(
     options: &ModelledDelay,
     first_row: usize,
@@ -69,8 +69,8 @@ pub(super) fn fit(
     })
 }
 
-/// Pairs of input `k` samples before and output of one experiment, of the rows from `first` on; before the record the input is
-/// what it is at first.
+/// Pairs of input `k` samples before and output of one experiment, of the rows from `first` on; before the record the
+/// input is what it is at first.
 fn pairs(e: &Experiment, k: usize, first: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
     let (u, y) = (e.input(0), e.output(0));
     (first..e.len()).map(move |t| (u[t.saturating_sub(k)], y[t])).filter(|(_, y)| !y.is_nan())

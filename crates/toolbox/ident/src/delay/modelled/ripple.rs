@@ -62,8 +62,8 @@ impl Ripple {
         Ripple { lines_hz }
     }
 
-    /// The data with a column for each part of the ripple as further inputs; in proportion to what `clean` leaves without its
-    /// errors.
+    /// The data with a column for each part of the ripple as further inputs; in proportion to what `clean` leaves
+    /// without its errors.
     pub(super) fn beside(&self, data: &Dataset, clean: &Dataset, errors: &[Vec<f64>]) -> Result<Dataset, IdentError> {
         let (own, count) = (data.inputs(), PER_LINE * self.lines_hz.len());
         let mut whole: Option<Dataset> = None;

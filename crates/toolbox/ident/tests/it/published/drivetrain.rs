@@ -1,5 +1,5 @@
-//! A geared laboratory drivetrain, two speeds and two torques under steps of the load (Aalto University), with a published
-//! model of 22 inertias.
+//! A geared laboratory drivetrain, two speeds and two torques under steps of the load (Aalto University), with a
+//! published model of 22 inertias.
 
 use std::f64::consts::TAU;
 
@@ -14,8 +14,8 @@ fn rows(path: &str) -> Option<Vec<Vec<f64>>> {
     Some(text.lines().map(|line| line.split(',').map(|cell| cell.trim().parse().unwrap()).collect()).collect())
 }
 
-/// The frequencies of the model's slowest modes, by LAPACK. The published ones, of the inertias and stiffnesses alone, are
-/// 28.0, 39.6 and 68.3 Hz: this model has gears and bearings damped and its motor's drive in it.
+/// The frequencies of the model's slowest modes, by LAPACK. The published ones, of the inertias and stiffnesses alone,
+/// are 28.0, 39.6 and 68.3 Hz: this model has gears and bearings damped and its motor's drive in it.
 #[test]
 fn ref_drivetrain_modes_of_the_model() {
     let Some(rows) = rows("aalto-drivetrain/models/tb_A.csv") else { return };

@@ -35,9 +35,9 @@ fn run(frequency: &str) -> Option<Dataset> {
     Some(Dataset::new(1e-3 * EVERY as f64, table(&inputs), table(&outputs)).unwrap())
 }
 
-/// Published: anti-resonance at 2.49 Hz, resonance at 3.09 Hz, from masses and a spring that were found from steps, one after
-/// the other, and simulate a gain at 0.5 Hz that is half as large again as measured. All runs in which both carts move, together, are
-/// simulated to nine tenths.
+/// Published: anti-resonance at 2.49 Hz, resonance at 3.09 Hz, from masses and a spring that were found from steps, one
+/// after the other, and simulate a gain at 0.5 Hz that is half as large again as measured. All runs in which both carts
+/// move, together, are simulated to nine tenths.
 #[test]
 fn ref_flexible_drive_modes() {
     let runs: Option<Vec<Dataset>> = ["0_5", "1", "1_5", "2", "2_5", "3"].into_iter().map(run).collect();
@@ -49,8 +49,8 @@ fn ref_flexible_drive_modes() {
     assert!((modes[0].1 / 2.49 - 1.0).abs() < 0.05 && (modes[1].1 / 3.09 - 1.0).abs() < 0.025, "{modes:?}");
     let judged = judge(&fit.model, &data, None, &InitialState::Estimated).unwrap().fit_percent;
     assert!(judged.iter().flatten().all(|fit| *fit > 87.0), "{judged:?}");
-    // The published masses are a third of these, in the same proportion. At 8 Hz cart 2 stands still and cart 1 answers with
-    // 22.5 mm/s a volt, 1/(m1 ω): 8.8e-4, less what friction takes.
+    // The published masses are a third of these, in the same proportion. At 8 Hz cart 2 stands still and cart 1 answers
+    // with 22.5 mm/s a volt, 1/(m1 ω): 8.8e-4, less what friction takes.
     let [m1, m2, ..] = fit.parameters()[..] else { unreachable!() };
     assert!((7.5e-4..8.8e-4).contains(&m1) && (m2 / m1 / (1.4383 / 2.6634) - 1.0).abs() < 0.15, "{m1} {m2}");
 }

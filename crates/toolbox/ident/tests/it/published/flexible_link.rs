@@ -3,8 +3,9 @@
 //! The published models have six coefficients a polynomial and a delay of three, come from the first half, and are
 //! simulated on the second, the mean of each half removed.
 //!
-//! The drift is what sets the structures apart: a pole near one, which the first half barely determines, makes most of what
-//! a simulation misses. Figures of models whose criterion is the prediction are therefore sensitive to the first rows.
+//! The drift is what sets the structures apart: a pole near one, which the first half barely determines, makes most of
+//! what a simulation misses. Figures of models whose criterion is the prediction are therefore sensitive to the first
+//! rows.
 
 use ident::validate::judge;
 use ident::{
@@ -46,8 +47,8 @@ fn ref_flexible_link_arx() {
     assert!((found - 86.19).abs() < 0.01, "{found}");
 }
 
-/// The order of the prefilter and the first rows move a four-step estimate of these data between 86.8 and 88.7 %; 88.69 %
-/// lies at the upper end, and the band of two around it holds them all.
+/// The order of the prefilter and the first rows move a four-step estimate of these data between 86.8 and 88.7 %; 88.69
+/// % lies at the upper end, and the band of two around it holds them all.
 #[test]
 fn ref_flexible_link_instrumental_variables() {
     let Some((first, second)) = halves(0) else { return };
@@ -62,8 +63,8 @@ fn ref_flexible_link_armax() {
     assert!((found - 90.6).abs() < 0.05, "{found}");
 }
 
-/// The published 86.56 % is exceeded at the same orders: a second pole close to one takes up the drift. It lies beyond the
-/// unit circle by 1e-4, and the way to it leads through growth that is not let through at the end.
+/// The published 86.56 % is exceeded at the same orders: a second pole close to one takes up the drift. It lies beyond
+/// the unit circle by 1e-4, and the way to it leads through growth that is not let through at the end.
 #[test]
 fn ref_flexible_link_output_error() {
     let Some((first, second)) = halves(0) else { return };
@@ -71,8 +72,8 @@ fn ref_flexible_link_output_error() {
     assert!(simulated(&fit, &second) > 95.7 && fit.loss < 0.00265, "{}", fit.loss);
 }
 
-/// At a delay that is too short, and at an order that is too low, the slow poles would push out the second resonance, which
-/// moves the output by some hundredths only.
+/// At a delay that is too short, and at an order that is too low, the slow poles would push out the second resonance,
+/// which moves the output by some hundredths only.
 #[test]
 fn ref_flexible_link_output_error_of_other_orders() {
     let Some((first, second)) = halves(0) else { return };
@@ -85,8 +86,8 @@ fn ref_flexible_link_output_error_of_other_orders() {
     }
 }
 
-/// The published 95.6 % is that of a simulation. What predicts best simulates the second half to 91 %; dynamics that simulate
-/// best come to more, and predict worse.
+/// The published 95.6 % is that of a simulation. What predicts best simulates the second half to 91 %; dynamics that
+/// simulate best come to more, and predict worse.
 #[test]
 fn ref_flexible_link_box_jenkins() {
     let Some((first, second)) = halves(0) else { return };

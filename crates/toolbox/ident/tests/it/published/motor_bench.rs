@@ -1,5 +1,5 @@
-//! Two motors coupled by a flexible shaft, under a multisine of 11 to 250 Hz (Hori-Fujimoto laboratory, Tokyo): from the
-//! current to the angle of the motor.
+//! Two motors coupled by a flexible shaft, under a multisine of 11 to 250 Hz (Hori-Fujimoto laboratory, Tokyo): from
+//! the current to the angle of the motor.
 //!
 //! The record is so clean that what any linear model leaves is some two hundred times the noise; the limits below are
 //! therefore those of what is known of the bench, not standard errors.
@@ -28,7 +28,8 @@ fn within(found: f64, wanted: f64, limit: f64) {
     assert!((found - wanted).abs() <= limit, "{found} for {wanted} ± {limit}");
 }
 
-/// The published structure, two zeros and four poles, and a delay: anti-resonance at 53 to 55 Hz, resonance at 76 to 77 Hz.
+/// The published structure, two zeros and four poles, and a delay: anti-resonance at 53 to 55 Hz, resonance at 76 to 77
+/// Hz.
 #[test]
 fn ref_motor_bench_modes_and_delay() {
     let Some(data) = spectra() else { return };
@@ -57,7 +58,8 @@ fn ref_motor_bench_two_masses() {
     let bounds = [1.0, 1.0, 1e5, 10.0, 1e-2, 1.0, 100.0].map(|high| Bounds::new(0.0, high));
     let found = FrequencyGreyBox::default().with_bounds(&bounds).fit(&start, &data).unwrap();
     let [motor, load, stiffness, damping, delay, ..] = found.fit.parameters()[..] else { unreachable!() };
-    // The two angles, each alone and both together, scatter by as much: 0.00484 to 0.00487, 0.00474 to 0.00480, 549 to 556.
+    // The two angles, each alone and both together, scatter by as much: 0.00484 to 0.00487, 0.00474 to 0.00480, 549 to
+    // 556.
     within(motor, 0.00482, 0.015 * 0.00482);
     within(load, 0.00479, 0.015 * 0.00479);
     within(stiffness, 551.0, 0.015 * 551.0);

@@ -26,8 +26,8 @@ fn chebyshev(order: usize, ripple_db: f64, cutoff: f64) -> Sos {
     Sos::new((0..order / 2).map(section).collect(), SAMPLE_TIME_S).unwrap()
 }
 
-/// Both ways, with `pad` samples of odd reflection at either end: fewer than [`Sos::filtfilt`] takes, and the last rows,
-/// which the authors keep, feel it.
+/// Both ways, with `pad` samples of odd reflection at either end: fewer than [`Sos::filtfilt`] takes, and the last
+/// rows, which the authors keep, feel it.
 fn both_ways(filter: &Sos, x: &[f64], pad: usize) -> Vec<f64> {
     let last = x.len() - 1;
     let before = (1..=pad).rev().map(|i| 2.0 * x[0] - x[i]);

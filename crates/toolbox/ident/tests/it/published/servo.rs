@@ -5,8 +5,8 @@ use ident::{ContinuousTransferFunction, Dataset, InitialState};
 
 use super::channels;
 
-/// Inertia in 1e-4 kg m² and friction in 1e-4 N m s of a first-order fit, and how well it simulates, in percent. The first
-/// half second is before the step; its means are taken off.
+/// Inertia in 1e-4 kg m² and friction in 1e-4 N m s of a first-order fit, and how well it simulates, in percent. The
+/// first half second is before the step; its means are taken off.
 fn first_order(run: &str) -> Option<[f64; 3]> {
     let names = ["data(:,1)", "data(:,4)", "data(:,5)"];
     let [time, speed, torque] = channels(&format!("hsm150/idf_{run}_1.mat"), names)?;
@@ -23,8 +23,8 @@ fn first_order(run: &str) -> Option<[f64; 3]> {
     Some([1e4 / g.num()[0], 1e4 * g.den()[1] / g.num()[0], judged.fit_percent[0][0]])
 }
 
-/// The catalogue says 1.2 and 0.7. Forward it comes to a little more, and backward to twice that: friction that depends on
-/// the direction, which no linear model has. The figures are those of an independent least-squares search.
+/// The catalogue says 1.2 and 0.7. Forward it comes to a little more, and backward to twice that: friction that depends
+/// on the direction, which no linear model has. The figures are those of an independent least-squares search.
 #[test]
 fn ref_servo_inertia_and_friction() {
     let cases = [

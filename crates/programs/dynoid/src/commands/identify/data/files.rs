@@ -27,8 +27,8 @@ struct File {
 }
 
 impl Files {
-    /// Reads these channels of recordings, all where none are named. Text without a time column is read where the time from
-    /// row to row is given.
+    /// Reads these channels of recordings, all where none are named. Text without a time column is read where the time
+    /// from row to row is given.
     pub(in crate::commands::identify) fn read(
         paths: &[PathBuf],
         channels: &[&str],
@@ -125,8 +125,8 @@ fn short_names(files: &[InputFile]) -> Vec<String> {
     files.iter().zip(&names).map(name).collect()
 }
 
-/// A recording, and whether it is text without a time column, which is read where the time from
-/// row to row is given. Where a channel that is named is not there, it holds all of them: what they are can be said then.
+/// A recording, and whether it is text without a time column, which is read where the time from row to row is given.
+/// Where a channel that is named is not there, it holds all of them: what they are can be said then.
 fn decode(
     file: &InputFile,
     channels: &[&str],

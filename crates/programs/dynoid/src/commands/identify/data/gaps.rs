@@ -6,8 +6,8 @@ use super::loaded::{Loaded, named};
 use super::note::Note;
 use crate::error::CliError;
 
-/// Stretches between gaps that are shorter than this, in samples, are left out: they add hardly more than their own initial
-/// states need.
+/// Stretches between gaps that are shorter than this, in samples, are left out: they add hardly more than their own
+/// initial states need.
 const SHORTEST: usize = 20;
 
 /// Where data have to be without gaps.
@@ -20,8 +20,8 @@ pub(in crate::commands::identify) enum Gaps {
 }
 
 impl Loaded {
-    /// The same data cut at gaps, each stretch an experiment with an initial state of its own. What was done is in the last
-    /// of the notes.
+    /// The same data cut at gaps, each stretch an experiment with an initial state of its own. What was done is in the
+    /// last of the notes.
     pub(in crate::commands::identify) fn cut_at(self, gaps: Gaps) -> Result<Loaded, CliError> {
         if !has(&self.data, gaps) {
             return Ok(self);

@@ -27,7 +27,8 @@ pub(in crate::commands::identify) struct Loaded {
 }
 
 impl Loaded {
-    /// The same without the recordings that no experiment is left of: nothing is known of them, and nothing rests on them.
+    /// The same without the recordings that no experiment is left of: nothing is known of them, and nothing rests on
+    /// them.
     pub(in crate::commands::identify) fn without_unused(mut self) -> Result<Self, CliError> {
         let used: BTreeSet<usize> = self.recording.iter().copied().collect();
         if used.len() == self.sources.len() {

@@ -24,8 +24,8 @@ use crate::terminal::Terminal;
 /// Most names listed in a message.
 const MOST_NAMES: usize = 20;
 
-/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way; on a clock
-/// of its own unless one is asked for.
+/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way; on a
+/// clock of its own unless one is asked for.
 pub(super) fn load_on(
     usual: CommonClock,
     arguments: &DataArguments,

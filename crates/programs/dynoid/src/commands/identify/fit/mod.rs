@@ -82,8 +82,8 @@ fn sees_through_missing_outputs(command: &FitCommand, structure: Option<&Formula
     }
 }
 
-/// Where the data have to be without gaps. Nothing can be simulated over a gap in the inputs; most methods leave out rows that
-/// touch a missing output, or predict over it.
+/// Where the data have to be without gaps. Nothing can be simulated over a gap in the inputs; most methods leave out
+/// rows that touch a missing output, or predict over it.
 fn gaps(command: &FitCommand) -> Gaps {
     match command {
         FitCommand::Ss(a) if a.subspace => Gaps::OfAll,
