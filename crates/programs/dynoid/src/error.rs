@@ -118,6 +118,9 @@ pub(crate) enum CliError {
     /// An input that a result would replace.
     #[error("{}: this file is read; give the result another name", .path.display())]
     IsRead { path: PathBuf },
+    /// A result of an earlier run that is protected against writing.
+    #[error("{}: this file is read-only; choose another name, or replace it with --overwrite", .path.display())]
+    IsReadOnly { path: PathBuf },
     /// An FMU of another version of FMI, which must not be overwritten.
     #[error(
         "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name with --out, or replace it with \
@@ -242,6 +245,12 @@ pub(crate) enum CliError {
         .path.display()
     )]
     IsStudy { path: PathBuf },
+    /// A study and a bench model side by side that are of different studies.
+    #[error(
+        "{}: this study is another one than that of {}; run `dynoid study bench.toml` again, or name the model file itself",
+        .study.display(), .model.display()
+    )]
+    OfTwoStudies { study: PathBuf, model: PathBuf },
     /// An FMU that holds no model file of dynoid.
     #[error(
         "{}: this is no FMU with a model of dynoid; take one that `dynoid export` of this version made, or its model.json",
@@ -316,6 +325,7 @@ impl CliError {
             | CliError::BenchFileExists { .. }
             | CliError::NotABenchFile { .. }
             | CliError::Occupied { .. }
+            | CliError::IsReadOnly { .. }
             | CliError::OtherFmi { .. }
             | CliError::OtherSource { .. }
             | CliError::IsDevice { .. }
@@ -362,6 +372,11 @@ fn write_words(path: &Path, error: &io::Error) -> String {
     let fault = match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "no permission to write here",
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "the disk is full; free some space, or",
+        io::ErrorKind::FileTooLarge => {
+            "the file would be larger than the system or the shell (`ulimit -f`) allows; raise the limit, or"
+        }
+        io::ErrorKind::TimedOut => "no program reads from this pipe; start the one that reads it first, or",
+        io::ErrorKind::BrokenPipe => "the program that reads from this pipe has ended; start it again, or",
         io::ErrorKind::NotADirectory => "part of this path is a file, not a folder",
         io::ErrorKind::NotFound if crate::paths::folder_of(path).is_dir() => "this folder takes no new file",
         io::ErrorKind::NotFound => "the folder does not exist; create it, or",
@@ -371,9 +386,15 @@ fn write_words(path: &Path, error: &io::Error) -> String {
     format!("{fault}{joint} choose another place with --out or --plot")
 }
 
+/// Faults of a bench file that a person reads at once.
+const MOST_FAULTS: usize = 30;
+
 fn bench_file_words(error: &BenchFileError) -> String {
     let count = error.faults.len();
     let head = if count == 1 { "one error".into() } else { format!("{count} errors") };
-    let lines: Vec<String> = error.faults.iter().map(|fault| format!("  {fault}")).collect();
+    let mut lines: Vec<String> = error.faults.iter().take(MOST_FAULTS).map(|fault| format!("  {fault}")).collect();
+    if count > MOST_FAULTS {
+        lines.push(format!("  and {} more", count - MOST_FAULTS));
+    }
     format!("{head}:\n{}", lines.join("\n"))
 }

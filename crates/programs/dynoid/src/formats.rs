@@ -8,7 +8,7 @@ use recording::{Recording, RecordingError};
 
 use crate::error::CliError;
 use crate::mark::Mark;
-use crate::output::replace_with;
+use crate::output::Staging;
 use crate::paths::ending;
 use crate::this_run;
 
@@ -72,8 +72,15 @@ impl FileFormat {
 
     /// Writes a recording in this format, piece by piece.
     pub(crate) fn write(self, recording: &Recording, path: &Path) -> Result<(), CliError> {
+        let mut staging = Staging::default();
+        self.stage(recording, path, &mut staging)?;
+        staging.finish()
+    }
+
+    /// Writes a recording as [`Self::write`] does, to get its name together with other files.
+    pub(crate) fn stage(self, recording: &Recording, path: &Path, staging: &mut Staging) -> Result<(), CliError> {
         let program = this_run::generator();
-        replace_with(path, Some(&Mark::of_run()), |out| {
+        staging.add(path, Some(&Mark::of_run()), |out| {
             let written = match self {
                 FileFormat::Mf4 => recording::write_mdf4(recording, &program, out),
                 FileFormat::Csv => recording::write_csv(recording, out),

@@ -24,6 +24,9 @@ use crate::this_run::{self, Listing};
 /// Endings of files that are taken for recordings in a folder.
 const ENDINGS: [&str; 11] = ["mf4", "mdf", "dat", "csv", "tsv", "mat", "h5", "hdf5", "parquet", "arrow", "feather"];
 
+/// Bytes of a pipe or a device that are read at most, which may have no end: more than a bench file or a model has.
+const MOST_OF_STREAM: u64 = 1 << 26;
+
 /// A recording that was found.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct InputFile {
@@ -37,7 +40,13 @@ pub(crate) struct InputFile {
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     refuse_folder(path)?;
     this_run::reads(path);
-    std::fs::read(path).map_err(|source| CliError::read(path, source))
+    let failed = |source| CliError::read(path, source);
+    if !paths::is_stream(path) {
+        return std::fs::read(path).map_err(failed);
+    }
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|stream| stream.take(MOST_OF_STREAM + 1).read_to_end(&mut bytes)).map_err(failed)?;
+    if bytes.len() as u64 > MOST_OF_STREAM { Err(CliError::IsStream { path: path.to_owned() }) } else { Ok(bytes) }
 }
 
 fn refuse_folder(path: &Path) -> Result<(), CliError> {
@@ -251,11 +260,16 @@ fn full_pattern(folder: &Path, pattern: &str) -> String {
     }
 }
 
-/// The bench file of this run, if it would list a file of this name.
+/// The bench file of this run, if it would list a file of this name, or lists one that leads to the same.
 pub(crate) fn bench_that_lists(file: &Path) -> Option<PathBuf> {
     let Listing { bench, patterns } = this_run::listing()?;
     let folder = std::path::absolute(paths::folder_of(&bench)).ok()?;
+    let real = file.canonicalize().ok();
     let file = std::path::absolute(file).ok()?;
+    let is_listed = |real: &PathBuf| {
+        let files = listed(&bench, &patterns).unwrap_or_default();
+        files.iter().any(|listed| listed.path.canonicalize().is_ok_and(|path| path == *real))
+    };
     let lists = |pattern: &String| {
         let place = folder.join(pattern);
         place == file
@@ -263,7 +277,7 @@ pub(crate) fn bench_that_lists(file: &Path) -> Option<PathBuf> {
             || glob::Pattern::new(&full_pattern(&folder, pattern))
                 .is_ok_and(|full| full.matches(&file.to_string_lossy()))
     };
-    patterns.iter().any(lists).then_some(bench)
+    (patterns.iter().any(lists) || real.as_ref().is_some_and(is_listed)).then_some(bench)
 }
 
 /// As [`bench_that_lists`], if it lists a measured recording already: one that no other command of this program made.

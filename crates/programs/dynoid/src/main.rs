@@ -31,6 +31,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 fn main() -> ExitCode {
+    output::remove_when_ended();
     let outcome = std::panic::catch_unwind(|| run(Cli::read()));
     outcome.unwrap_or(ExitCode::from(error::INTERNAL))
 }

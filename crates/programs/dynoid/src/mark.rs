@@ -75,7 +75,8 @@ impl Mark {
 
     /// The mark of a file; none where it has none, or cannot be read.
     pub(crate) fn of_file(path: &Path) -> Option<Self> {
-        let mut file = File::open(path).ok().filter(|_| path.is_file())?;
+        // Opening a pipe waits for who writes to it.
+        let mut file = path.is_file().then(|| File::open(path).ok())??;
         let mut head = Vec::new();
         file.by_ref().take(HEAD as u64).read_to_end(&mut head).ok()?;
         let mut tail = Vec::new();

@@ -84,6 +84,17 @@ pub enum RecordingError {
         /// Description of the damage.
         detail: String,
     },
+    /// The file is whole, as far as it is known, and larger than the memory.
+    #[error(
+        "{file}: {what} do not fit in the memory of this computer; choose fewer channels, take a computer with more memory, or record \
+         in shorter files"
+    )]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// How much it holds.
+        what: String,
+    },
     /// A group of HDF5 holds a soft link, in the layout in which it looks like a dataset.
     #[error(
         "{file}: a soft link of HDF5 in the layout before version 1.8 cannot be read; write the file with libver=\"v110\", \
@@ -201,14 +212,15 @@ pub enum CsvProblem {
     NoHeader,
     /// No column is time.
     #[error(
-        "no column is recognised as time (the first is \"{name}\"); name one \"time\" and give its unit, as in \"time [s]\""
+        "no column is recognised as time (the first is \"{name}\"); name one \"time\" and give its unit, as in \"time [s]\"",
+        name = beginning(.name)
     )]
     NoTime {
         /// The first name.
         name: String,
     },
     /// A time column in a unit that is not known.
-    #[error("time in \"{unit}\" is not understood; use s, ms, us, ns, min, h or d")]
+    #[error("time in \"{unit}\" is not understood; use s, ms, us, ns, min, h or d", unit = beginning(.unit))]
     TimeUnit {
         /// The unit.
         unit: String,
@@ -217,7 +229,8 @@ pub enum CsvProblem {
     #[error(
         "\"{name}\" may be the clock of columns that follow it, or a channel on the clock \"{clock}\"; if it is a clock, call \
          it \"{clock}\" too and put its columns right behind it, if it is a channel, add \"_channel\" to its \
-         name"
+         name",
+        name = beginning(.name), clock = beginning(.clock)
     )]
     ClockOrChannel {
         /// Its heading.
@@ -228,7 +241,8 @@ pub enum CsvProblem {
     /// A time column whose name and unit row say different units.
     #[error(
         "the name says that time is in \"{name}\", the row of units says \"{below}\"; correct the one that is wrong, or leave \
-         it out"
+         it out",
+        name = beginning(.name), below = beginning(.below)
     )]
     TwoTimeUnits {
         /// The unit in the name.
@@ -240,25 +254,31 @@ pub enum CsvProblem {
     #[error("the column has no name, and does not just count the rows; name it in the heading")]
     NoName,
     /// A cell is not a number.
-    #[error("\"{text}\" is not a number")]
+    #[error("\"{text}\" is not a number", text = beginning(.text))]
     NotANumber {
         /// The cell.
         text: String,
     },
     /// A number is larger than a double can be.
-    #[error("\"{text}\" is beyond the numbers that a double holds, up to 1.8e308; correct it, or leave the cell empty")]
+    #[error(
+        "\"{text}\" is beyond the numbers that a double holds, up to 1.8e308; correct it, or leave the cell empty",
+        text = beginning(.text)
+    )]
     TooLarge {
         /// The cell.
         text: String,
     },
     /// Decimal commas and points in one file.
-    #[error("\"{text}\" has another decimal sign than the numbers before it")]
+    #[error("\"{text}\" has another decimal sign than the numbers before it", text = beginning(.text))]
     MixedDecimalSigns {
         /// The cell.
         text: String,
     },
     /// Digits are grouped in thousands.
-    #[error("\"{text}\" has its digits grouped in thousands; export the numbers without a separator of thousands")]
+    #[error(
+        "\"{text}\" has its digits grouped in thousands; export the numbers without a separator of thousands",
+        text = beginning(.text)
+    )]
     GroupedDigits {
         /// The cell.
         text: String,
@@ -266,7 +286,8 @@ pub enum CsvProblem {
     /// Every number with a decimal sign may be one with its digits grouped in thousands.
     #[error(
         "\"{text}\" may be a number with three decimals, or a number with a separator of thousands; export the numbers \
-         with another number of decimals"
+         with another number of decimals",
+        text = beginning(.text)
     )]
     AmbiguousSign {
         /// The first such cell.
@@ -275,14 +296,18 @@ pub enum CsvProblem {
     /// A time stamp is not understood.
     #[error(
         "\"{text}\" is not understood as time; write seconds as a number, or stamps as h:mm:ss.fff or \
-         2026-11-21T12:34:56.789, all of a file alike"
+         2026-11-21T12:34:56.789, all of a file alike",
+        text = beginning(.text)
     )]
     NotATime {
         /// The cell.
         text: String,
     },
     /// A date that has two readings.
-    #[error("it is unknown which number of the date \"{text}\" is the day; write it as 2026-11-21")]
+    #[error(
+        "it is unknown which number of the date \"{text}\" is the day; write it as 2026-11-21",
+        text = beginning(.text)
+    )]
     AmbiguousDate {
         /// The cell.
         text: String,
@@ -306,6 +331,13 @@ pub enum CsvProblem {
     Gap,
 }
 
+/// The beginning of what a file says, which may be as long as the file.
+fn beginning(text: &str) -> String {
+    const MOST: usize = 80;
+    let end = text.char_indices().nth(MOST).map(|(at, _)| at);
+    end.map_or_else(|| text.to_owned(), |end| format!("{}…", &text[..end]))
+}
+
 fn the_closest(similar: &[String]) -> String {
     match similar {
         [] => String::from("; list the file's channels and correct the name"),
@@ -314,6 +346,17 @@ fn the_closest(similar: &[String]) -> String {
             let names: Vec<_> = several.iter().map(|n| format!("\"{n}\"")).collect();
             format!("; the closest names are {}", names.join(", "))
         }
+    }
+}
+
+/// A fault in the content of a file, which is none where it only takes more memory than there is.
+pub(crate) fn of_content(file: &str, offset: Option<u64>, detail: String) -> RecordingError {
+    // As the standard library says it of a vector that cannot grow.
+    const NO_MEMORY: &str = "memory allocation failed";
+    let file = file.to_owned();
+    match detail.contains(NO_MEMORY) {
+        true => RecordingError::TooLarge { file, what: "its numbers".to_owned() },
+        false => RecordingError::Damaged { file, offset, detail },
     }
 }
 
@@ -328,6 +371,25 @@ pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, Recordin
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn regress_what_does_not_fit_in_memory_is_not_called_damaged() {
+        let no_memory = Vec::<f64>::new().try_reserve_exact(usize::MAX / 16).unwrap_err();
+        let said = of_content("run.mat", Some(128), no_memory.to_string()).to_string();
+        assert!(said.contains("run.mat") && said.contains("do not fit in the memory"), "{said}");
+        assert!(of_content("run.mat", Some(128), "a tag".into()).to_string().contains("damaged at byte 128"));
+    }
+
+    #[test]
+    fn regress_messages_show_the_beginning_of_a_long_cell() {
+        let said = CsvProblem::NotANumber { text: "9x".repeat(500_000) }.to_string();
+        assert!(
+            said.starts_with("\"9x9x") && said.ends_with("…\" is not a number") && said.len() < 120,
+            "{}",
+            said.len()
+        );
+        assert_eq!(CsvProblem::NotANumber { text: "9x".into() }.to_string(), "\"9x\" is not a number");
+    }
 
     /// The hook of the process is that of the program: what it reports is not for a library to decide.
     #[test]

@@ -3,6 +3,7 @@
 use std::io::{self, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
+use crate::error::of_content;
 use crate::{RecordingError, Source};
 
 /// A source that several readers share.
@@ -53,7 +54,7 @@ pub(crate) fn bytes(file: &str, source: &dyn Source, at: u64, length: u64) -> Re
     let left = size(file, source)?.saturating_sub(at).min(length);
     let length = usize::try_from(left).map_err(|error| unreadable(file, at, &error))?;
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length).map_err(|error| unreadable(file, at, &error))?;
+    bytes.try_reserve_exact(length).map_err(|error| of_content(file, Some(at), error.to_string()))?;
     bytes.resize(length, 0);
     source.read_at(at, &mut bytes).map_err(|error| unreadable(file, at, &error))?;
     Ok(bytes)

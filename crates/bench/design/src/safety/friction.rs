@@ -25,41 +25,109 @@ pub struct FrictionSpread {
     pub coulomb_nm: (f64, f64),
     /// Slope over speed at the least and at the most, Nm s/rad.
     pub viscous_nm_s_per_rad: (f64, f64),
+    /// The mean of the benches drawn; the middle between the least and the most where it is none.
+    #[serde(skip)]
+    pub mean: Option<DynoFriction>,
 }
 
 impl FrictionSpread {
     /// No friction.
-    pub const NONE: FrictionSpread =
-        FrictionSpread { from: FrictionFrom::Stated, coulomb_nm: (0.0, 0.0), viscous_nm_s_per_rad: (0.0, 0.0) };
+    pub const NONE: FrictionSpread = FrictionSpread {
+        from: FrictionFrom::Stated,
+        coulomb_nm: (0.0, 0.0),
+        viscous_nm_s_per_rad: (0.0, 0.0),
+        mean: None,
+    };
 
     /// Spread that a bench file states, and where it does not, the one that a dynamometer with this torque limit can
     /// have.
     #[must_use]
     pub fn of(bench: &BenchFile, torque_limit_nm: f64) -> Self {
         let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(DOUBT_PERCENT);
-        // As even a spread as the standard uncertainty has.
-        let reach = 3.0_f64.sqrt() * percent / 100.0;
-        let about = |value: f64| (value * (1.0 - reach).max(0.0), value * (1.0 + reach));
         let (slope, coulomb) = (bench.dynamometer_friction_nm_s_per_rad, bench.dynamometer_coulomb_friction_nm);
+        let coulomb_nm = stated_or_up_to(coulomb, percent, MOST_COULOMB * torque_limit_nm);
+        let slope_nm_s_per_rad = stated_or_up_to(slope, percent, MOST_SLOPE_S_PER_RAD * torque_limit_nm);
         FrictionSpread {
             from: if slope.and(coulomb).is_some() { FrictionFrom::Stated } else { FrictionFrom::Assumed },
-            coulomb_nm: coulomb.map_or((0.0, MOST_COULOMB * torque_limit_nm), about),
-            viscous_nm_s_per_rad: slope.map_or((0.0, MOST_SLOPE_S_PER_RAD * torque_limit_nm), about),
+            coulomb_nm: (coulomb_nm.low, coulomb_nm.high),
+            viscous_nm_s_per_rad: (slope_nm_s_per_rad.low, slope_nm_s_per_rad.high),
+            mean: Some(DynoFriction { coulomb_nm: coulomb_nm.mean, viscous_nm_s_per_rad: slope_nm_s_per_rad.mean }),
         }
     }
 
-    /// The middle of what it can be.
+    /// The middle of what it can be: what is stated, where it is.
     #[must_use]
     pub fn middle(&self) -> DynoFriction {
         let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
-        DynoFriction { coulomb_nm: middle(self.coulomb_nm), viscous_nm_s_per_rad: middle(self.viscous_nm_s_per_rad) }
+        self.mean.unwrap_or(DynoFriction {
+            coulomb_nm: middle(self.coulomb_nm),
+            viscous_nm_s_per_rad: middle(self.viscous_nm_s_per_rad),
+        })
     }
 
-    /// The friction of a bench: no value is more probable than another one.
+    /// The friction of a bench.
     #[must_use]
     pub fn draw(&self, random: &mut Stream) -> DynoFriction {
-        let mut between = |(low, high): (f64, f64)| random.between(low, high);
-        let coulomb_nm = between(self.coulomb_nm);
-        DynoFriction { coulomb_nm, viscous_nm_s_per_rad: between(self.viscous_nm_s_per_rad) }
+        let mean = self.middle();
+        let about = |(low, high): (f64, f64), mean: f64| Uneven { low, mean, high };
+        let coulomb_nm = about(self.coulomb_nm, mean.coulomb_nm).at(random.uniform());
+        let slope = about(self.viscous_nm_s_per_rad, mean.viscous_nm_s_per_rad);
+        DynoFriction { coulomb_nm, viscous_nm_s_per_rad: slope.at(random.uniform()) }
+    }
+}
+
+/// A value that is spread evenly below its mean, and evenly above it, with the probabilities that make the mean one. No value is
+/// more probable than another one where the mean is in the middle.
+#[derive(Debug, Clone, Copy)]
+struct Uneven {
+    low: f64,
+    mean: f64,
+    high: f64,
+}
+
+impl Uneven {
+    /// The value that a share of all lie below.
+    fn at(self, share: f64) -> f64 {
+        let Uneven { low, mean, high } = self;
+        let below = if high > low { (high - mean) / (high - low) } else { 0.5 };
+        match share < below {
+            true => low + (mean - low) * share / below,
+            false => mean + (high - mean) * (share - below) / (1.0 - below),
+        }
+    }
+}
+
+/// What is stated, with a standard uncertainty in per cent of it, and never below nothing; or anything up to the most.
+///
+/// Below and above the mean μ by at most a and b, evenly, the variance is a b/3. So a = b = √3 σ, where that is no more than μ, and
+/// else a = μ and b = 3 σ²/μ.
+fn stated_or_up_to(stated: Option<f64>, percent: f64, most: f64) -> Uneven {
+    let Some(mean) = stated else { return Uneven { low: 0.0, mean: 0.5 * most, high: most } };
+    let reach = 3.0_f64.sqrt() * percent / 100.0;
+    let below = reach.min(1.0);
+    let above = if reach > 1.0 { reach * reach } else { reach };
+    Uneven { low: mean * (1.0 - below), mean, high: mean * (1.0 + above) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_stated_friction_keeps_its_mean_and_its_uncertainty() {
+        for percent in [5.0, 50.0, 58.0, 80.0, 150.0] {
+            let spread = stated_or_up_to(Some(2.0), percent, 40.0);
+            let shares: Vec<f64> = (0..100_000).map(|n| (f64::from(n) + 0.5) / 1e5).collect();
+            let values: Vec<f64> = shares.iter().map(|share| spread.at(*share)).collect();
+            let mean = values.iter().sum::<f64>() / 1e5;
+            let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 1e5).sqrt();
+            assert!((mean - 2.0).abs() < 1e-4, "{percent} %: {mean}");
+            assert!((deviation / (0.02 * percent) - 1.0).abs() < 1e-4, "{percent} %: {deviation}");
+            assert!(values.iter().all(|value| *value >= 0.0));
+        }
+        let assumed = stated_or_up_to(None, 0.0, 40.0);
+        assert_eq!([0.0, 0.25, 0.5, 1.0].map(|share| assumed.at(share)), [0.0, 10.0, 20.0, 40.0]);
+        let exactly = stated_or_up_to(Some(2.0), 0.0, 40.0);
+        assert_eq!([0.0, 0.7, 1.0].map(|share| exactly.at(share)), [2.0; 3]);
     }
 }

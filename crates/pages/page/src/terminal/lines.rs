@@ -29,8 +29,7 @@ pub(super) fn wrap(text: &str, width: usize) -> Vec<String> {
 pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     let mut pieces = Vec::new();
     let mut rest = text;
-    while rest.width() > width.max(1) {
-        let end = end_of_piece(rest, width.max(1));
+    while let Some(end) = end_of_piece(rest, width.max(1)) {
         let (piece, behind) = rest.split_at(end);
         pieces.push(piece.to_owned());
         rest = behind;
@@ -39,22 +38,31 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     pieces
 }
 
-/// Where the first piece of a text that is too long ends: at least one character, at most `width` columns.
-fn end_of_piece(text: &str, width: usize) -> usize {
+/// Where the first piece of a text that is too long ends: at least one character, at most `width` columns. None where all of it
+/// fits. No more of the text is looked at than that takes, so that a long text is broken in a time that grows with its length.
+fn end_of_piece(text: &str, width: usize) -> Option<usize> {
     let mut columns = 0;
     let mut end = 0;
     let mut behind_sign = 0;
     for (at, c) in text.char_indices() {
         columns += c.width().unwrap_or(0);
         if columns > width && end > 0 {
-            break;
+            let end = if 2 * behind_sign > end { behind_sign } else { end };
+            return (!fits_joined(text, width)).then_some(end);
         }
         end = at + c.len_utf8();
         if BREAKS.contains(&c) {
             behind_sign = end;
         }
     }
-    if 2 * behind_sign > end { behind_sign } else { end }
+    None
+}
+
+/// Whether a text fits since characters in it are joined, and take fewer columns than each by itself.
+fn fits_joined(text: &str, width: usize) -> bool {
+    /// More than joined characters have for a column.
+    const MOST_BYTES: usize = 32;
+    text.len() <= MOST_BYTES * width && text.width() <= width
 }
 
 /// Columns of the longest word.

@@ -162,3 +162,12 @@ fn exact_messages_keep_their_lines_and_their_indent() {
     assert_eq!(page::folded("one two three\n  four five six", 11), "one two\nthree\n  four five\n  six");
     assert_eq!(page::folded("a/long/path/to", 8), "a/long/\npath/to");
 }
+
+/// A comment of a recording may be megabytes without a space.
+#[test]
+fn regress_a_long_line_is_folded_in_a_time_that_grows_with_its_length() {
+    let since = std::time::Instant::now();
+    let folded = page::folded(&"x".repeat(2_000_000), 100);
+    assert!(folded.lines().count() == 20_000 && folded.lines().all(|line| line.len() == 100));
+    assert!(since.elapsed().as_secs() < 5, "{:?}", since.elapsed());
+}

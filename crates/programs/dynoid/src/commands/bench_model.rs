@@ -20,10 +20,38 @@ pub(in crate::commands) fn read(path: &Path) -> Result<BenchModelDocument, CliEr
         return of_text(path, &text);
     }
     let beside = path.with_file_name(MODEL);
-    match beside.is_file() {
-        true => of_text(&beside, &read_text(&beside, WANTED)?),
-        false => Err(CliError::IsStudy { path: path.to_owned() }),
+    if !beside.is_file() {
+        return Err(CliError::IsStudy { path: path.to_owned() });
     }
+    let document = of_text(&beside, &read_text(&beside, WANTED)?)?;
+    match is_of_study(&document, &text) {
+        true => Ok(document),
+        false => Err(CliError::OfTwoStudies { study: path.to_owned(), model: beside }),
+    }
+}
+
+/// Whether the model of a study is that of a document. A study that this version cannot read is not compared.
+fn is_of_study(document: &BenchModelDocument, study: &str) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let model = match report::model(study) {
+        Ok(model) => model,
+        Err(fault) => return fault != report::BenchModelError::NoModel,
+    };
+    let of_study = BenchModelDocument::new(model, document.bench.clone(), document.provenance.clone());
+    let (ours, others) = (document.parameters(), of_study.parameters());
+    let is_same = |one: f64, other: f64| (one - other).abs() <= ROUNDING * one.abs().max(other.abs());
+    ours.len() == others.len() && ours.iter().zip(others).all(|(one, other)| is_same(one.value, other.value))
+}
+
+/// Whether a report is of the study of a model: it states the bench file, and the recordings that the model is from.
+pub(in crate::commands) fn is_reported(document: &BenchModelDocument, report: &[u8]) -> bool {
+    // As many digits as a report has of each recording.
+    const DIGITS: usize = 12;
+    let text = String::from_utf8_lossy(report);
+    let origin = &document.provenance;
+    let recordings =
+        origin.recordings.iter().map(|recording| recording.sha256.get(..DIGITS).unwrap_or(&recording.sha256));
+    std::iter::once(origin.bench_file.sha256.as_str()).chain(recordings).all(|hash| text.contains(hash))
 }
 
 /// The text of a model file, which may be in an FMU. The error for a file that is not text names what is `wanted`.

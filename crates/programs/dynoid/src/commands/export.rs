@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::identify::model_file::{self, AnyModelFile as Source};
 use crate::cli::export::{ExportArguments, ExportTarget};
+use crate::commands::bench_model::is_reported;
 use crate::commands::study::REPORT;
 use crate::error::{CliError, Outcome};
 use crate::mark::Mark;
@@ -33,7 +34,9 @@ pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Resul
     let source = Source::read(&arguments.model)?;
     let place = Place::of(arguments, &source)?;
     let failed = |source| CliError::Export { path: arguments.model.clone(), source };
-    let files = place.named(exported(&source, arguments, &place.names).map_err(failed)?, arguments.to);
+    let report = report(&source, arguments, terminal);
+    let files =
+        place.named(exported(&source, arguments, report.as_deref(), &place.names).map_err(failed)?, arguments.to);
     if let Some(device) = &place.device {
         return write_to_device(device, &files);
     }
@@ -66,18 +69,21 @@ fn write_to_device(device: &Path, files: &[ExportedFile]) -> Result<Outcome, Cli
     Ok(Outcome::Done)
 }
 
-fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {
+fn exported(
+    source: &Source,
+    arguments: &ExportArguments,
+    report: Option<&[u8]>,
+    names: &Names,
+) -> Result<Vec<ExportedFile>, ExportError> {
     match (source, arguments.to) {
         (Source::Bench(document), ExportTarget::Mat) => export::matlab::bench(document, names),
         (Source::Bench(document), ExportTarget::Modelica) => Ok(vec![export::modelica::bench(document, names)]),
         (Source::Bench(document), ExportTarget::Python) => Ok(vec![export::python::bench(document, names)]),
         (Source::Bench(document), ExportTarget::Ssv) => export::ssv::bench(document, names, arguments.draws as usize),
         (Source::Bench(document), ExportTarget::Linear) => linear(document, names),
-        (Source::Bench(document), ExportTarget::Fmu2) => fmu(document, FmiVersion::V2, arguments, names),
-        (Source::Bench(document), ExportTarget::Fmu3) => fmu(document, FmiVersion::V3, arguments, names),
-        (Source::Bench(document), ExportTarget::Ssp) => {
-            Ok(vec![export::fmu::ssp(document, names, report(arguments).as_deref())?])
-        }
+        (Source::Bench(document), ExportTarget::Fmu2) => fmu(document, FmiVersion::V2, report, names),
+        (Source::Bench(document), ExportTarget::Fmu3) => fmu(document, FmiVersion::V3, report, names),
+        (Source::Bench(document), ExportTarget::Ssp) => Ok(vec![export::fmu::ssp(document, names, report)?]),
         (Source::Bench(document), ExportTarget::C) => export::fmu::c_files(document, names),
         (Source::Linear(document), ExportTarget::Mat) => export::matlab::linear(document, names, VERSION),
         (Source::Linear(document), ExportTarget::Modelica) => {
@@ -97,15 +103,28 @@ fn exported(source: &Source, arguments: &ExportArguments, names: &Names) -> Resu
 fn fmu(
     document: &BenchModelDocument,
     version: FmiVersion,
-    arguments: &ExportArguments,
+    report: Option<&[u8]>,
     names: &Names,
 ) -> Result<Vec<ExportedFile>, ExportError> {
-    Ok(vec![export::fmu::fmu(document, names, version, report(arguments).as_deref())?])
+    Ok(vec![export::fmu::fmu(document, names, version, report)?])
 }
 
-/// The report that is in the folder of the model.
-fn report(arguments: &ExportArguments) -> Option<Vec<u8>> {
-    std::fs::read(arguments.model.with_file_name(REPORT)).ok()
+/// The report that is in the folder of the model, for targets that take it along. One of another study is left out.
+fn report(source: &Source, arguments: &ExportArguments, terminal: &mut Terminal) -> Option<Vec<u8>> {
+    let Source::Bench(document) = source else { return None };
+    if !matches!(arguments.to, ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssp) {
+        return None;
+    }
+    let path = arguments.model.with_file_name(REPORT);
+    let report = std::fs::read(&path).ok()?;
+    if is_reported(document, &report) {
+        return Some(report);
+    }
+    terminal.warning(&format!(
+        "{}: this report is of another study than the model, and is left out; run `dynoid study bench.toml` again",
+        path.display()
+    ));
+    None
 }
 
 fn linear_fmu(document: &ModelDocument, fmi: FmiVersion, names: &Names) -> Result<Vec<ExportedFile>, ExportError> {

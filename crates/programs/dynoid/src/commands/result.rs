@@ -9,7 +9,7 @@ use crate::cli::identify::ResultArguments;
 use crate::date;
 use crate::error::CliError;
 use crate::mark::{self, Mark};
-use crate::output::{check_file, replace_file};
+use crate::output::{Staging, check_file};
 use crate::paths;
 use crate::terminal::Terminal;
 use crate::this_run;
@@ -51,7 +51,19 @@ pub(super) fn show_with<J: Serialize>(
 
 /// Writes a page, or its figures, as the file's ending asks for.
 pub(super) fn write_page(path: &Path, page: &Page, terminal: &mut Terminal) -> Result<(), CliError> {
-    replace_file(path, &draw(path, page)?)?;
+    let mut staging = Staging::default();
+    stage_page(path, page, &mut staging, terminal)?;
+    staging.finish()
+}
+
+/// Writes a page as [`write_page`] does, to get its name together with other files.
+pub(super) fn stage_page(
+    path: &Path,
+    page: &Page,
+    staging: &mut Staging,
+    terminal: &mut Terminal,
+) -> Result<(), CliError> {
+    staging.add_content(path, &draw(path, page)?)?;
     match kind(path)? {
         Kind::Pdf | Kind::Png => warn_without_glyph(&path.display().to_string(), page, terminal),
         Kind::Page | Kind::Svg => Ok(()),

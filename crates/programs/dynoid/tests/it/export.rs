@@ -354,4 +354,19 @@ fn exact_a_bench_is_compared_by_its_fmu_its_study_and_its_recordings() {
     std::fs::create_dir(campaign.path("alone")).unwrap();
     campaign.write("alone/study.json", campaign.read("study/study.json").as_bytes());
     campaign.run(&["diff", "alone/study.json", "bench.fmu"]).assert_refused(3, &["this is a study"]);
+    // A run that was killed may leave files of two studies.
+    std::fs::create_dir(campaign.path("mixed")).unwrap();
+    campaign.write("mixed/study.json", campaign.read("study/study.json").as_bytes());
+    campaign.write("mixed/model.json", stiffer.to_string().as_bytes());
+    campaign
+        .run(&["diff", "mixed/study.json", "bench.fmu"])
+        .assert_refused(3, &["mixed/study.json", "another one than that of mixed/model.json"]);
+    let hash = model["provenance"]["bench_file"]["sha256"].as_str().unwrap();
+    let report = campaign.read("study/report.html");
+    for (report, is_other) in [(report.clone(), false), (report.replace(hash, &"0".repeat(64)), true)] {
+        campaign.write("mixed/report.html", report.as_bytes());
+        let ran = campaign.run(&["export", "mixed/model.json", "--to", "fmu3", "--out", "mixed"]);
+        done(&ran);
+        assert_eq!(ran.stderr.contains("this report is of another study"), is_other, "{}", ran.stderr);
+    }
 }

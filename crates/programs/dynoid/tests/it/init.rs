@@ -35,7 +35,7 @@ fn an_existing_bench_file_is_kept_unless_forced() {
 
 /// The proposal's own comments name the program, whatever is filled in.
 #[test]
-fn regress_the_programs_own_bench_files_can_be_updated() {
+fn regress_the_programs_own_bench_files_are_updated_and_replaced() {
     let campaign = Campaign::whole();
     assert_eq!(campaign.run(&["init", "recordings", "--out", "new.toml"]).code, Some(0));
     for name in ["", "C", "Cell 4", "A test cell with a long name, in the old hall"] {
@@ -46,6 +46,10 @@ fn regress_the_programs_own_bench_files_can_be_updated() {
         let updated = campaign.run(&["init", "recordings", "--out", "new.toml", "--update"]);
         assert_eq!(updated.code, Some(0), "{name}: {}", updated.stderr);
     }
+    campaign.run(&["init", "recordings", "--out", "new.toml"]).assert_refused(4, &["new.toml", "--force"]);
+    assert_eq!(campaign.run(&["init", "recordings", "--out", "new.toml", "--force"]).code, Some(0));
+    assert!(!campaign.read("new.toml").contains("old hall"));
+    campaign.write("new.toml", filled_in(&campaign.read("new.toml")).as_bytes());
     let demo = format!("# Written by dynoid demo {}\n{}", env!("CARGO_PKG_VERSION"), campaign.read("new.toml"));
     campaign.write("demo.toml", demo.as_bytes());
     assert_eq!(campaign.run(&["init", "recordings", "--out", "demo.toml", "--update"]).code, Some(0));
@@ -152,20 +156,4 @@ torque = "380 Nm"
     assert_eq!(campaign.read("cell.toml"), text, "nothing is added twice");
     let both = [&update[..], &["--force"]].concat();
     campaign.run(&both).assert_refused(2, &["--force"]);
-}
-
-/// A file that `init` wrote names the program in its first line, and is a bench file all the same.
-#[test]
-fn regress_a_bench_file_that_init_wrote_is_updated_and_replaced() {
-    let campaign = Campaign::whole();
-    let init = ["init", "recordings", "--out", "own.toml", "--quiet"];
-    assert_eq!(campaign.run(&init).code, Some(0));
-    let edited = format!("# after the rebuild\n{}", campaign.read("own.toml"));
-    campaign.write("own.toml", edited.as_bytes());
-    campaign.run(&init).assert_refused(4, &["own.toml", "--force"]);
-    let ran = campaign.run(&[&init[..], &["--update"]].concat());
-    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""));
-    assert_eq!(campaign.read("own.toml"), edited, "there is nothing to add");
-    assert_eq!(campaign.run(&[&init[..], &["--force"]].concat()).code, Some(0));
-    assert!(!campaign.read("own.toml").contains("rebuild"));
 }

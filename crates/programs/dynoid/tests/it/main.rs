@@ -10,6 +10,8 @@ mod convert_recordings;
 mod datasets;
 mod demo;
 mod diff;
+#[cfg(unix)]
+mod ended;
 mod engine;
 mod every_command;
 mod experiment;
@@ -29,6 +31,8 @@ mod model_file;
 mod numbers;
 mod odd_recordings;
 mod operating_point;
+#[cfg(unix)]
+mod places;
 mod published;
 mod shaft;
 mod study;

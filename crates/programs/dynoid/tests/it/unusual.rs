@@ -239,6 +239,10 @@ fn a_device_is_refused_as_a_recording() {
     for command in ["inspect /dev/zero", "inspect /dev/null --list", "convert /dev/zero --out a.csv"] {
         run(&folder, command).assert_refused(3, &["pipe or a device", "save it to a file"]);
     }
+    // What has no end is not read to its end.
+    for command in ["study /dev/zero", "model bode /dev/zero", "diff /dev/zero /dev/zero"] {
+        run(&folder, command).assert_refused(3, &["/dev/zero", "pipe or a device"]);
+    }
 }
 
 #[test]

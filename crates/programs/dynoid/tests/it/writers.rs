@@ -168,9 +168,8 @@ fn regress_no_command_replaces_a_file_that_it_reads() {
             let link = format!("{number}-{}-{name}", input.replace('/', "-"));
             std::os::unix::fs::symlink(campaign.path(input), campaign.path(&link)).unwrap();
             for out in [input, &link] {
-                // What a link of another name leads to stays, since the link is replaced.
-                let is_listed =
-                    out.starts_with("recordings/") && writer.line.contains("bench.toml") && name.ends_with(".mf4");
+                let reads_recordings = ["bench.toml", " recordings "].iter().any(|words| writer.line.contains(words));
+                let is_listed = input.starts_with("recordings/") && reads_recordings;
                 let is_read = writer.line.split(' ').any(|word| word == input) || is_listed;
                 if is_read {
                     let ran = line(&campaign, &format!("{} --overwrite", writer.line), out);
@@ -185,6 +184,22 @@ fn regress_no_command_replaces_a_file_that_it_reads() {
         }
     }
     assert!(contents() == before);
+}
+
+#[test]
+fn regress_no_bench_file_is_written_over_the_recording_that_it_is_made_from() {
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
+    let recording = "recordings/BS_T_NT_1200.mf4";
+    let content = || std::fs::read(campaign.path(recording)).unwrap();
+    let before = content();
+    for read in [recording, "recordings"] {
+        for allowed in ["--force", "--overwrite", "--update"] {
+            let ran = campaign.run(&["init", read, "--out", recording, allowed]);
+            assert!(matches!(ran.code, Some(2 | 4)), "{read} {allowed}: {}", ran.stderr);
+            assert!(ran.stderr.contains(recording), "{}", ran.stderr);
+            assert!(content() == before, "{read} {allowed}");
+        }
+    }
 }
 
 #[test]

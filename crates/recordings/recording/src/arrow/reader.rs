@@ -4,6 +4,7 @@ use arrow_schema::Schema;
 use work::Context;
 
 use super::plan::Plan;
+use crate::error::of_content;
 use crate::source::Shared;
 use crate::{RecordingError, Selection};
 
@@ -41,6 +42,6 @@ impl Reader<'_> {
     }
 
     pub(super) fn damaged(&self, detail: String) -> RecordingError {
-        RecordingError::Damaged { file: self.file.into(), offset: None, detail }
+        of_content(self.file, None, detail)
     }
 }

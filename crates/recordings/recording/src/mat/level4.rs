@@ -2,6 +2,7 @@
 
 use super::value::{MAX_TEXT, Value, text_rows};
 use super::wanted::{Need, Wanted};
+use crate::error::of_content;
 use crate::source;
 use crate::{RecordingError, Source};
 
@@ -81,7 +82,7 @@ impl Header {
     fn numbers(&self, file: &str, source: &dyn Source, at: u64) -> Result<Vec<f64>, RecordingError> {
         let size = self.count().saturating_mul(self.width());
         let mut values = Vec::new();
-        values.try_reserve_exact(self.count()).map_err(|error| source::unreadable(file, at, &error))?;
+        values.try_reserve_exact(self.count()).map_err(|error| of_content(file, Some(at), error.to_string()))?;
         for begin in (0..size).step_by(PIECE) {
             let piece = source::bytes(file, source, at + begin as u64, PIECE.min(size - begin) as u64)?;
             self.convert(&piece, &mut values);

@@ -12,6 +12,7 @@ use super::scope::{element, joined};
 use super::value::{MAX_TEXT, Struct, Value, text_rows};
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
+use crate::error::of_content;
 use crate::source::{self, Shared};
 use crate::{RecordingError, Selection, Source};
 use content::Content;
@@ -133,7 +134,7 @@ fn name_of(place: &Place, source: &Shared, big: bool) -> Option<String> {
 }
 
 fn damaged(file: &str, at: u64, detail: String) -> RecordingError {
-    RecordingError::Damaged { file: file.into(), offset: Some(at), detail }
+    of_content(file, Some(at), detail)
 }
 
 /// A variable with its name; none for one without a name.

@@ -13,7 +13,7 @@ use super::value::{MAX_TEXT, Struct, Value, text_rows};
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
 use crate::RecordingError;
-use crate::error::guarded;
+use crate::error::{guarded, of_content};
 use crate::source::{self, Shared};
 
 /// The most structs and cells within each other.
@@ -36,7 +36,7 @@ type Attributes = HashMap<String, AttrValue>;
 pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Result<Variables, RecordingError> {
     let damaged = |detail: String| match detail.contains(SOFT_LINK) {
         true => RecordingError::SoftLink { file: file.into() },
-        false => RecordingError::Damaged { file: file.into(), offset: None, detail },
+        false => of_content(file, None, detail),
     };
     let size = source::size(file, &**source)?;
     let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);

@@ -15,6 +15,7 @@ pub(super) fn failure(file: &str, error: MdfError) -> RecordingError {
             RecordingError::Truncated { file, offset, expected, available }
         }
         MdfError::Damaged { offset, detail } => RecordingError::Damaged { file, offset: Some(offset), detail },
+        MdfError::TooLarge { numbers } => RecordingError::TooLarge { file, what: format!("{numbers} numbers") },
         MdfError::Unsupported { feature, .. } => RecordingError::Unsupported { file, feature },
         MdfError::Unreadable { name, obstacle } => RecordingError::UnusableChannel {
             file,

@@ -19,11 +19,11 @@ use super::optimal::{self, Optimal};
 use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::DesignArguments;
-use crate::commands::result::{check_plot, write_page};
+use crate::commands::result::{check_plot, stage_page};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
 use crate::mark::Mark;
-use crate::output::{OutputFolder, check_replaceable};
+use crate::output::{OutputFolder, Staging, check_replaceable};
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let predicted = predicted(&bench, &plan, &demands, terminal);
-    targets.write(&bench, &plan, &demands, predicted.as_ref().ok())?;
+    let mut staging = targets.stage(&bench, &plan, &demands, predicted.as_ref().ok())?;
     if let Ok(predicted) = &predicted {
         reached(&predicted.prediction).for_each(|warning| terminal.warning(&warning));
     }
@@ -70,7 +70,8 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
         assumptions: &bench.stated.assumed_for(&plan),
         optimal: optimal.as_ref().map(Optimal::shown),
     });
-    write_page(&targets.plot, &page, terminal)?;
+    stage_page(&targets.plot, &page, &mut staging, terminal)?;
+    staging.finish()?;
     if arguments.on.result.json {
         let mut facts = facts(&bench, &plan, &demands, &targets, &predicted, &doubts);
         facts["optimal"] = json!(optimal.as_ref().map(Optimal::facts));
@@ -103,13 +104,14 @@ impl Targets {
         Ok(targets)
     }
 
-    fn write(
+    /// Writes all but the picture, to get their names together with it.
+    fn stage(
         &self,
         bench: &Bench,
         plan: &ExperimentPlan,
         demands: &Demands,
         predicted: Option<&Predicted>,
-    ) -> Result<(), CliError> {
+    ) -> Result<Staging, CliError> {
         if let Some(folder) = self.csv.parent() {
             std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
         }
@@ -117,12 +119,14 @@ impl Targets {
         // Text has one time column, and no place for the names of rasters; nothing of the demands is lost.
         let mut text = on_fastest_clock(recording.clone())?;
         FileFormat::Csv.fit(&mut text);
-        FileFormat::Csv.write(&text, &self.csv)?;
-        FileFormat::Mf4.write(&recording, &self.mf4)?;
+        let mut staging = Staging::default();
+        FileFormat::Csv.stage(&text, &self.csv, &mut staging)?;
+        FileFormat::Mf4.stage(&recording, &self.mf4, &mut staging)?;
         if let Some(predicted) = predicted {
-            FileFormat::Mf4.write(&responses(bench, plan, &predicted.prediction), &self.predicted)?;
+            let responses = responses(bench, plan, &predicted.prediction);
+            FileFormat::Mf4.stage(&responses, &self.predicted, &mut staging)?;
         }
-        Ok(())
+        Ok(staging)
     }
 
     fn all(&self, has_prediction: bool) -> Vec<&PathBuf> {
