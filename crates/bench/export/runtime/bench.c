@@ -10,8 +10,9 @@ static const double INSTANT = 1e-9;
 static const double NEAR = 1e-5;
 /* Part of a sample to which the length of a step within a sample is rounded: 2^-40. */
 static const double ROUNDED = 1.0 / 1099511627776.0;
-/* Angles are taken back by this, rad, so that they keep their precision. A power of two loses nothing. */
-static const double TURN_BACK = 1024.0;
+/* Angles are taken back by this, rad, so that they keep their precision: 160 turns, which are 80 working cycles of four strokes. What
+ * an importer calculates from the angle of the cycle does not jump then. An angle just beyond loses nothing by it. */
+static const double TURN_BACK = 160.0 * 6.283185307179586;
 
 static int at(long long sample) { return (int)((unsigned long long)sample & (BENCH_HISTORY - 1)); }
 

@@ -5,8 +5,6 @@
 
 /* Part of a sample by which an event may come early. */
 static const double EARLY = 1e-5;
-/* Steps of the states that matter: rad/s, rad and Nm. */
-static const double NOMINALS[STATES] = {100.0, 100.0, 0.01, 100.0, 100.0, 100.0};
 
 static call_status check_count(instance *i, size_t count, const double *values) {
     if (count != STATES || !values) return fail(i, "the model has 6 continuous states");
@@ -42,7 +40,7 @@ call_status get_derivatives(instance *i, double *derivative, size_t count) {
 call_status get_nominals(instance *i, double *nominal, size_t count) {
     if (!is_exchange(i, MODE_INSTANTIATED | EVALUATION_MODES, "getNominalsOfContinuousStates")) return STATUS_ERROR;
     if (check_count(i, count, nominal) != STATUS_OK) return STATUS_ERROR;
-    for (int j = 0; j < STATES; j++) nominal[j] = NOMINALS[j];
+    for (int j = 0; j < STATES; j++) nominal[j] = i->model.nominal[j];
     return STATUS_OK;
 }
 

@@ -69,6 +69,9 @@ static const char *read_entry(bench_model *model, const char *name, char **rest)
     if (strcmp(name, "torque_range") == 0) {
         return text_numbers(rest, model->torque_range_nm, 2) ? NULL : "bench.txt: the range of torque cannot be read";
     }
+    if (strcmp(name, "nominals") == 0) {
+        return text_numbers(rest, model->nominal, STATES) ? NULL : "bench.txt: the nominals of the states cannot be read";
+    }
     if (strcmp(name, "draws") == 0) return read_draws(model, rest);
     return "bench.txt has an unknown entry; it was written for another version";
 }
@@ -93,6 +96,7 @@ const char *model_file_read(bench_model *model, const char *folder) {
     memset(model, 0, sizeof *model);
     model->speed_range_rad_s[0] = model->torque_range_nm[0] = -HUGE_VAL;
     model->speed_range_rad_s[1] = model->torque_range_nm[1] = HUGE_VAL;
+    for (int i = 0; i < STATES; i++) model->nominal[i] = 1.0;
     fault = text_file_read(folder, "bench.txt", &text);
     if (fault) return fault;
     fault = read_text(model, text);

@@ -11,6 +11,7 @@ typedef struct {
     bench_initial initial;
     double speed_range_rad_s[2];          /* in which the model was validated */
     double torque_range_nm[2];            /* of T_d */
+    double nominal[STATES];               /* how large each state usually is, as the model description has it */
     int draws, columns;
     int column[BENCH_PARAMETERS];         /* the parameters that a draw has, in its order */
     double *draw;                         /* one row a draw */

@@ -108,7 +108,13 @@ pub fn name_of(parameter: ModelParameter) -> (&'static str, Unit) {
 /// the demand as the controller has it, in every target: see `demand_lead`.
 #[must_use]
 pub fn all(model: &BenchModel) -> Vec<Number> {
-    let model = &model.with_demand_of_controller();
+    all_with_lead(model, model.demand_lead())
+}
+
+/// The same with a demand that recordings have so many samples later. A draw has the lead of its estimate, which is
+/// what files state.
+pub(crate) fn all_with_lead(model: &BenchModel, lead: usize) -> Vec<Number> {
+    let model = &model.with_demand_advanced(lead);
     let estimated = ModelParameter::ALL.into_iter().map(|parameter| {
         let (name, unit) = name_of(parameter);
         let description = parameter.quantity().name();

@@ -24,7 +24,7 @@ const SEED: u64 = 1;
 pub fn bench(document: &BenchModelDocument, names: &Names, count: usize) -> Result<Vec<ExportedFile>, ExportError> {
     let title = &document.bench.name;
     let set = |suffix: &str, title: &str, model: &BenchModel| {
-        let text = parameter_set(&Origin::of(document), title, &values(model));
+        let text = parameter_set(&Origin::of(document), title, &values(model, document.model.demand_lead()));
         ExportedFile::text(format!("{}{suffix}.ssv", names.file), text)
     };
     let mut files = vec![set("", title, &document.model)];
@@ -94,8 +94,8 @@ impl<'a> Origin<'a> {
     }
 }
 
-/// The values of the FMU's parameters, which take the demand as the controller has it.
-fn values(model: &BenchModel) -> Vec<Parameter> {
+/// The values of the FMU's parameters, which take the demand so many samples before recordings have it.
+fn values(model: &BenchModel, lead: usize) -> Vec<Parameter> {
     let parameter = |number: Number| {
         Some(Parameter {
             name: number.name.to_owned(),
@@ -104,7 +104,7 @@ fn values(model: &BenchModel) -> Vec<Parameter> {
             unit: Some(number.unit),
         })
     };
-    numbers::all(model).into_iter().filter_map(parameter).collect()
+    numbers::all_with_lead(model, lead).into_iter().filter_map(parameter).collect()
 }
 
 /// The covariance of each part. Parts are independent of one another.

@@ -126,8 +126,14 @@ impl BenchModel {
     /// delay is negative; without that, what runs in real time would have to know the demand in advance.
     #[must_use]
     pub fn with_demand_of_controller(&self) -> Self {
+        self.with_demand_advanced(self.demand_lead())
+    }
+
+    /// The same whose input is ω_d* so many samples of the controller before recordings have it.
+    #[must_use]
+    pub fn with_demand_advanced(&self, samples: usize) -> Self {
         let Some(pi) = self.speed_controller else { return self.clone() };
-        let early_s = self.demand_lead() as f64 * pi.sample_time_s;
+        let early_s = samples as f64 * pi.sample_time_s;
         BenchModel {
             speed_controller: Some(PiController { demand_delay_s: pi.demand_delay_s + early_s, ..pi }),
             feed_forward: self.feed_forward.map(|feed| FeedForwardGains { delay_s: feed.delay_s + early_s, ..feed }),

@@ -76,8 +76,8 @@ impl FrictionSpread {
     }
 }
 
-/// A value that is spread evenly below its mean, and evenly above it, with the probabilities that make the mean one. No value is
-/// more probable than another one where the mean is in the middle.
+/// A value that is spread evenly below its mean, and evenly above it, with the probabilities that make the mean one. No
+/// value is more probable than another one where the mean is in the middle.
 #[derive(Debug, Clone, Copy)]
 struct Uneven {
     low: f64,
@@ -97,10 +97,10 @@ impl Uneven {
     }
 }
 
-/// What is stated, with a standard uncertainty in per cent of it, and never below nothing; or anything up to the most.
+/// The stated value with a standard uncertainty in per cent of it, and never below nothing; or anything up to the most.
 ///
-/// Below and above the mean μ by at most a and b, evenly, the variance is a b/3. So a = b = √3 σ, where that is no more than μ, and
-/// else a = μ and b = 3 σ²/μ.
+/// Below and above the mean μ by at most a and b, evenly, the variance is a b/3. So a = b = √3 σ, where that is no more
+/// than μ, and else a = μ and b = 3 σ²/μ.
 fn stated_or_up_to(stated: Option<f64>, percent: f64, most: f64) -> Uneven {
     let Some(mean) = stated else { return Uneven { low: 0.0, mean: 0.5 * most, high: most } };
     let reach = 3.0_f64.sqrt() * percent / 100.0;

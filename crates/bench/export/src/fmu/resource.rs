@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::csv;
 use super::numbers::BenchNumbers;
+use super::{csv, variables};
 
 /// The text of `resources/bench.txt`. Numbers are hexadecimal: exact, and the same whatever decimal sign a program
 /// uses.
@@ -24,15 +24,19 @@ pub(super) fn text(numbers: &BenchNumbers, token: &str) -> String {
             line(&mut text, format_args!("{name} {} {}", hexadecimal(low), hexadecimal(high)));
         }
     }
+    line(&mut text, format_args!("nominals {}", row(&variables::nominals_of_states(numbers))));
     let count = |count: usize| hexadecimal(count as f64);
     line(&mut text, format_args!("draws {} {}", count(numbers.draws.len()), count(numbers.drawn.len())));
     line(&mut text, format_args!("{}", numbers.drawn.join(" ")));
-    for row in &numbers.draws {
-        let row: Vec<String> = row.iter().map(|value| hexadecimal(*value)).collect();
-        line(&mut text, format_args!("{}", row.join(" ")));
+    for draw in &numbers.draws {
+        line(&mut text, format_args!("{}", row(draw)));
     }
     text.push_str("end\n");
     text
+}
+
+fn row(values: &[f64]) -> String {
+    values.iter().map(|value| hexadecimal(*value)).collect::<Vec<_>>().join(" ")
 }
 
 fn line(text: &mut String, content: std::fmt::Arguments<'_>) {

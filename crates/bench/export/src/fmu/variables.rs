@@ -125,6 +125,14 @@ impl Variable {
     }
 }
 
+/// How large each continuous state usually is, in their order: 1 where the model description says nothing, as FMI has
+/// it.
+pub(super) fn nominals_of_states(numbers: &BenchNumbers) -> Vec<f64> {
+    let is_state = |variable: &Variable| matches!(variable.role, Role::State | Role::OutputState);
+    let nominal = |variable: Variable| variable.with_nominal(numbers).nominal.unwrap_or(1.0);
+    states().into_iter().filter(is_state).map(nominal).collect()
+}
+
 /// All variables of an FMU, in the order of its model description.
 pub(super) fn all(numbers: &BenchNumbers) -> Vec<Variable> {
     let time = Variable::new(0, "time", Role::Time, real(Unit::Time, None), "time");
@@ -231,8 +239,8 @@ fn states() -> Vec<Variable> {
         (ENGINE_SIDE_SPEED, Unit::Speed, ACCELERATION, "speed of the engine itself, at its flange"),
         ("twist", Unit::Angle, Unit::Speed.into(), "twist of the shaft"),
         ("lagged_torque", Unit::Torque, TORQUE_RATE, "T_d, where the torque control has a lag"),
-        ("dyno_angle", Unit::Angle, Unit::Speed.into(), "angle of the dynamometer, less whole multiples of 1024 rad"),
-        ("engine_angle", Unit::Angle, Unit::Speed.into(), "angle of the engine, less whole multiples of 1024 rad"),
+        ("dyno_angle", Unit::Angle, Unit::Speed.into(), "angle of the dynamometer, less whole multiples of 160 turns"),
+        ("engine_angle", Unit::Angle, Unit::Speed.into(), "angle of the engine, less whole multiples of 160 turns"),
     ];
     let pair = |(reference, (name, unit, slope, description)): (u32, (&str, Unit, FmiUnit, &str))| {
         let role = if name == ENGINE_SIDE_SPEED { Role::OutputState } else { Role::State };

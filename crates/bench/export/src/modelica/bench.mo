@@ -9,7 +9,7 @@ package @CLASS@ "@TITLE@"
     parameter Real ripple_torque(unit = "N.m") = 0.0 "amplitude of the drive's ripple, beside T_d, whatever T_d is";
     parameter Real ripple_part(unit = "1") = 0.0 "the same per T_d";
     parameter Real ripple_order(unit = "1") = 1.0 "periods of the ripple in a turn of the dynamometer";
-    input Real @TORQUE@(unit = "N.m", start = T_start) "@TORQUE_WORDS@; positive brakes the dynamometer";
+@AHEAD_OF_PLANT@    input Real @TORQUE@(unit = "N.m", start = T_start) "@TORQUE_WORDS@; positive brakes the dynamometer";
     input Real T_e(unit = "N.m", start = T_start) "torque of the engine";
     output Real w_d(unit = "rad/s", start = w_start, fixed = true) "speed of the dynamometer";
     output Real w_e(unit = "rad/s", start = w_start, fixed = true) "speed of the engine";

@@ -16,6 +16,11 @@ const CONTROL: &str = include_str!("control.mo");
 const FLANGE: &str = include_str!("flange.mo");
 const FLANGE_EQUATIONS: &str = include_str!("flange_equations.mo");
 const ICON: &str = include_str!("icon.mo");
+/// A time of the plant's delay that the demand has waited already.
+const AHEAD_OF_PLANT: &str =
+    "    parameter Real T_ahead(unit = \"s\") = 0.0 \"time that T_d_demand has waited of tau_t\";\n";
+/// Part of a sample below which two instants count as one.
+const INSTANT: f64 = 1e-9;
 const PLANT: [&str; 7] = ["J_d", "J_e", "K", "B", "tau_t", "a", "T_gate"];
 const CONTROLLER: [&str; 7] = ["K_p", "K_i", "tau_c", "k", "k_a", "T_s", "T_limit"];
 
@@ -28,7 +33,7 @@ pub fn bench(document: &BenchModelDocument, names: &Names) -> ExportedFile {
     let control = model.torque_control.and(model.speed_controller);
     let package = plant(PACKAGE, document)
         .replace("@CONTROL@", &control.map_or_else(String::new, |pi| controller(model, &pi)))
-        .replace("@FLANGE@", FLANGE)
+        .replace("@FLANGE@", &FLANGE.replace("@OF_PLANT@", ""))
         .replace("@FLANGE_EQUATIONS@", FLANGE_EQUATIONS)
         .replace("@ICON@", ICON)
         .replace("@W_START@", &number(start_rad_s(&document.validity)))
@@ -51,7 +56,10 @@ fn parameters(model: &BenchModel, which: &[&str]) -> String {
 
 fn plant(template: &str, document: &BenchModelDocument) -> String {
     let model = &document.model;
-    let demand = "delay(T_d_demand, tau_t)";
+    let (demand, ahead) = match waits_beyond_delay(model) {
+        Some(_) => ("delay(T_d_demand, tau_t - T_ahead)", AHEAD_OF_PLANT),
+        None => ("delay(T_d_demand, tau_t)", ""),
+    };
     let (has_control, bandwidth) =
         (model.torque_control.is_some(), model.torque_control.and_then(|control| control.bandwidth_rad_s));
     let (output, equation) = match (has_control, bandwidth) {
@@ -70,6 +78,7 @@ fn plant(template: &str, document: &BenchModelDocument) -> String {
     template
         .replace("@WITH_TORQUE_CONTROL@", if has_control { " with the torque control (TN)" } else { "" })
         .replace("@PLANT_PARAMETERS@", &parameters(model, &PLANT))
+        .replace("@AHEAD_OF_PLANT@", ahead)
         .replace("@TORQUE_OUTPUT@", output)
         .replace("@TORQUE_EQUATION@", &equation)
         .replace("@TORQUE_WORDS@", words)
@@ -92,6 +101,14 @@ fn validity(document: &BenchModelDocument) -> String {
 /// How a recorded demand becomes the one that the controller takes.
 fn demand_lead(model: &BenchModel) -> String {
     numbers::demand_lead(model).map_or_else(String::new, |words| format!("; {words}"))
+}
+
+/// Samples that the speed error waits for its demand where they are more than τ_c. PI has its output after the demanded
+/// torque should have it, so that the whole torque is demanded later, and the plant's delay is as much shorter.
+fn waits_beyond_delay(model: &BenchModel) -> Option<usize> {
+    let pi = model.torque_control.and(model.speed_controller)?;
+    let wait = model.demand_lags().0.min(0).unsigned_abs();
+    (wait as f64 - pi.delay_s / pi.sample_time_s > INSTANT).then_some(wait)
 }
 
 /// The speed controller, with its demand as late as the recordings show. Where the speed error waits for its demand,
@@ -126,7 +143,9 @@ fn controller(model: &BenchModel, pi: &PiController) -> String {
     let feeds = if wait > 0 { format!("      fed_0 = feed_forward;\n{}", shift("fed", wait)) } else { String::new() };
     let step = "pre(integrator) + K_i * T_s * error";
     let left_s = pi.delay_s - wait as f64 * pi.sample_time_s;
+    let beyond = waits_beyond_delay(model);
     let demanded = match (left_s > 0.0, wait) {
+        (false, _) if beyond.is_some() && feed => "pi_part + delay(feed_forward, T_ahead)".to_owned(),
         (false, _) => "pi_part + feed_forward".to_owned(),
         (true, 0) => "delay(pi_part, tau_c) + feed_forward".to_owned(),
         (true, wait) => format!("delay(pi_part, tau_c - {wait} * T_s) + feed_forward"),
@@ -140,7 +159,16 @@ fn controller(model: &BenchModel, pi: &PiController) -> String {
         ),
         None => (step.to_owned(), demanded),
     };
+    let ahead = |wait| {
+        format!(
+            "    parameter Real T_ahead(unit = \"s\") = {wait} * T_s - tau_c \"time that T_d_demand has waited of tau_t\";\n"
+        )
+    };
     CONTROL
+        .replace("@FLANGE@", FLANGE)
+        .replace("@OF_PLANT@", if beyond.is_some() { ", T_ahead = controller.T_ahead" } else { "" })
+        .replace("@AHEAD_OF_CONTROLLER@", &beyond.map_or_else(String::new, ahead))
+        .replace("@LATE@", if beyond.is_some() { ", T_ahead after it is due" } else { "" })
         .replace("@CONTROLLER_PARAMETERS@", &parameters(model, &CONTROLLER))
         .replace("@DEMAND_LEAD@", &demand_lead(model))
         .replace("@PAST_EQUATIONS@", &format!("{}{readings}", shift("past", oldest)))

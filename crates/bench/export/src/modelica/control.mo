@@ -2,9 +2,9 @@
   model SpeedController "PI with feed-forward, as it runs: every T_s, its output held"
 @CONTROLLER_PARAMETERS@    parameter Real w_start(unit = "rad/s") = @W_START@ "speed at the start";
     parameter Real T_start(unit = "N.m") = @T_START@ "torque at the start";
-    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
+@AHEAD_OF_CONTROLLER@    input Real w_d_demand(unit = "rad/s", start = w_start) "speed demand@DEMAND_LEAD@";
     input Real w_d(unit = "rad/s", start = w_start) "speed as the encoder reads it";
-    output Real T_d_demand(unit = "N.m") "demanded torque";
+    output Real T_d_demand(unit = "N.m") "demanded torque@LATE@";
   protected
     discrete Real integrator(unit = "N.m", start = T_start - @FEED_START@, fixed = true);
     discrete Real error(unit = "rad/s", start = 0.0, fixed = true);
@@ -31,7 +31,7 @@
     output Real T_d(unit = "N.m") "torque of the dynamometer";
     output Real T_shaft(unit = "N.m") "torque of the shaft";
     output Boolean valid "speed and torque are within the range of the recordings";
-    Plant plant(w_start = w_start, T_start = T_start);
+    Plant plant(w_start = w_start, T_start = T_start@OF_PLANT@);
     SpeedController controller(w_start = w_start, T_start = T_start);
   equation
     controller.w_d_demand = w_d_demand;

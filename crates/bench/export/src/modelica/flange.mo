@@ -8,4 +8,4 @@
       annotation (Placement(transformation(extent = {{-10, -10}, {10, 10}}, rotation = 270, origin = {60, -70})));
     Modelica.Mechanics.Rotational.Interfaces.Flange_a flange "flange of the engine, whose inertia J_e is in the plant"
       annotation (Placement(transformation(extent = {{90, -10}, {110, 10}})));
-    Plant plant(w_start = w_start, T_start = T_start);
+    Plant plant(w_start = w_start, T_start = T_start@OF_PLANT@);

@@ -86,6 +86,15 @@ class Moment:
             most = max(most, np.abs(numeric - exact[:, column]).max() / scale)
         return most
 
+    def nominals(self):
+        """How far the nominals of the states are from those of the description, where 1 is meant if there is none."""
+        found = DOUBLES()
+        self.fmu.getNominalsOfContinuousStates(found, len(found))
+        variables = {variable.valueReference: variable for variable in self.description.modelVariables}
+        stated = [float(variables[state].nominal or 1.0) for state in STATES]
+        assert stated[0] != 1.0, "the model has a range, which says how large its states are"
+        return np.abs(np.array(found) / stated - 1.0).max()
+
     def undeclared(self, knowns):
         """The largest derivative of an unknown by a known that the description says it does not depend on."""
         structure = self.description.outputs + self.description.derivatives
@@ -120,6 +129,7 @@ def main(folder):
         moment = Moment(str(path), unzipped, "modelExchange")
         moment.fmu.exitInitializationMode()
         moment.update()
+        print(name, "nominals", moment.nominals())
         moment.fmu.enterContinuousTimeMode()
         moment.fmu.setContinuousStates(DOUBLES(*X), len(X))
         print(name, "continuous", moment.difference([ENGINE_TORQUE] + STATES))

@@ -159,6 +159,20 @@ def drawn(path, unzipped):
     return max(abs(a - b) / abs(b) for a, b in zip(found, row))
 
 
+def turned(path, unzipped):
+    """How far a torque that repeats with the engine's cycle, calculated from the angle, is from that of the angle turned: 2500 rad."""
+    slave = Slave(path, unzipped)
+    slave.start({"initial_speed": 500.0, "initial_torque": 0.0, "torque_demand": 0.0, "engine_torque": 0.0}, 2)
+    time, angles = 0.05 * np.arange(1, 101), []
+    for end in time:
+        slave.fmu.doStep(end - 0.05, 0.05)
+        angles += slave.get(["engine_angle"])
+    slave.end()
+    assert max(angles) < 2000.0, "the angle was taken back"
+    pulse = lambda angle: 1.0 + np.cos(0.5 * angle) + np.sin(1.5 * angle)
+    return np.abs(pulse(np.array(angles)) - pulse(500.0 * time)).max()
+
+
 def is_valid(slave):
     values = slave.fmu.getBoolean([55])
     return bool(values[0])
@@ -178,6 +192,7 @@ def main(folder):
         unzipped = extract(path)
         if document["compile"]:
             print(version, "draw 7", drawn(path, unzipped))
+            print(version, "pulse from the angle", turned(path, unzipped))
         for case in document["cases"]:
             has_lag = parameters["a"] > 0.0
             rows = stepped(path, unzipped, case, parameters)

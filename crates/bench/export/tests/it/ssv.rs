@@ -65,6 +65,30 @@ fn regress_a_set_has_the_delays_of_the_fmu() {
     }
 }
 
+/// A delay that is sometimes above and sometimes below where one more sample of lead is needed: a draw has that of the
+/// estimate, as the FMU states it and as its own draws have it.
+#[test]
+fn regress_all_draws_have_the_lead_that_the_fmu_states() {
+    let mut document = document();
+    let pi = document.model.speed_controller.as_mut().unwrap();
+    (pi.delay_s, pi.demand_delay_s) = (2.6e-3, 0.0);
+    document.model.torque_control.as_mut().unwrap().delay_s = 0.41e-3;
+    document.uncertainty = bench_model::model::ModelUncertainty::new(&[bench_model::model::PartCovariance {
+        parameters: vec![bench_model::model::ModelParameter::ControllerDelay],
+        covariance: vec![vec![1e-9]],
+        degrees_of_freedom: f64::INFINITY,
+    }])
+    .unwrap();
+    let leads: Vec<usize> = export::draws(&document, 20, 1).iter().map(|model| model.demand_lead()).collect();
+    assert!(leads.contains(&0) && leads.contains(&1), "the draws need different leads: {leads:?}");
+    assert_eq!(document.model.demand_lead(), 0);
+    for file in ssv::bench(&document, &Names::of("drawn"), 20).unwrap() {
+        let text = String::from_utf8(file.content).unwrap();
+        let Some(line) = text.lines().find(|line| line.contains("name=\"tau_n\"")) else { continue };
+        assert!(line.contains("value=\"0.0\""), "{}: {line}", file.name);
+    }
+}
+
 #[test]
 fn ref_the_sets_are_valid_by_the_schema() {
     let mut odd = document();

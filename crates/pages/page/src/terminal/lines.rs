@@ -38,8 +38,9 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     pieces
 }
 
-/// Where the first piece of a text that is too long ends: at least one character, at most `width` columns. None where all of it
-/// fits. No more of the text is looked at than that takes, so that a long text is broken in a time that grows with its length.
+/// Where the first piece of a text that is too long ends: at least one character, at most `width` columns. None where
+/// all of it fits. No more of the text is looked at than that takes, so that a long text is broken in a time that grows
+/// with its length.
 fn end_of_piece(text: &str, width: usize) -> Option<usize> {
     let mut columns = 0;
     let mut end = 0;
@@ -58,7 +59,7 @@ fn end_of_piece(text: &str, width: usize) -> Option<usize> {
     None
 }
 
-/// Whether a text fits since characters in it are joined, and take fewer columns than each by itself.
+/// Tells whether a text fits since characters in it are joined, and take fewer columns than each by itself.
 fn fits_joined(text: &str, width: usize) -> bool {
     /// More than joined characters have for a column.
     const MOST_BYTES: usize = 32;

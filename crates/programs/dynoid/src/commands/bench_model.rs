@@ -30,7 +30,7 @@ pub(in crate::commands) fn read(path: &Path) -> Result<BenchModelDocument, CliEr
     }
 }
 
-/// Whether the model of a study is that of a document. A study that this version cannot read is not compared.
+/// Tells whether the model of a study is that of a document. A study that this version cannot read is not compared.
 fn is_of_study(document: &BenchModelDocument, study: &str) -> bool {
     const ROUNDING: f64 = 1e-9;
     let model = match report::model(study) {
@@ -43,7 +43,8 @@ fn is_of_study(document: &BenchModelDocument, study: &str) -> bool {
     ours.len() == others.len() && ours.iter().zip(others).all(|(one, other)| is_same(one.value, other.value))
 }
 
-/// Whether a report is of the study of a model: it states the bench file, and the recordings that the model is from.
+/// Tells whether a report is of the study of a model: it states the bench file, and the recordings that the model is
+/// from.
 pub(in crate::commands) fn is_reported(document: &BenchModelDocument, report: &[u8]) -> bool {
     // As many digits as a report has of each recording.
     const DIGITS: usize = 12;

@@ -1,8 +1,8 @@
 //! Writing files whole or not at all, and none over a file that must stay.
 //!
-//! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given its
-//! name: whoever looks finds the old file or the new one, never a part. Files that belong together get their names together.
-//! A link stays, and the file behind it is the one that is replaced.
+//! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given
+//! its name: whoever looks finds the old file or the new one, never a part. Files that belong together get their names
+//! together. A link stays, and the file behind it is the one that is replaced.
 //!
 //! [`check_replaceable`] is the one rule for files that are there, and every function that writes asks it.
 
@@ -23,9 +23,9 @@ use crate::mark::Mark;
 use crate::paths::{folder_of, is_stream};
 use crate::this_run;
 
-/// The rule for files that are there. A file is replaced if a command made it that makes files of this `mark`, or if the user asks
-/// for it; a file that is read, and a recording of the bench, never. No result is written among measured recordings, and a file
-/// that the user may not write to stays.
+/// The rule for files that are there. A file is replaced if a command made it that makes files of this `mark`, or if
+/// the user asks for it; a file that is read, and a recording of the bench, never. No result is written among measured
+/// recordings, and a file that the user may not write to stays.
 pub(crate) fn check_replaceable(path: &Path, mark: Option<&Mark>) -> Result<(), CliError> {
     let place = place::behind_links(path).map_err(|source| CliError::write(path, source))?;
     let among = |bench| Err(CliError::AmongRecordings { path: path.to_owned(), bench });
@@ -54,7 +54,8 @@ pub(crate) fn check_replaceable(path: &Path, mark: Option<&Mark>) -> Result<(), 
     if is_read_only(path) { Err(CliError::IsReadOnly { path: path.to_owned() }) } else { Ok(()) }
 }
 
-/// Whether a file may not be written to: by its mode, which does not bind the administrator, or by what the system says.
+/// Tells whether a file may not be written to: by its mode, which does not bind the administrator, or by what the
+/// system says.
 fn is_read_only(path: &Path) -> bool {
     let refuses = |error: io::Error| error.kind() == io::ErrorKind::PermissionDenied;
     path.metadata().is_ok_and(|file| file.permissions().readonly())
@@ -90,8 +91,8 @@ impl OutputFolder {
         Ok(files.iter().map(|(name, _)| self.path.join(name)).collect())
     }
 
-    /// Writes files as [`Self::write`] does, and removes earlier results of those `names` that are not among them. What shows no
-    /// mark of this program stays.
+    /// Writes files as [`Self::write`] does, and removes earlier results of those `names` that are not among them. What
+    /// shows no mark of this program stays.
     pub(crate) fn replace(&self, files: &[(&str, &[u8])], names: &[&str]) -> Result<(), CliError> {
         let mut staging = self.staged(files)?;
         let is_written = |name: &str| files.iter().any(|(written, _)| *written == name);
@@ -124,7 +125,8 @@ pub(crate) fn check_file(path: &Path, mark: &Mark) -> Result<(), CliError> {
     }
 }
 
-/// Writes one file, replacing an existing one of the same mark. What is no file, such as a device, is written to and stays what it is.
+/// Writes one file, replacing an existing one of the same mark. What is no file, such as a device, is written to and
+/// stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
     let mut staging = Staging::default();
     staging.add_content(path, content)?;
@@ -166,7 +168,7 @@ impl Place {
 #[derive(Default)]
 pub(crate) struct Staging {
     files: Vec<(NamedTempFile, PathBuf)>,
-    /// What goes to pipes and devices.
+    /// Results for pipes and devices.
     streams: Vec<(File, PathBuf)>,
     /// Earlier results that are removed when the files have their names.
     removed: Vec<PathBuf>,

@@ -30,15 +30,16 @@ pub(super) fn behind_links(path: &Path) -> io::Result<PathBuf> {
 /// Pipes and devices that were opened before the work, and are written to after it.
 static STREAMS: Mutex<BTreeMap<PathBuf, File>> = Mutex::new(BTreeMap::new());
 
-/// Opens a pipe or device, and keeps it open until [`stream`] takes it: the reader of a pipe that is closed sees its end.
+/// Opens a pipe or device, and keeps it open until [`stream`] takes it: the reader of a pipe that is closed sees its
+/// end.
 pub(super) fn open_stream(path: &Path) -> io::Result<()> {
     let stream = stream(path)?;
     STREAMS.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), stream);
     Ok(())
 }
 
-/// A pipe or device to write to. The system opens a pipe when another program reads it; what nobody reads is an error after
-/// a few seconds.
+/// A pipe or device to write to. The system opens a pipe when another program reads it; what nobody reads is an error
+/// after a few seconds.
 pub(super) fn stream(path: &Path) -> io::Result<File> {
     if let Some(stream) = STREAMS.lock().unwrap_or_else(PoisonError::into_inner).remove(path) {
         return Ok(stream);

@@ -1,7 +1,8 @@
 //! Temporary files: results that have no name of their own yet, in the folder where they belong.
 //!
-//! A program that ends by a signal removes its temporary files first. One that is killed cannot. So every temporary file is locked
-//! while its program runs, and a program that writes into the folder later removes those of the same user that nobody has locked.
+//! A program that ends by a signal removes its temporary files first. One that is killed cannot. So every temporary
+//! file is locked while its program runs, and a program that writes into the folder later removes those of the same
+//! user that nobody has locked.
 
 use std::collections::BTreeSet;
 use std::fs::{File, Metadata, TryLockError};
@@ -19,7 +20,7 @@ const RANDOM: usize = 20;
 /// Another program that writes into the same folder needs less time to name its files.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// What this run has made.
+/// Temporary files of this run.
 #[derive(Debug, Default)]
 struct Made {
     files: BTreeSet<PathBuf>,
@@ -128,7 +129,8 @@ fn has_owner_of(_: &Metadata, _: &Metadata) -> bool {
     true
 }
 
-/// Gives files their names: no signal ends the program meanwhile, and no other run of it names files in the same folders.
+/// Gives files their names: no signal ends the program meanwhile, and no other run of it names files in the same
+/// folders.
 pub(super) fn name<T>(folders: &BTreeSet<PathBuf>, rename: impl FnOnce() -> T) -> T {
     let _made = made();
     let _folders: Vec<File> = folders.iter().filter_map(|folder| locked_folder(folder)).collect();
@@ -150,8 +152,8 @@ fn locked_folder(folder: &Path) -> Option<File> {
     }
 }
 
-/// From now on, signals that end the program remove its temporary files first. A file that grows beyond the limit of the
-/// shell is an error of writing.
+/// From now on, signals that end the program remove its temporary files first. A file that grows beyond the limit of
+/// the shell is an error of writing.
 #[cfg(unix)]
 pub(crate) fn remove_when_ended() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
@@ -177,8 +179,8 @@ pub(crate) fn remove_when_ended() {
 #[cfg(not(unix))]
 pub(crate) fn remove_when_ended() {}
 
-/// The signals that whoever started the program lets it ignore, as `nohup` does: bit n - 1 is signal n (proc_pid_status(5)).
-/// None are known where the system has no such file.
+/// The signals that whoever started the program lets it ignore, as `nohup` does: bit n - 1 is signal n
+/// (proc_pid_status(5)). None are known where the system has no such file.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
