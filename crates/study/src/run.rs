@@ -8,6 +8,7 @@ use rig::{BenchFile, Experiment};
 use super::gather::StudyError;
 use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
+use crate::disturbances::disturbances;
 use crate::findings::Findings;
 use crate::gather::Prepared;
 use crate::{Provenance, Study, estimates, struck, validity};
@@ -82,7 +83,11 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model.map(|model| AssembledModel { engine_pulses: pulses.flatten(), ..model }),
+        model: estimates.model.map(|model| AssembledModel {
+            engine_pulses: pulses.flatten(),
+            disturbances: Some(disturbances(parts)),
+            ..model
+        }),
         validity,
         skews: estimates.skews,
         recorded_torque: estimates.recorded_torque,

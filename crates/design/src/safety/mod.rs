@@ -40,7 +40,7 @@ const HOT_EFFICIENCY: f64 = 0.8;
 /// What a safety check rests on.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyInputs<'a> {
-    /// Plan, demands, nominal bench and limits.
+    /// Plan, demands, nominal bench and limits. Its disturbances are those that benches have in the root mean square.
     pub prediction: PredictionInputs<'a>,
     /// How benches differ from the nominal one.
     pub spread: BenchSpread<'a>,
@@ -114,6 +114,7 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
     let nominal = inputs.prediction.model;
     let mut random = Source::Safety.stream(inputs.seed);
     let mut of_friction = Source::Friction.stream(inputs.seed);
+    let mut of_disturbances = Source::Disturbances.stream(inputs.seed);
     let benches = (0..inputs.samples)
         .map(|i| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
@@ -122,7 +123,8 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
             let engine = inputs.pulses.draw(inputs.prediction.engine, inertia, &mut random);
             let firing_seed = inputs.seed.wrapping_add(i as u64);
             let friction = inputs.friction.draw(&mut of_friction);
-            Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, firing_seed })
+            let disturbances = inputs.prediction.disturbances.draw(&mut of_disturbances);
+            Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, disturbances, firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
     let outcomes = outcomes(&inputs.prediction, &benches, progress)?;

@@ -26,8 +26,9 @@ pub(super) fn outcomes(
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| {
         let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
-        let (model, engine, friction) = (&bench.model, &bench.engine, bench.friction);
-        outcome(&PredictionInputs { model, engine, friction, firing_seed, ..*inputs })
+        let Drawn { model, engine, friction, disturbances, .. } = bench;
+        let (friction, disturbances) = (*friction, *disturbances);
+        outcome(&PredictionInputs { model, engine, friction, disturbances, firing_seed, ..*inputs })
     };
     parallel::map_with_progress(benches, run, progress).into_iter().collect()
 }

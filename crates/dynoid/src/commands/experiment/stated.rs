@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ::bench_model::disturbances::Disturbances;
 use ::bench_model::document::{BenchModelDocument, Validity};
 use ::bench_model::model::{AssembledModel, BenchModel};
 use design::safety::FrictionSpread;
@@ -84,6 +85,11 @@ impl Bench {
     /// Friction of the dynamometer, as the bench file states it or as dynamometers have it.
     pub(in crate::commands) fn friction(&self) -> FrictionSpread {
         FrictionSpread::of(&self.file, self.stated.parameters.drive.torque_limit_nm)
+    }
+
+    /// Errors of the encoder and ripple of the drive, as the recordings show them or as benches have them.
+    pub(in crate::commands) fn disturbances(&self) -> Disturbances {
+        self.assembled.as_ref().and_then(|assembled| assembled.disturbances).unwrap_or_else(Disturbances::assumed)
     }
 
     /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
