@@ -6,6 +6,7 @@
 //! The crate knows what a bench is ([`rig`]) and linear systems. It knows no estimator and no study.
 
 pub mod analysis;
+pub mod disturbances;
 pub mod document;
 pub mod drive_ripple;
 pub mod friction;

@@ -1,5 +1,6 @@
 //! The answer: many benches run the test, and every requirement and limit gets the share of benches that keep it.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use bench_model::simulate::LoopMode;
 use cycle::{CycleError, Judged, Validation};
@@ -14,7 +15,7 @@ use crate::added::Added;
 use crate::cycle_run::CycleGrid;
 use crate::demand::Demand;
 use crate::error::CapabilityError;
-use crate::extremes::{LimitOf, Peak, peaks, unbounded};
+use crate::extremes::{LimitOf, Peak, TORQUE_CHANGE_S, peaks, unbounded};
 use crate::filter;
 use crate::fired::Firing;
 use crate::following::Following;
@@ -24,6 +25,9 @@ use crate::plan_run;
 use crate::pulses::Pulses;
 use crate::trace::Trace;
 use crate::verdict::{Verdict, band_places, verdict};
+
+/// Standard deviations that the largest sample of noise has at the most: one of 10 000.
+const MOST_NOISE: f64 = 4.0;
 
 /// Answers. The runs of the benches are a step of the work.
 ///
@@ -99,6 +103,7 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
         engine: inputs.engine.clone(),
         engine_speed: 1.0,
         friction: inputs.friction.middle(),
+        disturbances: inputs.disturbances,
         following: Following::EXACT,
         firing_seed: Some(inputs.seed),
     }
@@ -107,6 +112,7 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
 fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
     let mut of_friction = Source::Friction.stream(inputs.seed);
+    let mut of_disturbances = Source::Disturbances.stream(inputs.seed);
     let mut of_following = Source::EngineTorque.stream(inputs.seed);
     let largest_nm = largest_demanded_nm(inputs);
     let draw = |i: usize| {
@@ -115,13 +121,14 @@ fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
         let engine = inputs.pulses.draw(inputs.engine, model.mechanics.engine_inertia_kg_m2, &mut random);
         let firing_seed = Some(inputs.seed.wrapping_add(i as u64));
         let friction = inputs.friction.draw(&mut of_friction);
+        let disturbances = inputs.disturbances.draw(&mut of_disturbances);
         // An engine that controls its speed gives what that asks for.
         let following = match largest_nm {
             Some(largest_nm) => inputs.following.draw(largest_nm, &mut of_following),
             None => Following::EXACT,
         };
         let engine = following.slower(&slowed(&engine, speed));
-        Ok(Drawn { model, engine, engine_speed: speed, friction, following, firing_seed })
+        Ok(Drawn { model, engine, engine_speed: speed, friction, disturbances, following, firing_seed })
     };
     (0..inputs.samples).map(draw).collect()
 }
@@ -174,6 +181,7 @@ impl<'a> Driven<'a> {
                     engine: &bench.engine,
                     firing_seed: bench.firing_seed,
                     friction: bench.friction,
+                    disturbances: bench.disturbances,
                     limits: inputs.limits,
                 };
                 plan_run::run(&prediction, asked)?
@@ -238,8 +246,19 @@ fn added(grid: &CycleGrid, bench: &Drawn, trace: &Trace) -> Vec<Added> {
     let engine_nm = grid.given_nm(bench);
     let most_nm = engine_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
     let pulses = Pulses::of(&bench.model, &bench.engine, LoopMode::Speed, grid.range_rad_s(), most_nm);
-    let at = |(engine_nm, speed): (&f64, &f64)| pulses.at(*engine_nm, *speed);
+    let at = |(engine_nm, speed): (&f64, &f64)| {
+        let of_pulses = pulses.at(*engine_nm, *speed);
+        of_pulses.with(&of_encoder(bench, *speed), |one, other| one + other)
+    };
     engine_nm.iter().zip(&trace.engine_speed_rad_s).map(at).collect()
+}
+
+/// What the errors of the encoder add at the most through the gain of the speed controller.
+fn of_encoder(bench: &Drawn, speed_rad_s: f64) -> Added {
+    let gain = bench.model.speed_controller.map_or(0.0, |pi| pi.proportional_nm_s_per_rad);
+    let Disturbances { speed_noise_rad_s, once_a_turn, .. } = bench.disturbances;
+    let demand_nm = gain.abs() * (once_a_turn * speed_rad_s.abs() + MOST_NOISE * speed_noise_rad_s);
+    Added { demand_nm, demand_slew_nm_per_s: 2.0 * demand_nm / TORQUE_CHANGE_S, ..Added::default() }
 }
 
 fn unstable() -> Outcome {

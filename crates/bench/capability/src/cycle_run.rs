@@ -143,7 +143,8 @@ impl CycleGrid {
         };
         let seed = bench.firing_seed.unwrap_or(0).wrapping_add(from as u64);
         let fires = FiringEngine { engine: &bench.engine, seed, is_motored: false };
-        let acting = Acting { fires: Some(&fires), control: None, friction: bench.friction };
+        let disturbances = Some((bench.disturbances, seed));
+        let acting = Acting { fires: Some(&fires), control: None, friction: bench.friction, disturbances };
         let start = self.start(bench, from.saturating_sub(before), engine_torque_nm[0]);
         let response = simulate_acted_on(&bench.model, &inputs, &acting, &start)?;
         let settled = before * self.step_samples;

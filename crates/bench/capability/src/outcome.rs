@@ -1,5 +1,6 @@
 //! Inputs of an answer, and the outcome of one bench.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
@@ -34,6 +35,8 @@ pub struct CanInputs<'a> {
     pub slowest_engine_control: f64,
     /// How the friction of their dynamometers differs.
     pub friction: FrictionSpread,
+    /// Errors of their dynamometers' encoders, in the root mean square, and ripple of their drives.
+    pub disturbances: Disturbances,
     /// How the torque of their engines follows what is demanded of it.
     pub following: FollowingSpread,
     /// The demands pass a low-pass of first order with this corner before the bench gets them, Hz; what it does is
@@ -66,6 +69,7 @@ pub(crate) struct Drawn {
     /// Share of the stated bandwidth that its speed control has.
     pub(crate) engine_speed: f64,
     pub(crate) friction: DynoFriction,
+    pub(crate) disturbances: Disturbances,
     /// How its torque follows what is demanded.
     pub(crate) following: Following,
     pub(crate) firing_seed: Option<u64>,

@@ -43,6 +43,8 @@ pub enum Source {
     NoiseTest = 18,
     /// Friction of the dynamometer, of benches drawn to check an experiment.
     Friction = 20,
+    /// Errors of the dynamometer's encoder and phase of the drive's ripple, of benches drawn to predict a test.
+    Disturbances = 21,
 }
 
 impl Source {

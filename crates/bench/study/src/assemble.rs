@@ -70,7 +70,8 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     }))
     .flatten()
     .collect();
-    Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()?, engine_pulses: None })
+    let uncertainty = ModelUncertainty::new(&blocks).ok()?;
+    Some(AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None })
 }
 
 /// J_e and its standard uncertainty, kg m²: as the bench file states it, with what the recordings show.

@@ -4,6 +4,7 @@ mod analyses;
 mod assemble;
 mod comparison;
 mod demand_clock;
+mod disturbances;
 mod estimates;
 mod findings;
 mod firing;

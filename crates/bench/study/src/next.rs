@@ -6,6 +6,7 @@
 //! a count of information (see [`design::excitation_design`]) leaves out.
 
 use bench_model::analysis::results_of;
+use bench_model::disturbances::Disturbances;
 use bench_model::model::{AssembledModel, BenchModel};
 use bench_model::prediction::PredictionInputs;
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
@@ -373,6 +374,7 @@ fn safety(
         engine: &stated.parameters.engine,
         firing_seed: Some(seed),
         friction: friction.middle(),
+        disturbances: known.and_then(|known| known.disturbances).unwrap_or_else(Disturbances::assumed),
         limits: bench.limits,
     };
     let inputs = SafetyInputs {

@@ -8,6 +8,7 @@ use work::Context;
 
 use super::gather::StudyError;
 use crate::analyses::{Analyses, analyses};
+use crate::disturbances::disturbances;
 use crate::findings::Findings;
 use crate::gather::Prepared;
 use crate::{Provenance, Study, estimates, struck, validity};
@@ -85,7 +86,11 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Stu
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model.map(|model| AssembledModel { engine_pulses: pulses.flatten(), ..model }),
+        model: estimates.model.map(|model| AssembledModel {
+            engine_pulses: pulses.flatten(),
+            disturbances: Some(disturbances(parts)),
+            ..model
+        }),
         validity,
         skews: estimates.skews,
         recorded_torque: estimates.recorded_torque,

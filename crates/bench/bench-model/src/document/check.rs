@@ -7,7 +7,8 @@ use rig::engine_pulses::EnginePulses;
 
 use super::error::DocumentError;
 use super::{BenchModelDocument, DescribedParameter, Range};
-use crate::drive_ripple::RecordedTorque;
+use crate::disturbances::Disturbances;
+use crate::drive_ripple::{RecordedTorque, RippleLine};
 use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty, short};
 
 /// Times of controller and sensors.
@@ -22,6 +23,10 @@ const USUAL_SAMPLE_TIME_S: f64 = 1e-3;
 /// Ripple of a drive, and how many lines of it a model may have.
 const RIPPLE: Bound = Bound::new(1e-3, 1e5, "Hz");
 const MOST_LINES: usize = 64;
+/// Errors of an encoder and ripple of a drive, as parts and by themselves.
+const PART: Bound = Bound::new(0.0, 1.0, "");
+const SPEED_NOISE: Bound = Bound::new(0.0, 1e5, "rad/s");
+const RIPPLE_TORQUE: Bound = Bound::new(0.0, 1e8, "Nm");
 /// The frequency of the shaft between both masses.
 const RESONANCE: Bound = Bound::new(1e-3, 1e5, "Hz");
 const TORQUE: Bound = Bound::new(1e-3, 1e8, "Nm");
@@ -50,6 +55,7 @@ pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
     uncertain(model, uncertainty)?;
     pulses(document.engine_pulses.as_ref())?;
     recorded_torque(document.recorded_torque.as_ref())?;
+    disturbances(document.disturbances.as_ref())?;
     ranges(document)
 }
 
@@ -98,6 +104,19 @@ fn recorded_torque(torque: Option<&RecordedTorque>) -> Result<(), DocumentError>
     }
     let lines = ripple_hz.iter().map(|hz| ("recorded_torque.ripple_hz", Some(*hz), RIPPLE));
     bounded(lines.chain([("recorded_torque.delay_s", Some(*delay_s), TIME)]))
+}
+
+/// Refuses errors of encoders and ripple that no bench has.
+fn disturbances(disturbances: Option<&Disturbances>) -> Result<(), DocumentError> {
+    let Some(Disturbances { speed_noise_rad_s, once_a_turn, ripple }) = disturbances else { return Ok(()) };
+    let line = |of: fn(&RippleLine) -> f64| ripple.as_ref().map(of);
+    bounded([
+        ("disturbances.speed_noise_rad_s", Some(*speed_noise_rad_s), SPEED_NOISE),
+        ("disturbances.once_a_turn", Some(*once_a_turn), PART),
+        ("disturbances.ripple.frequency_hz", line(|line| line.frequency_hz), RIPPLE),
+        ("disturbances.ripple.additive_nm", line(|line| line.additive_nm[0].hypot(line.additive_nm[1])), RIPPLE_TORQUE),
+        ("disturbances.ripple.relative", line(|line| line.relative[0].hypot(line.relative[1])), PART),
+    ])
 }
 
 fn parameters(model: &BenchModel) -> Result<(), DocumentError> {

@@ -16,6 +16,7 @@ use rig::engine_pulses::EnginePulses;
 use rig::facts::BenchFacts;
 use serde::{Deserialize, Serialize};
 
+use crate::disturbances::Disturbances;
 use crate::drive_ripple::RecordedTorque;
 use crate::model::{AssembledModel, BenchModel, ModelUncertainty};
 use crate::skews::SignalSkews;
@@ -52,6 +53,9 @@ pub struct BenchModelDocument {
     /// The engine's firing pulses with their covariance; null where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
+    /// Noise and once-a-turn error of N_d, and ripple of the drive; none where they are not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbances: Option<Disturbances>,
     /// Parts that were not estimated, and why.
     #[serde(default)]
     pub not_estimated: Vec<NotEstimated>,
@@ -96,7 +100,7 @@ impl BenchModelDocument {
     /// A document of a model. Validity, skews and what was not estimated are empty.
     #[must_use]
     pub fn new(assembled: AssembledModel, bench: BenchFacts, provenance: Provenance) -> Self {
-        let AssembledModel { model, uncertainty, engine_pulses } = assembled;
+        let AssembledModel { model, uncertainty, engine_pulses, disturbances } = assembled;
         BenchModelDocument {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -105,6 +109,7 @@ impl BenchModelDocument {
             model,
             uncertainty,
             engine_pulses,
+            disturbances,
             skews: None,
             recorded_torque: None,
             not_estimated: Vec::new(),
@@ -144,6 +149,7 @@ impl BenchModelDocument {
             model: self.model.clone(),
             uncertainty: self.uncertainty.clone(),
             engine_pulses: self.engine_pulses.clone(),
+            disturbances: self.disturbances,
         }
     }
 }

@@ -4,6 +4,7 @@ use rig::engine_pulses::EnginePulses;
 use serde::{Deserialize, Serialize};
 
 use super::{BenchModel, ModelUncertainty};
+use crate::disturbances::Disturbances;
 
 /// A model with its uncertainty, as a study keeps it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,4 +16,7 @@ pub struct AssembledModel {
     /// The engine's firing pulses with their covariance; none where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
+    /// What disturbs the bench in its recordings; none where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbances: Option<Disturbances>,
 }

@@ -4,6 +4,7 @@ use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::{Demands, ExperimentPlan};
 
+use crate::disturbances::Disturbances;
 use crate::friction::DynoFriction;
 use crate::model::BenchModel;
 
@@ -23,6 +24,8 @@ pub struct PredictionInputs<'a> {
     pub firing_seed: Option<u64>,
     /// Friction of the dynamometer: in torque control the shaft has it in addition to T_d.
     pub friction: DynoFriction,
+    /// Ripple of the drive and errors of the dynamometer's encoder. They act where there is a seed of the firing, which draws their phases, too.
+    pub disturbances: Disturbances,
     /// Limits that the bench must not exceed.
     pub limits: Limits,
 }

@@ -174,7 +174,8 @@ fn run(
         start_nm: at_best_ignition_nm(engine, demanded),
         air: Some(GovernedAir { engine, ignition_efficiency: &demanded.ignition_efficiency }),
     });
-    let acting = Acting { fires, control: control.as_ref(), friction: inputs.friction };
+    let disturbances = inputs.firing_seed.map(|seed| (inputs.disturbances, seed));
+    let acting = Acting { fires, control: control.as_ref(), friction: inputs.friction, disturbances };
     let response = simulate_acted_on(model, &of, &acting, start)?;
     is_bounded(&response).then_some(response).ok_or(PredictionError::Unstable)
 }

@@ -16,6 +16,7 @@ mod linear_form;
 mod plant;
 mod ripple;
 
+use crate::disturbances::{Disturbances, Disturbing};
 use crate::friction::DynoFriction;
 use crate::model::BenchModel;
 use controller::Pi;
@@ -33,7 +34,7 @@ pub use ripple::Ripple;
 /// Response of the bench, one value a sample.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Response {
-    /// N_d as the encoder reads it, rad/s: the mean over the gate that ends at the sample.
+    /// N_d as an encoder without errors reads it, rad/s: the mean over the gate that ends at the sample.
     pub dyno_speed_rad_s: Vec<f64>,
     /// N_e as an encoder with the same gate reads it, rad/s.
     pub engine_speed_rad_s: Vec<f64>,
@@ -100,13 +101,8 @@ pub fn simulate_with_ripple(
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     ripple.check_length(inputs.engine_torque_nm.len())?;
-    run(
-        model,
-        inputs,
-        (ripple, DynoFriction::default()),
-        Engine::of(inputs, None, (None, start.engine_speed_rad_s))?,
-        start,
-    )
+    let engine = Engine::of(inputs, None, (None, start.engine_speed_rad_s))?;
+    run(model, inputs, (ripple, DynoFriction::default(), None), engine, start)
 }
 
 /// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
@@ -145,6 +141,8 @@ pub struct Acting<'a> {
     pub control: Option<&'a EngineSpeedControl<'a>>,
     /// Friction of the dynamometer.
     pub friction: DynoFriction,
+    /// Ripple of the drive and errors of the dynamometer's encoder, and the seed of their phases and noise.
+    pub disturbances: Option<(Disturbances, u64)>,
 }
 
 /// Simulates the bench with what acts on it.
@@ -158,18 +156,22 @@ pub fn simulate_acted_on(
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     let engine = Engine::of(inputs, acting.control, (acting.fires, start.engine_speed_rad_s))?;
-    run(model, inputs, (Ripple::NONE, acting.friction), engine, start)
+    let disturbing = acting.disturbances.map(|(of, seed)| Disturbing::new(of, seed));
+    let ripple = |disturbing: &Disturbing| disturbing.ripple(inputs.engine_torque_nm.len(), inputs.sample_time_s);
+    let (relative, added_nm) = disturbing.as_ref().map(ripple).unwrap_or_default();
+    let ripple = Ripple { relative: &relative, added_nm: &added_nm };
+    run(model, inputs, (ripple, acting.friction, disturbing), engine, start)
 }
 
 fn run(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    braking: (Ripple<'_>, DynoFriction),
+    (ripple, friction, mut disturbing): (Ripple<'_>, DynoFriction, Option<Disturbing>),
     mut engine: Engine<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    let mut plant = Plant::new(model, inputs, braking, start)?;
+    let mut plant = Plant::new(model, inputs, (ripple, friction), start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);
@@ -186,8 +188,10 @@ fn run(
         let engine_reading = engine_encoder.read(state.engine_angle_rad, state.engine_speed_rad_s);
         response.engine_speed_rad_s.push(engine_reading);
         let engine_nm = engine.update(k, engine_reading, &plant);
+        let error = |by: &mut Disturbing| by.of_reading_rad_s(state.dyno_angle_rad, state.dyno_speed_rad_s);
+        let seen = reading + disturbing.as_mut().map_or(0.0, error);
         let demand = match (inputs.dyno, pi.as_mut()) {
-            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, (demand, k), &mut streams),
+            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(seen, (demand, k), &mut streams),
             (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };

@@ -1,8 +1,10 @@
 //! The bench model as a file.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::{
     BenchFileOrigin, BenchModelDocument, DocumentError, NotEstimated, Provenance, Validity, format_of,
 };
+use bench_model::drive_ripple::RippleLine;
 use bench_model::model::{AssembledModel, ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::skews::SignalSkews;
 use bench_testkit::models::bench_a;
@@ -43,7 +45,7 @@ fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocum
         verdict: None,
     };
     let document = BenchModelDocument::new(
-        AssembledModel { model: bench_a(), uncertainty, engine_pulses: None },
+        AssembledModel { model: bench_a(), uncertainty, engine_pulses: None, disturbances: None },
         facts,
         provenance,
     );
@@ -220,7 +222,7 @@ fn regress_correlations_that_contradict_each_other_are_refused() {
             degrees_of_freedom: 40.0,
         };
         let uncertainty = ModelUncertainty::new(&[part]).unwrap();
-        let assembled = AssembledModel { model: bench_a(), uncertainty, engine_pulses: None };
+        let assembled = AssembledModel { model: bench_a(), uncertainty, engine_pulses: None, disturbances: None };
         let whole = document(1.0, 3.0);
         BenchModelDocument::from_json(
             &BenchModelDocument::new(assembled, whole.bench, whole.provenance).to_json().unwrap(),
@@ -316,4 +318,26 @@ fn exact_validity_contains_its_ends() {
     assert_eq!(validity.air_gap_torque_nm, Some((-2.0, 3.0)));
     assert!(validity.contains(1e9, -2.0) && validity.contains(0.0, 3.0) && !validity.contains(0.0, 3.1));
     assert_eq!(Validity::range_of([]), None);
+}
+
+#[test]
+fn regress_disturbances_are_read_back_bit_for_bit_and_impossible_ones_are_refused() {
+    let line = RippleLine { frequency_hz: 100.0, additive_nm: [0.3, 0.4], relative: [0.01, 0.02] };
+    let disturbances = Disturbances { ripple: Some(line), ..Disturbances::assumed() };
+    let with = |disturbances| {
+        let mut document = document(36.0, 40.0);
+        document.disturbances = Some(disturbances);
+        (BenchModelDocument::from_json(&document.to_json().unwrap()), document)
+    };
+    let (read, written) = with(disturbances);
+    assert_eq!(read, Ok(written));
+    let silent = RippleLine { frequency_hz: 0.0, ..line };
+    for (damaged, field) in [
+        (Disturbances { speed_noise_rad_s: -1.0, ..disturbances }, "speed_noise_rad_s"),
+        (Disturbances { once_a_turn: 2.0, ..disturbances }, "once_a_turn"),
+        (Disturbances { ripple: Some(silent), ..disturbances }, "ripple.frequency_hz"),
+    ] {
+        let error = with(damaged).0.unwrap_err().to_string();
+        assert!(error.contains(field), "{error}");
+    }
 }

@@ -5,6 +5,7 @@
 
 mod analysis;
 mod course;
+mod disturbances;
 mod document;
 mod linear_form;
 mod model;

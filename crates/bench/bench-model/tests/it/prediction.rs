@@ -1,5 +1,6 @@
 //! Predictions against a virtual bench without anything that the model does not have.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
@@ -30,6 +31,7 @@ fn with_inputs<T>(
         engine: &parameters.engine,
         firing_seed: None,
         friction: DynoFriction::default(),
+        disturbances: Disturbances::default(),
         limits,
     })
 }

@@ -1,3 +1,4 @@
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::friction::DynoFriction;
 use bench_model::model::{FeedForwardGains, PiController};
@@ -220,6 +221,7 @@ fn exact_a_sine_at_the_resonance_counts() {
         engine: &bench.engine,
         firing_seed: Some(inputs.seed),
         friction: DynoFriction::default(),
+        disturbances: Disturbances::default(),
         limits: Limits::default(),
     };
     let of_check = SafetyInputs {
@@ -395,5 +397,27 @@ fn regress_no_lead_of_the_demand_makes_a_test_fail() {
             let unstable = runs(&bench, Demand::Plan(&plan, &demands));
             assert_eq!(unstable, 0, "{}, {error_ms} and {fed_ms} ms", shape.name);
         }
+    }
+}
+
+/// A controller answers what its encoder reads once a turn: a slow test has the slew of T_d* that this makes, in shapes as in cycles.
+#[test]
+fn exact_errors_of_the_encoder_count_in_the_slew_of_the_torque_demand() {
+    let mut bench = bench();
+    bench.engine.cycle_variation = 0.0;
+    let (speed_rad_s, once_a_turn) = (3000.0 * units::RPM_RAD_S, 2e-3);
+    let (plan, demands) = shape("tip-in", &[("speed", "3000"), ("ramp", "2")]);
+    let reference = Reference::of_itself(0.0, vec![speed_rad_s; 8], vec![50.0; 8]);
+    let gain = bench.model.speed_controller.unwrap().proportional_nm_s_per_rad;
+    for demand in [Demand::Plan(&plan, &demands), Demand::Cycle(CycleDemand { reference: &reference, map: None })] {
+        let median = |disturbances: Disturbances| {
+            let inputs = capability::CanInputs { samples: 9, disturbances, ..bench.inputs(demand) };
+            let verdict = can(&inputs, silent()).unwrap();
+            verdict.limits.iter().find(|one| one.of == LimitOf::TorqueSlew).unwrap().values.quantile(0.5)
+        };
+        let added = median(Disturbances { once_a_turn, ..Disturbances::default() }) - median(Disturbances::default());
+        // From trough to crest within 10 ms, half a turn: twice the amplitude, which between benches has the median √ln 2 of its root mean square.
+        let wanted = 2.0 * gain * once_a_turn * speed_rad_s * std::f64::consts::LN_2.sqrt() / 0.01;
+        assert!((0.4..1.6).contains(&(added / wanted)), "{added} for {wanted}");
     }
 }

@@ -5,6 +5,7 @@
 
 use std::ops::RangeInclusive;
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance};
 use bench_testkit::benches::bench_file;
@@ -128,6 +129,7 @@ fn one(known: &Known, seed: u64, plan: &ExperimentPlan, limit_nm: f64) -> One {
         spread: BenchSpread::Estimated(&known.uncertainty),
         slowest_engine_control: 1.0,
         friction: FrictionSpread::NONE,
+        disturbances: Disturbances::default(),
         following: FollowingSpread::NONE,
         filter_hz: None,
         sets: &[],

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use capability::{CanInputs, Demand, FollowingSpread, shapes};
 use cycle::{Feedback, Reference, RequirementSet, requirement, validate};
@@ -89,6 +90,7 @@ fn one(seed: u64, plan: &ExperimentPlan) -> (Compared, bool) {
         spread: BenchSpread::Estimated(&uncertainty),
         slowest_engine_control: 1.0,
         friction: FrictionSpread::NONE,
+        disturbances: Disturbances::default(),
         following: FollowingSpread::NONE,
         filter_hz: None,
         sets: std::slice::from_ref(&set),

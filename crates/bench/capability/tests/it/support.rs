@@ -1,5 +1,6 @@
 //! Helpers that the tests share.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use capability::{CanInputs, Demand, FollowingSpread};
@@ -43,6 +44,7 @@ impl Bench {
             spread: BenchSpread::Prior(Prior::default()),
             slowest_engine_control: 1.0,
             friction: FrictionSpread::NONE,
+            disturbances: Disturbances::default(),
             following: FollowingSpread::NONE,
             filter_hz: None,
             sets: &[],

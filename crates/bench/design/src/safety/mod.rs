@@ -41,7 +41,7 @@ const HOT_EFFICIENCY: f64 = 0.8;
 /// Inputs of a safety check.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyInputs<'a> {
-    /// Plan, demands, nominal bench and limits.
+    /// Plan, demands, nominal bench and limits. Its disturbances are those that benches have in the root mean square.
     pub prediction: PredictionInputs<'a>,
     /// How benches differ from the nominal one.
     pub spread: BenchSpread<'a>,
@@ -116,6 +116,7 @@ pub fn check(inputs: &SafetyInputs<'_>, context: &Context) -> Result<SafetyCheck
     let nominal = inputs.prediction.model;
     let mut random = Source::Safety.stream(inputs.seed);
     let mut of_friction = Source::Friction.stream(inputs.seed);
+    let mut of_disturbances = Source::Disturbances.stream(inputs.seed);
     let benches = (0..inputs.samples)
         .map(|i| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
@@ -124,7 +125,8 @@ pub fn check(inputs: &SafetyInputs<'_>, context: &Context) -> Result<SafetyCheck
             let engine = inputs.pulses.draw(inputs.prediction.engine, inertia, &mut random);
             let firing_seed = inputs.seed.wrapping_add(i as u64);
             let friction = inputs.friction.draw(&mut of_friction);
-            Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, firing_seed })
+            let disturbances = inputs.prediction.disturbances.draw(&mut of_disturbances);
+            Ok(Drawn { model, engine: spread::slowed(&engine, speed), friction, disturbances, firing_seed })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
     let outcomes = outcomes(&inputs.prediction, &benches, context)?;

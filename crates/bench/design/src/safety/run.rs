@@ -27,8 +27,9 @@ pub(super) fn outcomes(
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| {
         let firing_seed = inputs.firing_seed.map(|_| bench.firing_seed);
-        let (model, engine, friction) = (&bench.model, &bench.engine, bench.friction);
-        outcome(&PredictionInputs { model, engine, friction, firing_seed, ..*inputs })
+        let Drawn { model, engine, friction, disturbances, .. } = bench;
+        let (friction, disturbances) = (*friction, *disturbances);
+        outcome(&PredictionInputs { model, engine, friction, disturbances, firing_seed, ..*inputs })
     };
     parallel::map_as_step((context, "running the experiment on benches"), benches, run).into_iter().collect()
 }

@@ -1,5 +1,6 @@
 //! Benches that could be the one at hand.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::{BenchModel, Mechanics, ModelUncertainty};
 use numerics::random::Stream;
@@ -12,6 +13,7 @@ pub(super) struct Drawn {
     pub(super) model: BenchModel,
     pub(super) engine: EngineParameters,
     pub(super) friction: DynoFriction,
+    pub(super) disturbances: Disturbances,
     /// How its firings vary.
     pub(super) firing_seed: u64,
 }

@@ -1,5 +1,6 @@
 //! Safety of experiments on benches that are not known exactly.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::PredictionInputs;
@@ -71,6 +72,7 @@ impl<'a> Case<'a> {
             engine: &self.engine,
             firing_seed: None,
             friction: DynoFriction::default(),
+            disturbances: Disturbances::default(),
             limits: self.limits,
         };
         let inputs = SafetyInputs {

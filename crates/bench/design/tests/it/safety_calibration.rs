@@ -1,5 +1,6 @@
 //! Predicted probabilities against what virtual benches do that are drawn from the same spread.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
@@ -71,6 +72,7 @@ fn of_prediction(plan: &ExperimentPlan) -> Vec<f64> {
         engine: &parameters.engine,
         firing_seed: Some(SEED),
         friction: DynoFriction::default(),
+        disturbances: Disturbances::default(),
         limits: Limits::default(),
     };
     let inputs = SafetyInputs {

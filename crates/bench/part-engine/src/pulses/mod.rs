@@ -21,8 +21,8 @@ use rig::experiment::Test;
 use rig::prepare::believable;
 use rig::results::Reason;
 use rig::{Experiment, Role};
-use signal::Signal;
 use signal::distributions::normal_quantile;
+use signal::{Complex64, Signal};
 
 use crate::source::{TwoMasses, Values};
 use fit::{Class, Joined, Recording};
@@ -34,6 +34,8 @@ use windows::{Record, Seen, firings_counted};
 const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
+/// Pairs of windows that show it.
+const FEWEST_PAIRS: usize = 20;
 
 /// The pulses that recordings show; `is_sound` says which of them may be used.
 ///
@@ -135,18 +137,27 @@ fn every(signal: &Signal, step: usize) -> Option<Signal> {
     (step > 1).then(|| Signal::new(signal.start_s, signal.sample_time_s * step as f64, samples).ok()).flatten()
 }
 
-/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order, over those of the
-/// harmonic, are apart in windows that share nothing, as if noise had no part of it. A window averages its firings.
+/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order are apart in windows that share nothing, over
+/// what the mean torque makes of them, as if noise had no part of it. A window averages its firings. Its own mean torque varies with them, and
+/// cannot show what was demanded: the recording counts in which the amplitudes are least apart, since its torque is the steadiest.
 fn variation<'a>(recordings: impl Iterator<Item = &'a [Seen]>, place: usize, firing: &PulseHarmonic) -> Option<f64> {
-    let strength = |seen: &Seen| {
-        let wave = (*seen.waves.get(place)?)?.torque_nm;
-        Some(wave.norm() / firing.value.at(seen.torque_nm, seen.speed_rad_s).norm())
-    };
+    let [re, im] = firing.value.of_torque;
     let apart = |windows: &[Seen]| {
-        Some((strength(&windows[0])? - strength(&windows[2])?).abs()).filter(|apart| apart.is_finite())
+        let (one, other) = (&windows[0], &windows[2]);
+        let torque_nm = 0.5 * (one.torque_nm + other.torque_nm);
+        let predicted = |speed_rad_s: f64| firing.value.at(torque_nm, speed_rad_s);
+        let beyond =
+            |seen: &Seen| Some((*seen.waves.get(place)?)?.torque_nm.norm() - predicted(seen.speed_rad_s).norm());
+        let middle = predicted(0.5 * (one.speed_rad_s + other.speed_rad_s));
+        let of_torque_nm = (middle * Complex64::new(re, -im)).re / middle.norm() * torque_nm;
+        Some(((beyond(one)? - beyond(other)?) / of_torque_nm).abs()).filter(|apart| apart.is_finite())
     };
-    let mut all: Vec<f64> = recordings.flat_map(|windows| windows.windows(3).filter_map(apart)).collect();
-    all.sort_by(f64::total_cmp);
-    let of_windows = order::quantile_of_sorted(&all, 0.5)? / normal_quantile(0.75) / SQRT_2;
+    let of_recording = |windows: &[Seen]| {
+        let mut all: Vec<f64> = windows.windows(3).filter_map(apart).collect();
+        all.sort_by(f64::total_cmp);
+        order::quantile_of_sorted(&all, 0.5).filter(|_| all.len() >= FEWEST_PAIRS)
+    };
+    let least = recordings.filter_map(of_recording).min_by(f64::total_cmp)?;
+    let of_windows = least / normal_quantile(0.75) / SQRT_2;
     Some((of_windows * firings_counted(firing.order).sqrt()).min(MOST_VARIATION))
 }

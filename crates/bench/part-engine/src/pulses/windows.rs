@@ -12,6 +12,7 @@ use std::f64::consts::{PI, TAU};
 
 use faer::Mat;
 use numerics::linalg::{Qr, solve_upper};
+use rig::bench_parameters::ONCE_A_TURN;
 use signal::{Complex64, Signal};
 
 use super::friction::Friction;
@@ -34,7 +35,7 @@ const SAME_ORDER: f64 = 1e-6;
 /// The error of an encoder at an order, of the speed: a disc that runs out by some hundredths of a millimetre.
 pub(super) fn encoder_error(order: f64) -> f64 {
     match order {
-        1.0 => 3e-4,
+        1.0 => ONCE_A_TURN,
         2.0 => 1e-4,
         _ => 0.0,
     }

@@ -23,7 +23,7 @@ pub(crate) use error::{require_not_negative, require_positive};
 pub use loss::{LossFactor, RelaxingSpring, RelaxingSprings};
 pub use machine::InductionMachine;
 pub use mechanics::{DualMassFlywheel, DynoTwist, MechanicsParameters};
-pub use sensors::{FlangeParameters, PulseParameters, SensorParameters};
+pub use sensors::{FlangeParameters, ONCE_A_TURN, PulseParameters, SensorParameters};
 pub use slider_crank::SliderCrank;
 
 /// The parameters of a virtual bench. `Default` resembles the DTB bench of Glans & Kärnell (Chalmers EX112/2018):

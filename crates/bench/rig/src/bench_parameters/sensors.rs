@@ -5,6 +5,10 @@ use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, require, require_not_negative, require_positive};
 
+/// Root mean square, over encoders, of the amplitude of the once-a-turn error, in parts of the speed: a disc that runs out by some
+/// hundredths of a millimetre.
+pub const ONCE_A_TURN: f64 = 3e-4;
+
 /// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp: N = (θ̃(t) − θ̃(t − gate))/gate
 /// with θ̃ = θ + ε sin θ, plus white noise, rounded. The load cell reads the air-gap torque late and through ω_0²/(s² +
 /// 2ζω_0 s + ω_0²). The system's shaft torque is T_d,calc + J_d dN̄_d/dt, with N̄_d the moving average of N_d over N

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::BenchModelDocument;
 use bench_model::model::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 use bench_model::prediction::PredictionInputs;
@@ -100,6 +101,7 @@ fn use_of(document: &BenchModelDocument) {
         engine,
         firing_seed: Some(1),
         friction: friction.middle(),
+        disturbances: document.disturbances.unwrap_or_else(Disturbances::assumed),
         limits,
     };
     let spread = BenchSpread::Estimated(&document.uncertainty);

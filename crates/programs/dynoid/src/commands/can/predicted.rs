@@ -39,6 +39,7 @@ pub(super) fn run(
         spread: spread(&bench),
         slowest_engine_control: if is_assumed { ASSUMED_ENGINE } else { 1.0 },
         friction: bench.friction(),
+        disturbances: bench.disturbances(),
         following: if is_assumed { FollowingSpread::ASSUMED } else { FollowingSpread::NONE },
         filter_hz: None,
         sets: &wanted.sets,

@@ -63,6 +63,7 @@ fn checked(
         engine,
         firing_seed: Some(arguments.on.plan.seed()),
         friction: bench.friction().middle(),
+        disturbances: bench.disturbances(),
         limits: bench.file.limits,
     };
     let spread = match &bench.assembled {

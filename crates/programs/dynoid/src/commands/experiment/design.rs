@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
 use dataset::on_one_clock;
@@ -161,6 +162,7 @@ fn predicted(
         engine: &bench.stated.parameters.engine,
         firing_seed: None,
         friction: DynoFriction::default(),
+        disturbances: Disturbances::default(),
         limits: bench.file.limits,
     };
     let _step = terminal.work().step("predicting", 0);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ::bench_model::disturbances::Disturbances;
 use ::bench_model::document::{BenchModelDocument, Validity};
 use ::bench_model::model::{AssembledModel, BenchModel};
 use design::safety::FrictionSpread;
@@ -86,8 +87,13 @@ impl Bench {
         FrictionSpread::of(&self.file, self.stated.parameters.drive.torque_limit_nm)
     }
 
-    /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study
-    /// lacks are those of the virtual bench; they are among the assumptions.
+    /// Errors of the encoder and ripple of the drive, as the recordings show them or as benches have them.
+    pub(in crate::commands) fn disturbances(&self) -> Disturbances {
+        self.assembled.as_ref().and_then(|assembled| assembled.disturbances).unwrap_or_else(Disturbances::assumed)
+    }
+
+    /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
+    /// those of the virtual bench; they are among the assumptions.
     pub(in crate::commands) fn model_for(&self, plan: &ExperimentPlan) -> Result<BenchModel, &'static str> {
         if plan.has_shaft { self.model_with_shaft() } else { Ok(self.any_model()) }
     }

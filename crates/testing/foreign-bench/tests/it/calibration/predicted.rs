@@ -1,5 +1,6 @@
 //! Predictions of the program for a test, from the study of the bench, as its commands ask.
 
+use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
@@ -23,6 +24,7 @@ pub(crate) struct Predictor<'a> {
     spread: BenchSpread<'a>,
     pulses: KnownPulses,
     friction: FrictionSpread,
+    disturbances: Disturbances,
     following: FollowingSpread,
     model: BenchModel,
     engine: EngineParameters,
@@ -45,15 +47,17 @@ impl<'a> Predictor<'a> {
         let spread = BenchSpread::Estimated(&assembled.uncertainty);
         let friction = FrictionSpread::of(&known.file, stated.parameters.drive.torque_limit_nm);
         let following = FollowingSpread { lag_s: 0.0, ..FollowingSpread::ASSUMED };
-        Some(Predictor { limits: known.file.limits, spread, pulses: stated.pulses, friction, following, model, engine })
+        let disturbances = assembled.disturbances.unwrap_or_else(Disturbances::assumed);
+        let (limits, pulses) = (known.file.limits, stated.pulses);
+        Some(Predictor { limits, spread, pulses, friction, disturbances, following, model, engine })
     }
 
     /// Of a bench that is known exactly, but for its speed control in torque control.
     pub(crate) fn exact(model: BenchModel, engine: EngineParameters) -> Self {
         let spread = BenchSpread::Prior(Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 });
         let (pulses, friction) = (KnownPulses::Stated, FrictionSpread::NONE);
-        let following = FollowingSpread::NONE;
-        Predictor { limits: Limits::default(), spread, pulses, friction, following, model, engine }
+        let (following, disturbances) = (FollowingSpread::NONE, Disturbances::default());
+        Predictor { limits: Limits::default(), spread, pulses, friction, disturbances, following, model, engine }
     }
 
     /// J_e as the program knows it, kg m².
@@ -70,6 +74,7 @@ impl<'a> Predictor<'a> {
             spread: self.spread,
             pulses: &self.pulses,
             friction: self.friction,
+            disturbances: self.disturbances,
             following: self.following,
             // Shares and bands are compared, also beyond the recordings' range.
             validity: Validity::default(),
@@ -94,6 +99,7 @@ impl<'a> Predictor<'a> {
                 engine: &self.engine,
                 firing_seed: Some(seed),
                 friction: self.friction.middle(),
+                disturbances: self.disturbances,
                 limits,
             },
             spread: self.spread,
