@@ -1,4 +1,5 @@
-//! What disturbs a bench: errors of the dynamometer's encoder, which the speed controller answers, and the ripple of the drive.
+//! What disturbs a bench: errors of the dynamometer's encoder, which the speed controller answers, and the ripple of
+//! the drive.
 
 use numerics::random::Stream;
 use rig::bench_parameters::{ONCE_A_TURN, SensorParameters};
@@ -26,7 +27,8 @@ impl Disturbances {
         Disturbances { speed_noise_rad_s, once_a_turn: ONCE_A_TURN, ripple: None }
     }
 
-    /// Those of one bench. A disc runs out in two directions, each as much as the other: its amplitude has Rayleigh's distribution.
+    /// Those of one bench. A disc runs out in two directions, each as much as the other: its amplitude has Rayleigh's
+    /// distribution.
     #[must_use]
     pub fn draw(&self, random: &mut Stream) -> Self {
         let (one, other) = (random.normal(), random.normal());

@@ -6,8 +6,9 @@ use part_shaft::Parts;
 use rig::Role;
 use rig::estimation::noise_floor;
 
-/// Noise of N_d, the median of all recordings, and the strongest line of the drive's ripple, as the torque control's recording shows it. What
-/// an encoder reads once a turn, the engine may do as well: that error is the one of encoders in general.
+/// Noise of N_d, the median of all recordings, and the strongest line of the drive's ripple, as the torque control's
+/// recording shows it. What an encoder reads once a turn, the engine may do as well: that error is the one of encoders
+/// in general.
 pub(crate) fn disturbances(parts: &Parts<'_>) -> Disturbances {
     let speeds = parts.experiments.iter().filter_map(|experiment| experiment.signals.get(&Role::DynoSpeed));
     let mut floors: Vec<f64> = speeds.map(noise_floor).filter(|floor| *floor > 0.0).collect();

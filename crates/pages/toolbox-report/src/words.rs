@@ -92,6 +92,25 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
             root_at_edge(name, (*polynomial, *input), (*magnitude, *angle), *cancelled_by)
         }
+        Doubt::UnseenMode { output, input, pole: (re, im), .. } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            let turns = if *im > 0.0 { format!(" ± {}i", digits(*im, 4)) } else { String::new() };
+            format!(
+                "the data do not show the pole {}{turns} of input {}: its part of {name} is below the noise; other poles may do as well, far beyond its intervals; lower the order, or excite more there",
+                digits(*re, 4),
+                input + 1
+            )
+        }
+        Doubt::AboveNyquist { frequency_hz } => format!(
+            "a mode of the estimate turns at {} Hz, faster than the samples can show; the search may have ended far from the truth, and its intervals mean nothing then; give nearer starting values or bounds, or more --starts",
+            digits(*frequency_hz, 4)
+        ),
+        Doubt::UncertainNoiseModel { output } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "the samples are few for the coefficients of the noise model of {name}, or a root of it may be on the unit circle: its 95 % intervals hold 75 to 92 times in 100; those of the dynamics hold; record for longer, or lower nc and nd"
+            )
+        }
         other => format!("{other:?}"),
     }
 }
@@ -127,9 +146,14 @@ fn root_at_edge(
             (": the response hardly decays".to_owned(), format!("lower {}, or record for longer", order(polynomial)))
         }
     };
+    let intervals = match (polynomial, cancelled_by) {
+        ('C', Some('D')) => "C and D have no intervals, and those of the dynamics hold only roughly",
+        ('C', _) => "C has no intervals, and those of the others hold only roughly",
+        _ => "the model can be used, but its intervals hold only roughly",
+    };
     let side = if magnitude > 1.0 { "just outside" } else { "just inside" };
     format!(
-        "the search for {output} stopped with a root of {polynomial}{whose} {side} the unit circle (magnitude {}, {} rad a sample){reason}; the model can be used, but its intervals hold only roughly; {remedy}",
+        "the search for {output} stopped with a root of {polynomial}{whose} {side} the unit circle (magnitude {}, {} rad a sample){reason}; {intervals}; {remedy}",
         fixed(magnitude, 4),
         fixed(angle, 3)
     )

@@ -9,7 +9,7 @@ use crate::{Finding, Recording, StartTime};
 const SECONDS: std::ops::Range<f64> = 1.0e9..2.5e9;
 
 /// The unit of an instant, and how many of it are a second; none of one that may be in seconds.
-fn unit(instant: f64) -> Option<(&'static str, f64)> {
+pub(crate) fn unit(instant: f64) -> Option<(&'static str, f64)> {
     let units = [("ms", 1e3), ("µs", 1e6), ("ns", 1e9)];
     units.into_iter().find(|(_, per_second)| SECONDS.contains(&(instant / per_second)))
 }

@@ -81,6 +81,13 @@ pub enum Finding {
         /// The unit.
         unit: String,
     },
+    /// A clock without a unit was read as seconds, which its numbers can hardly be.
+    DoubtfulSeconds {
+        /// The column that is the clock.
+        clock: String,
+        /// The unit that its numbers suggest.
+        likely: String,
+    },
     /// A clock that its format counts in seconds gives another unit.
     IgnoredTimeUnit {
         /// Index of the raster in the recording.
@@ -104,7 +111,13 @@ impl Finding {
     /// Returns true if it says how the time was read.
     #[must_use]
     pub fn is_about_time(&self) -> bool {
-        matches!(self, Self::AssumedTimeUnit { .. } | Self::CountsSince1970 { .. } | Self::IgnoredTimeUnit { .. })
+        matches!(
+            self,
+            Self::AssumedTimeUnit { .. }
+                | Self::CountsSince1970 { .. }
+                | Self::DoubtfulSeconds { .. }
+                | Self::IgnoredTimeUnit { .. }
+        )
     }
 
     /// Returns true if samples are, or may be, missing or cut off.
@@ -163,6 +176,17 @@ impl fmt::Display for Finding {
                 f,
                 "the time stamps are so large that they count {unit} since 1970; they were read so, and seconds count from the \
                  first of them"
+            ),
+            Self::DoubtfulSeconds { clock, likely } => write!(
+                f,
+                "time \"{}\" has no unit and was read in s, but its numbers look like {likely}; write the unit into the heading, as \
+                 in \"time [{}]\"",
+                clock.escape_debug(),
+                likely.split_once(' ').map_or(likely.as_str(), |(_, how)| if how.contains("MATLAB") {
+                    "d"
+                } else {
+                    "excel"
+                })
             ),
             Self::IgnoredTimeUnit { raster, unit } => write!(
                 f,

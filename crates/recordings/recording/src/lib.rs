@@ -74,6 +74,7 @@ mod model;
 pub mod names;
 mod required;
 mod source;
+mod unstated;
 
 use std::sync::Arc;
 use work::Context;

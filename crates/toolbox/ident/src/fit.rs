@@ -170,6 +170,28 @@ pub enum Doubt {
         /// True if only the simulation leaves so much; otherwise the prediction does too.
         simulated: bool,
     },
+    /// A mode's part of an output is below the noise: other poles may do as well, far beyond its intervals.
+    UnseenMode {
+        /// Index of the output.
+        output: usize,
+        /// Index of the input.
+        input: usize,
+        /// The pole in z, its real and imaginary part; the imaginary one is not negative.
+        pole: (f64, f64),
+        /// The energy of its part over the variance of the errors.
+        energy: f64,
+    },
+    /// The search ended at a mode that turns faster than the samples can show, and parameters that are estimated decide
+    /// where: it may be the image of a slower one.
+    AboveNyquist {
+        /// Its frequency.
+        frequency_hz: f64,
+    },
+    /// The samples are few for a noise model, or a root of it may be on the unit circle: its intervals are too narrow.
+    UncertainNoiseModel {
+        /// Index of the output.
+        output: usize,
+    },
     /// An input follows what the model leaves of an output, as under feedback, and the method takes inputs for
     /// independent of the noise: the estimate is biased.
     Feedback {

@@ -24,7 +24,8 @@ pub struct PredictionInputs<'a> {
     pub firing_seed: Option<u64>,
     /// Friction of the dynamometer: in torque control the shaft has it in addition to T_d.
     pub friction: DynoFriction,
-    /// Ripple of the drive and errors of the dynamometer's encoder. They act where there is a seed of the firing, which draws their phases, too.
+    /// Ripple of the drive and errors of the dynamometer's encoder. They act where there is a seed of the firing, which
+    /// draws their phases, too.
     pub disturbances: Disturbances,
     /// Limits that the bench must not exceed.
     pub limits: Limits,

@@ -28,7 +28,8 @@ fn amplitude(values: &[f64]) -> f64 {
     (2.0 * values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Once a turn is far above the bandwidth of the speed control, so that the controller passes on what the encoder reads.
+/// Once a turn is far above the bandwidth of the speed control, so that the controller passes on what the encoder
+/// reads.
 #[test]
 fn exact_the_controller_answers_the_errors_of_the_encoder() {
     let model = BenchModel::of(&BenchParameters::default());

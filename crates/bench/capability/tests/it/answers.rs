@@ -400,7 +400,8 @@ fn regress_no_lead_of_the_demand_makes_a_test_fail() {
     }
 }
 
-/// A controller answers what its encoder reads once a turn: a slow test has the slew of T_d* that this makes, in shapes as in cycles.
+/// A controller answers what its encoder reads once a turn: a slow test has the slew of T_d* that this makes, in shapes
+/// as in cycles.
 #[test]
 fn exact_errors_of_the_encoder_count_in_the_slew_of_the_torque_demand() {
     let mut bench = bench();
@@ -416,7 +417,8 @@ fn exact_errors_of_the_encoder_count_in_the_slew_of_the_torque_demand() {
             verdict.limits.iter().find(|one| one.of == LimitOf::TorqueSlew).unwrap().values.quantile(0.5)
         };
         let added = median(Disturbances { once_a_turn, ..Disturbances::default() }) - median(Disturbances::default());
-        // From trough to crest within 10 ms, half a turn: twice the amplitude, which between benches has the median √ln 2 of its root mean square.
+        // From trough to crest within 10 ms, half a turn: twice the amplitude, which between benches has the median √ln
+        // 2 of its root mean square.
         let wanted = 2.0 * gain * once_a_turn * speed_rad_s * std::f64::consts::LN_2.sqrt() / 0.01;
         assert!((0.4..1.6).contains(&(added / wanted)), "{added} for {wanted}");
     }

@@ -137,9 +137,10 @@ fn every(signal: &Signal, step: usize) -> Option<Signal> {
     (step > 1).then(|| Signal::new(signal.start_s, signal.sample_time_s * step as f64, samples).ok()).flatten()
 }
 
-/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order are apart in windows that share nothing, over
-/// what the mean torque makes of them, as if noise had no part of it. A window averages its firings. Its own mean torque varies with them, and
-/// cannot show what was demanded: the recording counts in which the amplitudes are least apart, since its torque is the steadiest.
+/// Standard deviation of a firing from cycle to cycle: how far the amplitudes at the firing order are apart in windows
+/// that share nothing, over what the mean torque makes of them, as if noise had no part of it. A window averages its
+/// firings. Its own mean torque varies with them, and cannot show what was demanded: the recording counts in which the
+/// amplitudes are least apart, since its torque is the steadiest.
 fn variation<'a>(recordings: impl Iterator<Item = &'a [Seen]>, place: usize, firing: &PulseHarmonic) -> Option<f64> {
     let [re, im] = firing.value.of_torque;
     let apart = |windows: &[Seen]| {

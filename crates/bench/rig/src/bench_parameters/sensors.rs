@@ -5,8 +5,8 @@ use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, require, require_not_negative, require_positive};
 
-/// Root mean square, over encoders, of the amplitude of the once-a-turn error, in parts of the speed: a disc that runs out by some
-/// hundredths of a millimetre.
+/// Root mean square, over encoders, of the amplitude of the once-a-turn error, in parts of the speed: a disc that runs
+/// out by some hundredths of a millimetre.
 pub const ONCE_A_TURN: f64 = 3e-4;
 
 /// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp: N = (θ̃(t) − θ̃(t − gate))/gate

@@ -211,7 +211,10 @@ impl Estimated {
             };
             (weight, format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
         };
-        let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().map(word).collect();
+        // What ended at the unit circle is named by its root.
+        let is_at_edge = self.fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::RootAtEdge { .. }));
+        let is_said = |doubt: &&Doubt| is_at_edge && matches!(doubt, Doubt::AtBound { .. });
+        let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().filter(|doubt| !is_said(doubt)).map(word).collect();
         all.extend(first.map(|text| (Weight::Doubt, text)));
         let repeated = self.verdict.judged.first().into_iter().flat_map(|own| &own.repeated);
         let missed = repeated.flat_map(|one| one.doubts(&self.document.outputs));

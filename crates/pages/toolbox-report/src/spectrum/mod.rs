@@ -10,7 +10,7 @@ use page::decimal::{digits, fixed, range};
 use page::{Abscissa, Align, Axis, Blocks, Figure, Layer, Page, Panel, Style, Table, Tone, rounded};
 use serde_json::{Value, json};
 use signal::SignalError;
-use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel, repeated_response};
+use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalKind, LocalModel, repeated_response, suited_response};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
 use crate::blocks::{finding, heading, line, name};
@@ -50,6 +50,8 @@ pub struct Spectrum {
     known: Vec<bool>,
     /// True if inputs repeat and their periods are not averaged.
     leaks: bool,
+    /// Where local polynomials miss a resonance, Hz, and whether the response is by them all the same.
+    missed: Option<(f64, bool)>,
 }
 
 impl Spectrum {
@@ -133,7 +135,7 @@ pub enum Periods {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumOptions {
     /// The method; without inputs it is Welch's, and where inputs repeat the mean over periods takes its place. None is
-    /// the local polynomial method.
+    /// the local polynomial method, or the local rational one where polynomials miss a resonance.
     pub method: Option<SpectrumMethod>,
     /// Treatment of inputs that repeat.
     pub periods: Periods,
@@ -188,6 +190,21 @@ fn text(s: &Spectrum) -> Blocks {
     if s.leaks {
         let text = "the input repeats, and this method takes what leaks between its lines for response; leave out --period none";
         all.push(finding(Tone::Caution, "periodic input", text));
+    }
+    match s.missed {
+        Some((freq_hz, true)) => all.push(finding(
+            Tone::Caution,
+            "warning",
+            &format!(
+                "a resonance near {} Hz is narrower than local polynomials follow: magnitudes and intervals near it are too low; take --method lrm",
+                digits(freq_hz, 3)
+            ),
+        )),
+        Some((freq_hz, false)) => all.push(line(format!(
+            "by local rational models (lrm), since local polynomials miss a resonance near {} Hz",
+            digits(freq_hz, 3)
+        ))),
+        None => {}
     }
     if s.freq_hz.is_empty() {
         return all;
@@ -259,6 +276,7 @@ fn powers(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, Si
                 lines: None,
                 known: Vec::new(),
                 leaks: false,
+                missed: None,
             });
         }
     }
@@ -326,7 +344,7 @@ fn unrepeated(
 ) -> Result<Vec<Spectrum>, SignalError> {
     let sample_time_s = data.sample_time_s();
     let welch = Welch::half_overlapping(window(options, experiment.len()));
-    let whole: Vec<FrequencyResponse> = (0..data.outputs())
+    let whole: Vec<Found> = (0..data.outputs())
         .map(|output| response(inputs, experiment.output(output), sample_time_s, options))
         .collect::<Result<_, _>>()?;
     named(data, experiment, |output, input, name, unit| {
@@ -335,49 +353,60 @@ fn unrepeated(
             _ => None,
         };
         let excitation = Excitation::of(inputs[input], sample_time_s, welch)?;
-        let known = excitation.known(&whole[output].freq_hz, coherence.as_ref());
-        let one =
-            Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], (0, input), name, unit) };
+        let Found { response, lobe, missed } = &whole[output];
+        let known = excitation.known(&response.freq_hz, coherence.as_ref());
+        let plain = one_response(response, (0, input), name, unit);
+        let one = Spectrum { lobe: *lobe, coherence, leaks, missed: *missed, ..plain };
         Ok(one.only_where(known))
     })
 }
 
-fn response(
-    inputs: &[&[f64]],
-    y: &[f64],
-    sample_time_s: f64,
-    options: &SpectrumOptions,
-) -> Result<FrequencyResponse, SignalError> {
+/// A response, the frequencies to either side from which its method takes what it says of one, and where local
+/// polynomials miss a resonance.
+struct Found {
+    response: FrequencyResponse,
+    lobe: usize,
+    missed: Option<(f64, bool)>,
+}
+
+fn response(inputs: &[&[f64]], y: &[f64], sample_time_s: f64, options: &SpectrumOptions) -> Result<Found, SignalError> {
     let samples = window(options, y.len());
-    match options.method.unwrap_or(SpectrumMethod::Lpm) {
-        SpectrumMethod::Lpm => {
-            Ok(LocalModel::polynomial(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+    let found = |response: FrequencyResponse, lobe: usize| Ok(Found { response, lobe, missed: None });
+    let by = |kind: LocalKind| match kind {
+        LocalKind::Polynomial => LocalModel::polynomial(2, inputs.len()),
+        LocalKind::Rational => LocalModel::rational(2, inputs.len()),
+    };
+    match options.method {
+        None => {
+            let suited = suited_response(inputs, y, sample_time_s)?;
+            let missed = suited.missed_hz.map(|freq_hz| (freq_hz, false));
+            Ok(Found { response: suited.estimate.response, lobe: by(suited.kind).half_width, missed })
         }
-        SpectrumMethod::Lrm => {
-            Ok(LocalModel::rational(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+        Some(SpectrumMethod::Lpm) => {
+            let missed_hz = suited_response(inputs, y, sample_time_s)?.missed_hz;
+            let model = by(LocalKind::Polynomial);
+            let response = model.estimate(inputs, &[y], sample_time_s)?.response;
+            Ok(Found { response, lobe: model.half_width, missed: missed_hz.map(|freq_hz| (freq_hz, true)) })
         }
-        SpectrumMethod::BlackmanTukey => Ok(BlackmanTukey::new(samples).estimate(inputs, y, sample_time_s)?.response),
-        SpectrumMethod::Etfe => {
-            Etfe { half_width: ETFE_HALF_WIDTH, period: None }.estimate(inputs[0], y, sample_time_s)
+        Some(SpectrumMethod::Lrm) => {
+            let model = by(LocalKind::Rational);
+            found(model.estimate(inputs, &[y], sample_time_s)?.response, model.half_width)
         }
-        SpectrumMethod::Welch => {
+        Some(SpectrumMethod::BlackmanTukey) => {
+            found(BlackmanTukey::new(samples).estimate(inputs, y, sample_time_s)?.response, 2)
+        }
+        Some(SpectrumMethod::Etfe) => {
+            let etfe = Etfe { half_width: ETFE_HALF_WIDTH, period: None };
+            found(etfe.estimate(inputs[0], y, sample_time_s)?, ETFE_HALF_WIDTH)
+        }
+        Some(SpectrumMethod::Welch) => {
             let cross = cross_spectrum(inputs[0], y, sample_time_s, Welch::half_overlapping(samples))?;
             let (response, variance) = (cross.response_h1(), cross.response_h1_variance());
             // Two go into the response.
             let degrees_of_freedom = vec![cross.degrees_of_freedom - 2.0; response.len()];
             let freq_hz = cross.freq_hz;
-            Ok(FrequencyResponse { freq_hz, outputs: 1, inputs: 1, response, variance, degrees_of_freedom })
+            found(FrequencyResponse { freq_hz, outputs: 1, inputs: 1, response, variance, degrees_of_freedom }, 2)
         }
-    }
-}
-
-/// Frequencies to either side from which a method takes what it says of one.
-fn lobe(options: &SpectrumOptions) -> usize {
-    match options.method.unwrap_or(SpectrumMethod::Lpm) {
-        SpectrumMethod::Welch | SpectrumMethod::BlackmanTukey => 2,
-        SpectrumMethod::Lpm => LocalModel::polynomial(2, 1).half_width,
-        SpectrumMethod::Lrm => LocalModel::rational(2, 1).half_width,
-        SpectrumMethod::Etfe => ETFE_HALF_WIDTH,
     }
 }
 
@@ -398,6 +427,7 @@ fn one_response(whole: &FrequencyResponse, (output, input): (usize, usize), chan
         lines: None,
         known: Vec::new(),
         leaks: false,
+        missed: None,
     }
 }
 

@@ -135,3 +135,38 @@ fn regress_a_drift_is_named_with_its_remedy() {
     assert_eq!(level.code, Some(1), "it explains next to nothing: {}", level.stderr);
     assert!(!level.stderr.contains("drifts"), "{}", level.stderr);
 }
+
+/// A record that begins far from rest: its mean is no level of rest. A state-space model has no level of its own, and
+/// says so.
+#[test]
+fn regress_a_state_space_model_of_a_record_that_begins_far_from_rest_is_doubted() {
+    let folder = TempDir::new().unwrap();
+    let mut random = Random::new(19);
+    let (mut u, mut x) = ([0.0, 0.0], [30.0, 0.0]);
+    let rows = (0..1500).map(|t| {
+        if t % 40 == 0 {
+            u = [2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0];
+        }
+        let row = format!("{:.2},{},{},{}\n", 0.02 * f64::from(t), u[0], u[1], x[0] + x[1] + 0.3 * random.normal());
+        for (state, (gain, (input, lag_s))) in x.iter_mut().zip([(8.0, (u[0], 4.0)), (4.0, (u[1], 0.3))]) {
+            let keeps = (-0.02_f64 / lag_s).exp();
+            *state = keeps * *state + (1.0 - keeps) * gain * input;
+        }
+        row
+    });
+    write(&folder, "lags.csv", "time [s],u1,u2,y", rows);
+    let judged = |line: &str| {
+        let found =
+            dynoid(folder.path(), &format!("{line} lags.csv -u u1 -u u2 -y y --json").split(' ').collect::<Vec<_>>())
+                .json();
+        let fit = found["judged"][0]["fit_percent_simulated"][0][0].as_f64().unwrap();
+        (fit, found["doubts"].to_string(), found)
+    };
+    let (simulated, doubts, _) = judged("fit ss --order 2");
+    assert!(simulated > 90.0 || doubts.contains("the mean is not the level"), "{simulated} {doubts}");
+    // The remedy that the doubt states.
+    let (simulated, doubts, found) = judged("fit tf --poles 1 --zeros 0");
+    assert!(simulated > 93.0 && !doubts.contains("the mean is not the level"), "{simulated} {doubts}");
+    let names = found["model"]["estimate"].to_string();
+    assert!(found["levels"][0][0].as_f64().is_some_and(|level| level.abs() > 1.0), "{} {names}", found["levels"]);
+}

@@ -33,8 +33,8 @@ pub(super) struct Group {
 /// How a column gives the time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Clock {
-    /// Numbers, with seconds per unit as a fraction.
-    Numbers((f64, f64)),
+    /// Numbers, with seconds per unit as a fraction, and the name of one without a unit.
+    Numbers((f64, f64), Option<String>),
     Duration(TimeUnit),
     TimeOfDay(TimeUnit),
     /// With the zone, where it is known.
@@ -243,7 +243,9 @@ fn clock(field: &Field) -> Option<Clock> {
         DataType::Time32(unit) | DataType::Time64(unit) => Some(Clock::TimeOfDay(*unit)),
         kind if kind.is_numeric() => {
             let unit = field.metadata().get(key::UNIT).map(String::as_str);
-            seconds(unit.unwrap_or(clock_and_unit(field.name()).1)).map(Clock::Numbers)
+            let unit = unit.unwrap_or(clock_and_unit(field.name()).1);
+            let unitless = unit.is_empty().then(|| field.name().clone());
+            seconds(unit).map(|factor| Clock::Numbers(factor, unitless))
         }
         _ => None,
     }

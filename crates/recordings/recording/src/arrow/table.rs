@@ -7,6 +7,7 @@ use arrow_array::{Array, ArrayRef};
 use super::plan::{Clock, Group, Plan};
 use super::values::{is_wide, numbers, per_second, ticks};
 use crate::finding::are_rounded;
+use crate::unstated;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, SkipReason, StartTime};
 
 const DAY_S: f64 = 86_400.0;
@@ -139,7 +140,7 @@ impl Table {
         if let Some(row) = (0..array.len()).filter(is_present).find(|&row| array.is_null(row)) {
             return Err(Flaw::Unusable(SkipReason::NoTimeStamp { row: self.rows + before + row + 1 }));
         }
-        if let Clock::Numbers((factor, divisor)) = clock {
+        if let Clock::Numbers((factor, divisor), _) = clock {
             let values = numbers(array).ok_or(TYPE_CHANGES)?;
             if is_wide(array.data_type()) && are_rounded(&values) {
                 self.rounded.insert("time".into());
@@ -159,7 +160,7 @@ impl Table {
                 }
                 Clock::TimeOfDay(unit) => part.time_of_day(tick as f64 / per_second(*unit) as f64),
                 Clock::Duration(unit) => tick as f64 / per_second(*unit) as f64,
-                Clock::Numbers(_) => f64::NAN,
+                Clock::Numbers(..) => f64::NAN,
             };
             part.time_s.push(time_s);
         }
@@ -167,11 +168,14 @@ impl Table {
     }
 
     pub(super) fn finish(self) -> Recording {
-        let (mut rasters, mut channels) = (Vec::new(), Vec::new());
+        let (mut rasters, mut channels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
         for (group, part) in self.plan.groups.into_iter().zip(self.parts) {
             for (heading, samples) in group.channels.into_iter().zip(part.channels) {
                 let (name, unit, comment) = (heading.name, heading.unit, heading.comment);
                 channels.push((heading.column, Channel { name, unit, comment, raster: rasters.len(), samples }));
+            }
+            if let Some((_, Clock::Numbers(_, Some(name)))) = &group.clock {
+                doubtful.extend(unstated::finding(name, &part.time_s));
             }
             rasters.push(Raster { time_s: part.time_s, name: group.name });
         }
@@ -183,7 +187,7 @@ impl Table {
             start_time: self.start_time.or(self.plan.start_time),
             rasters,
             channels: channels.into_iter().map(|(_, channel)| channel).collect(),
-            findings: self.plan.findings.into_iter().chain(rounded).collect(),
+            findings: self.plan.findings.into_iter().chain(doubtful).chain(rounded).collect(),
         }
     }
 }

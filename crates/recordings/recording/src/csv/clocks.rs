@@ -23,6 +23,8 @@ pub(super) struct Candidate {
 pub(super) enum Likeness {
     /// Certainly a clock's: the same, apart from a number.
     Same,
+    /// The same, apart from a number, in another unit: another reading of the clock, or that of a block.
+    OtherUnit,
     /// The same letter apart from a number, and no unit: `t1` and `t2` may be temperatures.
     SameLetter,
     /// Another.
@@ -57,6 +59,11 @@ impl Track {
     /// Returns true if it never falls, and stays in places.
     fn repeats(&self) -> bool {
         self.steps().all(|step| step >= 0.0) && self.steps().any(|step| step == 0.0)
+    }
+
+    /// Whether it is the same in all rows.
+    fn stands(&self) -> bool {
+        self.times_s.len() > 1 && self.steps().all(|step| step == 0.0)
     }
 
     fn span_s(&self) -> f64 {
@@ -143,9 +150,10 @@ pub(super) struct Doubt {
 /// columns.
 ///
 /// The first is, unless it repeats itself and another shows the same time and rises with every row. Another is a clock
-/// if it is between channels, and either is named as the first, or rises with every row from about the same time as
-/// the first, but faster or slower. It is a channel where it falls or stays, where no channel follows it, or where it
-/// is another reading of the first. All else may be either.
+/// if it is between channels, and either is named as the first, or rises with every row from about the same time as the
+/// first, but faster or slower. It is a channel where it falls or stays, where no channel follows it, or where it is
+/// another reading of the first, as it may be by the same name in another unit. What stands in all rows is never a
+/// clock. All else may be either.
 pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clocks, Doubt> {
     let mut is_first = true;
     candidates.retain(|candidate| {
@@ -196,7 +204,7 @@ impl Place {
 fn is_clock(candidate: &Candidate, main: &Candidate, place: &Place) -> Result<bool, Doubt> {
     let track = &candidate.track;
     if candidate.likeness == Likeness::Same && place.is_after_channel {
-        return Ok(true);
+        return Ok(!track.stands());
     }
     let is_between = place.is_after_channel && place.is_before_channel;
     let is_like_clock = is_between && track.rises_always() && main.track.begins_with(track);
@@ -204,6 +212,7 @@ fn is_clock(candidate: &Candidate, main: &Candidate, place: &Place) -> Result<bo
         true if is_like_clock && candidate.likeness == Likeness::SameLetter => Ok(true),
         true if main.track.is_told_by(track) => Ok(false),
         true if is_like_clock && !main.track.runs_with(track) => Ok(true),
+        true if candidate.likeness == Likeness::OtherUnit && place.is_after_channel => Ok(track.rises_always()),
         true => Err(Doubt { column: candidate.column, clock: main.column }),
         false => Ok(false),
     }

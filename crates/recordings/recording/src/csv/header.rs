@@ -381,12 +381,16 @@ fn numbered(number: usize) -> Column {
 
 /// How name and unit of a column of time are like those of the first. A `t` with a number and without a unit may be a
 /// temperature.
-fn likeness((first, _): (&str, &str), (name, unit): (&str, &str)) -> Likeness {
+fn likeness((first, unit_of_first): (&str, &str), (name, unit): (&str, &str)) -> Likeness {
+    let same = match (seconds(unit_of_first), seconds(unit)) {
+        (Some(a), Some(b)) if a != b && !unit.is_empty() && !unit_of_first.is_empty() => Likeness::OtherUnit,
+        _ => Likeness::Same,
+    };
     match time_word(name) {
-        _ if name == first => Likeness::Same,
+        _ if name == first => same,
         Some(word) if Some(word) != time_word(first) => Likeness::Other,
         Some("t") if unit.is_empty() => Likeness::SameLetter,
-        Some(_) => Likeness::Same,
+        Some(_) => same,
         None => Likeness::Other,
     }
 }

@@ -5,6 +5,8 @@ use super::number::{Decimals, Number};
 use super::rows::{Row, Rows};
 use super::stamps::Stamps;
 use crate::finding::are_rounded;
+use crate::heading::clock_and_unit;
+use crate::unstated;
 use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
 
 /// Share of a time by which its spellings in two units may differ.
@@ -258,6 +260,8 @@ impl<'a> Table<'a> {
         let mut content = Content { start_time: self.stamps.start(), ..Content::default() };
         let mut columns: Vec<_> = self.headings.into_iter().zip(self.columns).map(Some).collect();
         for block in self.blocks {
+            let clock = block.clock.and_then(|clock| columns[clock].as_ref()).filter(|(clock, _)| clock.is_unitless());
+            let doubtful = clock.and_then(|(clock, _)| unstated::finding(&clock.name, &block.time_s));
             let is_channel = |column: &Option<(Column, Sink)>| {
                 column.as_ref().is_some_and(|(heading, _)| heading.role == Role::Samples && !heading.name.is_empty())
             };
@@ -296,6 +300,7 @@ impl<'a> Table<'a> {
                 }
             }
             if content.channels.len() > before {
+                content.findings.extend(doubtful);
                 content.rasters.push(Raster { time_s: exactly(block.time_s), name: None });
             }
         }
@@ -327,6 +332,13 @@ pub(super) struct Content {
     pub(super) rasters: Vec<Raster>,
     pub(super) channels: Vec<Channel>,
     pub(super) findings: Vec<Finding>,
+}
+
+impl Column {
+    /// Whether it is a clock of numbers that no unit is stated for.
+    fn is_unitless(&self) -> bool {
+        matches!(self.role, Role::Time(_)) && self.unit.is_empty() && clock_and_unit(&self.name).1.is_empty()
+    }
 }
 
 impl Header<'_> {

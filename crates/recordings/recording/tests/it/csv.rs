@@ -472,3 +472,69 @@ fn regress_clocks_since_1970_are_read_by_their_numbers() {
     assert_eq!(read("time [ms],u\n1700000000000,1\n1700000000010,2\n").rasters[0].time_s[0], 1_700_000_000.0);
     assert_eq!(read("time [s],u\n5000000,1\n5000001,2\n").rasters[0].time_s[0], 5_000_000.0);
 }
+
+/// `Time [min]` of a lap beside `Time [s]`: it stands, or goes on as the clock does from elsewhere, or begins anew.
+#[test]
+fn regress_a_second_column_of_the_clocks_name_in_another_unit_is_a_channel() {
+    let laps: [fn(usize) -> f64; 4] = [
+        |_| 1.0,
+        |row| (7.5 + 0.02 * row as f64) / 60.0,
+        |row| 0.02 * (row % 50) as f64 / 60.0,
+        |row| (row / 50) as f64,
+    ];
+    for lap in laps {
+        let line = |row: usize| format!("{:.2},{row},{:.6},{}\n", 0.02 * row as f64, lap(row), 1000 + row);
+        let text = format!("Time [s],Distance [m],Time [min],Speed [rpm]\n{}", (0..200).map(line).collect::<String>());
+        let found = read(&text);
+        let names: Vec<&str> = found.channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!((found.rasters.len(), names), (1, vec!["Distance", "Time", "Speed"]));
+        assert!((found.rasters[0].time_s[199] - 3.98).abs() < 1e-12);
+        assert_eq!(found.findings, []);
+    }
+    // What goes on otherwise is the clock of another raster, in whatever unit.
+    let line = |row: usize| format!("{:.2},{row},{},{}\n", 0.02 * row as f64, 5 * row, 1000 + row);
+    let two = format!("Time [s],n [rpm],Time [ms],M [Nm]\n{}", (0..200).map(line).collect::<String>());
+    let found = read(&two);
+    assert_eq!((found.rasters.len(), found.rasters[1].time_s[199]), (2, 0.995));
+    // The same name and unit, standing.
+    let standing = read("Time [s];a;Time [s];b\n0;1;3;2\n1;2;3;3\n2;2;3;3\n");
+    assert_eq!((standing.rasters.len(), standing.channels.len()), (1, 3));
+}
+
+#[test]
+fn regress_a_clock_without_a_unit_that_is_hardly_in_seconds_is_said() {
+    let table = |heading: &str, time: &dyn Fn(usize) -> String| {
+        let rows: String = (0..50).map(|row| format!("{};{row}\n", time(row))).collect();
+        read(&format!("{heading};n\n{rows}"))
+    };
+    let doubtful =
+        |clock: &str, likely: &str| vec![Finding::DoubtfulSeconds { clock: clock.into(), likely: likely.into() }];
+    let milliseconds = |row: usize| (91 + 70 * row).to_string();
+    let days = |row: usize| format!("{:.9}", 44838.383368 + 0.1 * row as f64 / 86400.0);
+    let matlab = |row: usize| format!("{:.9}", 738857.25 + 0.1 * row as f64 / 86400.0);
+    let microseconds = |row: usize| (10_000 * row).to_string();
+    assert_eq!(table("TIME", &milliseconds).findings, doubtful("TIME", "ms"));
+    assert_eq!(table("t", &microseconds).findings, doubtful("t", "us"));
+    let excel = table("Time", &days);
+    assert_eq!(excel.findings, doubtful("Time", "days, as spreadsheets count"));
+    assert_eq!(table("Time", &matlab).findings, doubtful("Time", "days, as MATLAB counts"));
+    // The remedies that the message states.
+    assert!(excel.findings[0].to_string().contains("\"time [excel]\""), "{}", excel.findings[0]);
+    for (heading, time, step_s) in [
+        ("time [ms]", &milliseconds as &dyn Fn(usize) -> String, 0.07),
+        ("time_ms", &milliseconds, 0.07),
+        ("time [us]", &microseconds, 0.01),
+        ("time [excel]", &days, 0.1),
+        ("time [d]", &matlab, 0.1),
+        ("time [s]", &milliseconds, 70.0),
+        // A slow logger, and seconds of a long day.
+        ("time", &|row| row.to_string(), 1.0),
+        ("time", &|row| format!("{:.3}", 44838.0 + 0.05 * row as f64), 0.05),
+        ("time", &|row| format!("{:.1}", 2.5 * row as f64), 2.5),
+    ] {
+        let found = table(heading, time);
+        let time_s = &found.rasters[0].time_s;
+        assert_eq!(found.findings, [], "{heading}");
+        assert!(((time_s[49] - time_s[0]) / 49.0 - step_s).abs() < 1e-3 * step_s, "{heading}: {time_s:?}");
+    }
+}

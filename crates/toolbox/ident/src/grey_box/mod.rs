@@ -45,7 +45,8 @@ pub struct GreyBox<S> {
     /// Knowledge of the state at the first sample of each experiment.
     pub initial_state: InitialState,
     /// Further starting points against local minima: drawn within the bounds of each free parameter where both are
-    /// finite, otherwise from a tenth to ten times its start.
+    /// finite, otherwise from a tenth to ten times its start. A search that ends at a mode which turns faster than the
+    /// samples can show has 40 of them at least.
     pub further_starts: usize,
     /// Seed of the further starting points.
     pub seed: u64,
@@ -55,6 +56,9 @@ pub struct GreyBox<S> {
 
 /// Iterations from each starting point before the best is followed to its end.
 const TRIAL_ITERATIONS: usize = 12;
+
+/// Further starting points where a search has ended at a mode that turns faster than the samples can show.
+const AGAIN: usize = 40;
 
 /// Name of the method.
 const METHOD: &str = "prediction error";
@@ -134,9 +138,16 @@ impl<S: Structure> GreyBox<S> {
         let parameters = Parameters::new(start, courses);
         let missing = check_missing(data)?;
         let estimated = if self.initial_state == InitialState::Estimated { parameters.model.own_states()? } else { 0 };
-        let first = Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated)?;
-        let mut search = self.best_start(data, &parameters, first, estimated)?;
-        let termination = search.run(self.iteration_limit)?;
+        let first = || Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated);
+        let mut search = self.best_start(data, &parameters, first()?, estimated, self.further_starts)?;
+        let mut termination = search.run(self.iteration_limit)?;
+        if search.model().above_nyquist(data.sample_time_s())?.is_some() && self.further_starts < AGAIN {
+            let mut other = self.best_start(data, &parameters, first()?, estimated, AGAIN)?;
+            let ended = other.run(self.iteration_limit)?;
+            if other.criterion() < search.criterion() {
+                (search, termination) = (other, ended);
+            }
+        }
         self.finish(data, search, termination, estimated, missing)
     }
 
@@ -183,14 +194,15 @@ impl<S: Structure> GreyBox<S> {
         parameters: &Parameters<S>,
         first: Search<'a, Parameters<S>>,
         estimated: usize,
+        further_starts: usize,
     ) -> Result<Search<'a, Parameters<S>>, IdentError> {
-        if self.further_starts == 0 {
+        if further_starts == 0 {
             return Ok(first);
         }
         let mut best = first;
         best.run(TRIAL_ITERATIONS)?;
         let mut random = Random::new(self.seed);
-        for _ in 0..self.further_starts {
+        for _ in 0..further_starts {
             let Ok(other) = parameters.drawn(&mut random) else { continue };
             let Ok(mut search) = Search::new(data, other, self.states(data, parameters)?, estimated) else { continue };
             if search.run(TRIAL_ITERATIONS).is_ok() && search.criterion() < best.criterion() {
@@ -246,6 +258,8 @@ impl<S: Structure> GreyBox<S> {
         if innovations.system().growing_mode()?.is_some() {
             doubts.push(Doubt::Unstable);
         }
+        let image = found.above_nyquist(data.sample_time_s())?;
+        doubts.extend(image.map(|frequency_hz| Doubt::AboveNyquist { frequency_hz }));
         let has_noise_model = innovations.k().norm_max() > 0.0;
         let fit = Fit {
             model: found.model.with_noise_covariance(gathered.noise_covariance.clone())?,

@@ -1,5 +1,7 @@
 //! The parameters of a grey-box model as the search sees them.
 
+use std::f64::consts::PI;
+
 use faer::Mat;
 use lti::{Innovations, LtiError};
 use signal::excitation::Random;
@@ -13,6 +15,9 @@ use crate::{Dataset, IdentError, LinearModel, Parametric};
 const STEP: f64 = 6e-6;
 /// A parameter this near to a bound, as a part of itself or its start, rests on it.
 const NEAR: f64 = 1e-7;
+/// Part by which a parameter is moved to see whether a pole depends on it, and by which the pole moves then, at least.
+const NUDGE: f64 = 1e-4;
+const MOVES: f64 = 1e-9;
 
 /// A model and which of its parameters are searched.
 #[derive(Debug, Clone)]
@@ -47,6 +52,34 @@ impl<S: Structure> Parameters<S> {
             values[*j] - bounds.lower <= near || bounds.upper - values[*j] <= near
         };
         self.free.iter().map(at).collect()
+    }
+
+    /// The fastest mode of a continuous structure that turns by more than half a turn a sample and depends on a free
+    /// parameter, in hertz: the samples see it as a slower one, and a search may take it for that.
+    pub(super) fn above_nyquist(&self, sample_time_s: f64) -> Result<Option<f64>, IdentError> {
+        let system = self.model.system()?;
+        if system.sample_time_s().is_some() {
+            return Ok(None);
+        }
+        let mut fast = system.poles()?;
+        fast.retain(|pole| pole.im * sample_time_s > PI);
+        if fast.is_empty() {
+            return Ok(None);
+        }
+        let mut moved = vec![false; fast.len()];
+        let values = self.model.parameters();
+        for j in &self.free {
+            let (mut other, bounds) = (values.clone(), self.about[*j].bounds);
+            let step = NUDGE * self.size(*j, values[*j]);
+            other[*j] += if values[*j] + step <= bounds.upper { step } else { -step };
+            let poles = self.model.with_parameters(&other)?.system()?.poles()?;
+            for (pole, moved) in fast.iter().zip(&mut moved) {
+                let by = poles.iter().map(|other| (other - pole).norm()).fold(f64::INFINITY, f64::min);
+                *moved |= by > MOVES * pole.norm();
+            }
+        }
+        let all = fast.iter().zip(moved).filter(|(_, moved)| *moved).map(|(pole, _)| pole.im / (2.0 * PI));
+        Ok(all.reduce(f64::max))
     }
 
     /// The reciprocal standard deviation that is known beforehand; zero where none is.

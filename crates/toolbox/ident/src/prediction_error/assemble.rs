@@ -5,9 +5,10 @@ use lti::PolynomialModel;
 use numerics::linalg;
 
 use super::equation::Equation;
-use super::joint;
 use super::orders::Orders;
 use super::stability_boundary;
+use super::unseen_modes;
+use super::{joint, noise_roots};
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
 /// From this condition number on, the coefficients can hardly be separated.
@@ -39,7 +40,23 @@ pub(super) fn fit(
     let loss = linalg::determinant((faer::Scale(1.0 / rows as f64) * &moments).as_ref()).max(0.0);
     let free = |e: &Equation<'_>| e.lowest.at_bound.iter().filter(|b| !**b).count();
     let stages: Vec<&[joint::Stage<'_>]> = equations.iter().map(|e| e.stages.as_slice()).collect();
-    let (covariance, degrees_of_freedom) = joint::covariance(&stages, data)?;
+    let (mut covariance, degrees_of_freedom) = joint::covariance(&stages, data)?;
+    let mut doubts = doubts(orders, &equations, data, rows)?;
+    let at_edge: Vec<usize> = doubts.iter().flat_map(|doubt| noise_roots::at_edge(orders, doubt)).collect();
+    for place in at_edge {
+        covariance.row_mut(place).fill(0.0);
+        covariance.col_mut(place).fill(0.0);
+        doubts.push(Doubt::AtBound { parameter: place });
+    }
+    for (output, theta) in thetas.iter().enumerate() {
+        let (first, count) = (output * orders.count(), orders.count());
+        let own = covariance.as_ref().submatrix(first, first, count, count);
+        let is_said =
+            doubts.iter().any(|d| matches!(d, Doubt::RootAtEdge { output: of, polynomial: 'C', .. } if *of == output));
+        if !is_said && noise_roots::is_uncertain(orders, theta, own, rows)? {
+            doubts.push(Doubt::UncertainNoiseModel { output });
+        }
+    }
     let experiments = data.experiments().len();
     let state = |m: usize| equations.iter().flat_map(|e| e.states[m].iter().copied()).collect();
     Ok(Fit {
@@ -55,7 +72,7 @@ pub(super) fn fit(
         termination: termination(&equations),
         iterations: equations.iter().map(|e| e.lowest.iterations).max().unwrap_or(0),
         condition: equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max),
-        doubts: doubts(orders, &equations, data.samples(), rows)?,
+        doubts,
         origin: None,
     }
     .doubting(data))
@@ -94,7 +111,8 @@ fn termination(equations: &[Equation<'_>]) -> Termination {
     ends.reduce(worse).unwrap_or(Termination::Direct)
 }
 
-fn doubts(orders: &Orders, equations: &[Equation<'_>], of: usize, rows: usize) -> Result<Vec<Doubt>, IdentError> {
+fn doubts(orders: &Orders, equations: &[Equation<'_>], data: &Dataset, rows: usize) -> Result<Vec<Doubt>, IdentError> {
+    let of = data.samples();
     let mut doubts = Vec::new();
     for (output, equation) in equations.iter().enumerate().filter(|(_, e)| !e.lowest.termination.converged()) {
         let reason = stability_boundary::reason(orders, equation, output)?.unwrap_or(Doubt::NotConverged);
@@ -111,6 +129,9 @@ fn doubts(orders: &Orders, equations: &[Equation<'_>], of: usize, rows: usize) -
     }
     if equations.iter().any(|e| !e.stable) {
         doubts.push(Doubt::Unstable);
+    }
+    for (output, equation) in equations.iter().enumerate() {
+        doubts.extend(unseen_modes::doubts(orders, equation, data, output)?);
     }
     Ok(doubts)
 }

@@ -9,6 +9,7 @@ mod gradient;
 mod high_order_arx;
 mod joint;
 mod line;
+mod noise_roots;
 mod options;
 mod orders;
 mod quadratic_region;
@@ -19,6 +20,7 @@ mod slower;
 mod split;
 mod stability_boundary;
 mod start;
+mod unseen_modes;
 
 use lti::PolynomialModel;
 use numerics::parallel;

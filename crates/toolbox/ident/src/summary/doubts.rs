@@ -65,6 +65,22 @@ fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
             output + 1,
             number(*magnitude)
         ),
+        Doubt::UnseenMode { output, input, pole: (re, im), .. } => {
+            let turns = if *im > 0.0 { format!(" ± {}i", number(*im)) } else { String::new() };
+            format!(
+                "the data do not show the pole {}{turns} of input {} in output {}: other poles may do as well.",
+                number(*re),
+                input + 1,
+                output + 1
+            )
+        }
+        Doubt::AboveNyquist { frequency_hz } => format!(
+            "a mode turns at {} Hz, faster than the samples can show; a slower one may be the true one.",
+            number(*frequency_hz)
+        ),
+        Doubt::UncertainNoiseModel { output } => {
+            format!("the samples are few for the noise model of output {}, and its intervals too narrow.", output + 1)
+        }
         Doubt::ExplainsLittle { output, simulated } => {
             let how = if *simulated { "simulates" } else { "predicts" };
             format!("the model {how} next to nothing of output {}.", output + 1)

@@ -410,3 +410,81 @@ fn stat_coverage_with_process_noise() {
     // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 200).
     assert!(found.iter().all(|c| (c - 0.95).abs() < 0.047), "{found:?}");
 }
+
+/// Two inertias of which the first is known, started six times too stiff and six times too light: the nearest minimum
+/// has its resonance above half the sample rate.
+#[derive(Debug, Clone, PartialEq)]
+struct StiffStart {
+    stiffness: f64,
+    largest_stiffness: f64,
+}
+
+impl Structure for StiffStart {
+    fn parameters(&self) -> Vec<GreyParameter> {
+        vec![
+            GreyParameter::new("J_e", 0.0399).within(0.001, f64::INFINITY),
+            GreyParameter::new("K", self.stiffness).within(0.0, self.largest_stiffness),
+            GreyParameter::new("B", 0.7024).within(0.0, f64::INFINITY),
+            GreyParameter::new("d", 1.039).within(0.0, f64::INFINITY),
+        ]
+    }
+
+    fn system(&self, p: &[f64]) -> Result<StateSpace, LtiError> {
+        let (j_d, j_e, k, b, d) = (0.6, p[0], p[1], p[2], p[3]);
+        StateSpace::continuous(
+            mat![[-(b + d) / j_d, b / j_d, -k / j_d], [b / j_e, -b / j_e, k / j_e], [1.0, -1.0, 0.0]],
+            mat![[1.0 / j_d], [0.0], [0.0]],
+            mat![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            mat![[0.0], [0.0]],
+        )
+    }
+}
+
+#[test]
+fn regress_a_mode_above_half_the_sample_rate_is_left_or_doubted() {
+    let truth = [0.2555, 2637.0, 1.118, 0.346];
+    let plant = StiffStart { stiffness: 16_437.0, largest_stiffness: f64::INFINITY };
+    let (mut right, mut doubted) = (0, 0);
+    for seed in 2..5 {
+        let mut noise = Noise::new(seed);
+        let mut inputs = Mat::zeros(1500, 1);
+        for t in 0..1500 {
+            inputs[(t, 0)] = if t % 12 != 0 { inputs[(t - 1, 0)] } else { 20.0_f64.copysign(noise.uniform() - 0.5) };
+        }
+        let system = plant.system(&truth).unwrap().to_discrete_zoh(0.002).unwrap();
+        let clean = system.simulate(inputs.as_ref(), &[0.0; 3]).unwrap();
+        let outputs = Mat::from_fn(1500, 2, |t, i| clean[(t, i)] + 0.05 * noise.normal());
+        let data = Dataset::new(0.002, inputs, outputs).unwrap();
+        let fit = GreyBox::new(plant.clone()).fit(&data).unwrap();
+        let (values, errors) = (fit.parameters(), fit.standard_errors());
+        let is_near = (values[1] - truth[1]).abs() < 5.0 * errors[1];
+        let is_doubted = fit.doubts.iter().any(|d| matches!(d, Doubt::AboveNyquist { .. } | Doubt::AtBound { .. }));
+        println!("{seed}: {values:?} ± {errors:?} {:?}", fit.doubts);
+        assert!(is_near || is_doubted, "{seed}: {values:?} ± {errors:?} {:?}", fit.doubts);
+        let many = GreyBox::new(plant.clone()).with_further_starts(10).fit(&data).unwrap();
+        right += usize::from((many.parameters()[1] - truth[1]).abs() < 5.0 * many.standard_errors()[1]);
+        // With all other stiffnesses out of bounds only the doubt is left.
+        let stuck = StiffStart { stiffness: 1.4e6, largest_stiffness: 1e9 };
+        if let Ok(fit) = GreyBox::new(Above(stuck)).fit(&data) {
+            doubted += usize::from(fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::AboveNyquist { .. })));
+        }
+    }
+    assert!(right >= 2 && doubted >= 2, "{right} {doubted}");
+}
+
+/// The same with no stiffness below one whose resonance is above half the sample rate.
+#[derive(Debug, Clone, PartialEq)]
+struct Above(StiffStart);
+
+impl Structure for Above {
+    fn parameters(&self) -> Vec<GreyParameter> {
+        let mut all = self.0.parameters();
+        all[0] = GreyParameter::new("J_e", 0.25).within(0.001, 1.0);
+        all[1] = GreyParameter::new("K", self.0.stiffness).within(1e6, self.0.largest_stiffness);
+        all
+    }
+
+    fn system(&self, p: &[f64]) -> Result<StateSpace, LtiError> {
+        self.0.system(p)
+    }
+}

@@ -53,3 +53,4 @@ mod summary;
 mod systems;
 mod uncertainty;
 mod validate;
+mod weak_evidence;

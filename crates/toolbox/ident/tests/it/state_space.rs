@@ -3,7 +3,10 @@
 
 use faer::Mat;
 use ident::covariance::delta_variance;
-use ident::{Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateSpaceModel, StateSpacePem, Subspace, Weighting};
+use ident::validate::compare;
+use ident::{
+    Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateOrder, StateSpaceModel, StateSpacePem, Subspace, Weighting,
+};
 use lti::{Complex64, Innovations};
 
 use crate::noise::Noise;
@@ -323,6 +326,11 @@ fn regress_a_higher_order_fits_a_clean_sweep_no_worse() {
         let lower = StateSpacePem::new(2).fit(&data).unwrap().loss;
         let higher = StateSpacePem::new(3).fit(&data).unwrap().loss;
         assert!(higher <= 1.02 * lower, "{linear} {deviation}: {higher} {lower}");
+        // The order that the data choose, simulated.
+        let order = StateOrder::Auto { largest: 10 };
+        let chosen = StateSpacePem { order, ..StateSpacePem::new(1) }.fit(&data).unwrap();
+        let fit = compare(&[&chosen], &data).judgements[0].as_ref().unwrap().fit_percent[0][0];
+        assert!(fit > 99.0, "{linear} {deviation}: {fit} % by order {}", chosen.model.system().states());
     }
 }
 

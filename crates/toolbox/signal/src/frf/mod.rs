@@ -3,6 +3,7 @@
 //! | method | for |
 //! | --- | --- |
 //! | [`LocalModel`] | any excitation, resolution and noise level at once; handles leakage |
+//! | [`suited_response`] | the same, by the kind of local model that follows the data |
 //! | [`repeated_response`] | periodic excitation: finds period, settled periods and excited lines by itself |
 //! | [`PeriodicSpectra`], [`periodic_response`] | periodic excitation over several known periods: noise from their scatter |
 //! | [`Etfe`] | a quick look; exact for periodic data |
@@ -19,6 +20,7 @@ mod periodic;
 mod repeated;
 mod repetition;
 mod resonance;
+mod sharpness;
 
 pub use blackman_tukey::{BlackmanTukey, SpectralAnalysis};
 pub use etfe::Etfe;
@@ -27,6 +29,7 @@ pub use periodic::{PeriodicResponse, PeriodicSpectra, periodic_response, periodi
 pub use repeated::{RepeatedResponse, repeated_response};
 pub use repetition::Repetition;
 pub use resonance::{Estimated, Resonance, resonance};
+pub use sharpness::{SuitedResponse, suited_response};
 
 use crate::Complex64;
 use crate::distributions::{f_quantile, interval};

@@ -1,10 +1,11 @@
 //! Nonparametric frequency responses: bias, honest variances, several inputs, bad input.
+#![allow(clippy::print_stdout)]
 
 use std::f64::consts::TAU;
 
 use signal::excitation::Random;
 use signal::filter::Section;
-use signal::frf::{BlackmanTukey, Etfe, LocalKind, LocalModel, periodic_response, periodic_spectra};
+use signal::frf::{BlackmanTukey, Etfe, LocalKind, LocalModel, periodic_response, periodic_spectra, suited_response};
 use signal::spectrum::{Welch, cross_spectrum};
 use signal::{Complex64, SignalError, Sos};
 
@@ -246,4 +247,73 @@ fn exact_bad_records_are_refused() {
     y[7] = f64::NAN;
     assert!(matches!(model.estimate(&[&u], &[&y], T), Err(SignalError::NonFinite { index: 7 })));
     assert!(matches!(periodic_spectra(&[&y], 50, T, &[]), Err(SignalError::NonFinite { .. })));
+}
+
+/// Resonance at 8 Hz with this damping, over a zero, and its gain at the top.
+fn resonance_at_8_hz(damping: f64) -> (Sos, f64) {
+    let angle = TAU * 8.0 * T;
+    let radius = (-damping * angle).exp();
+    let section = Section {
+        b: [0.0, 1.0, 0.4],
+        a: [-2.0 * radius * (angle * (1.0 - damping * damping).sqrt()).cos(), radius * radius],
+    };
+    let system = Sos::new(vec![section], T).unwrap();
+    let top = (700..900).map(|k| system.response(0.01 * f64::from(k)).norm()).fold(0.0, f64::max);
+    (system, top)
+}
+
+/// The record of a resonance with noise of a tenth of the output, which remembers each sample by four fifths.
+fn resonant(damping: f64, length: usize, seed: u64) -> (Vec<f64>, Vec<f64>, Sos, f64) {
+    let (system, top) = resonance_at_8_hz(damping);
+    let mut random = Random::new(seed);
+    let u = white(&mut random, length + 3000, 1.0);
+    let clean = system.filter(&u, &mut system.state_at_rest());
+    let size = (clean[3000..].iter().map(|y| y * y).sum::<f64>() / length as f64).sqrt();
+    let mut noise = 0.0;
+    let mut next = || {
+        noise = 0.8 * noise + 0.6 * 0.1 * size * random.normal();
+        noise
+    };
+    let y = clean[3000..].iter().map(|y| y + next()).collect();
+    (u[3000..].to_vec(), y, system, top)
+}
+
+/// Local polynomials flatten a resonance that is narrower than their window.
+#[test]
+fn regress_a_narrow_resonance_is_followed() {
+    for (damping, length) in [(0.005, 4000), (0.05, 400)] {
+        let (mut within, mut all) = (0, 0);
+        for seed in 0..20 {
+            let (u, y, system, _) = resonant(damping, length, seed);
+            let found = suited_response(&[&u], &y, T).unwrap();
+            assert_eq!(found.kind, LocalKind::Rational, "{damping} {seed}");
+            assert!((found.missed_hz.unwrap() - 8.0).abs() < 1.5, "{damping} {seed}: {:?}", found.missed_hz);
+            let response = &found.estimate.response;
+            for (freq_hz, (low, high)) in response.freq_hz.iter().zip(response.magnitude_interval(0, 0, 0.95)) {
+                if (freq_hz - 8.0).abs() < 0.6 {
+                    let truth = system.response(*freq_hz).norm();
+                    (all, within) = (all + 1, within + usize::from(low <= truth && truth <= high));
+                }
+            }
+        }
+        println!("{damping} {length}: {within} of {all}");
+        assert!(within as f64 > 0.88 * all as f64, "{damping} {length}: {within} of {all}");
+    }
+}
+
+/// Where polynomials follow the response they remain.
+#[test]
+fn stat_smooth_responses_keep_their_polynomials() {
+    let mut false_alarms = 0;
+    for seed in 500..800 {
+        let mut random = Random::new(seed);
+        let length = [300, 600, 1200][seed as usize % 3];
+        let low = Sos::butterworth_lowpass(2, 20.0, T).unwrap();
+        let u = white(&mut random, length + 500, 1.0);
+        let clean = low.filter(&u, &mut low.state_at_rest());
+        let y: Vec<f64> = clean[500..].iter().map(|y| y + 0.1 * random.normal()).collect();
+        false_alarms += usize::from(suited_response(&[&u[500..]], &y, T).unwrap().missed_hz.is_some());
+    }
+    println!("{false_alarms} of 300");
+    assert!(false_alarms <= 6, "{false_alarms}");
 }

@@ -45,7 +45,7 @@ pub(crate) struct GreyBoxArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// Further starting points against local minima: within the bounds, or from a tenth to ten times the value
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = number::count)]
     pub(crate) starts: usize,
     /// Assume rest at the first sample; use it with `--detrend none`
     #[arg(long)]

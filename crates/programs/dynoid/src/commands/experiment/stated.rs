@@ -92,8 +92,8 @@ impl Bench {
         self.assembled.as_ref().and_then(|assembled| assembled.disturbances).unwrap_or_else(Disturbances::assumed)
     }
 
-    /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
-    /// those of the virtual bench; they are among the assumptions.
+    /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study
+    /// lacks are those of the virtual bench; they are among the assumptions.
     pub(in crate::commands) fn model_for(&self, plan: &ExperimentPlan) -> Result<BenchModel, &'static str> {
         if plan.has_shaft { self.model_with_shaft() } else { Ok(self.any_model()) }
     }
