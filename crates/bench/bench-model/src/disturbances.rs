@@ -1,4 +1,4 @@
-//! What disturbs a bench: errors of the dynamometer's encoder, which the speed controller answers, and the ripple of
+//! Disturbances of a bench: errors of the dynamometer's encoder, which the speed controller answers, and the ripple of
 //! the drive.
 
 use numerics::random::Stream;
@@ -53,7 +53,7 @@ impl Disturbing {
         Disturbing { of, random, disc_rad, ripple_s }
     }
 
-    /// What the next reading of the encoder has beside the mean speed over its gate, rad/s.
+    /// Error of the next reading of the encoder beside the mean speed over its gate, rad/s.
     pub(crate) fn of_reading_rad_s(&mut self, angle_rad: f64, speed_rad_s: f64) -> f64 {
         let of_disc = self.of.once_a_turn * speed_rad_s * (angle_rad + self.disc_rad).cos();
         of_disc + self.of.speed_noise_rad_s * self.random.normal()

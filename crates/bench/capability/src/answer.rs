@@ -253,7 +253,7 @@ fn added(grid: &CycleGrid, bench: &Drawn, trace: &Trace) -> Vec<Added> {
     engine_nm.iter().zip(&trace.engine_speed_rad_s).map(at).collect()
 }
 
-/// What the errors of the encoder add at the most through the gain of the speed controller.
+/// Addition of the errors of the encoder at the most through the gain of the speed controller.
 fn of_encoder(bench: &Drawn, speed_rad_s: f64) -> Added {
     let gain = bench.model.speed_controller.map_or(0.0, |pi| pi.proportional_nm_s_per_rad);
     let Disturbances { speed_noise_rad_s, once_a_turn, .. } = bench.disturbances;

@@ -1,4 +1,4 @@
-//! What disturbs the bench in its recordings.
+//! Disturbances of the bench in its recordings.
 
 use bench_model::disturbances::Disturbances;
 use numerics::order;

@@ -15,7 +15,7 @@ const DAYS: f64 = 0.01;
 /// A part of the first stamp below which a step is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// What is to be said of a clock that no unit is stated for.
+/// Finding on a clock that no unit is stated for.
 pub(crate) fn finding(clock: &str, time_s: &[f64]) -> Option<Finding> {
     let likely = likely_unit(time_s)?.to_owned();
     Some(Finding::DoubtfulSeconds { clock: clock.to_owned(), likely })

@@ -16,7 +16,7 @@ pub struct AssembledModel {
     /// The engine's firing pulses with their covariance; none where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
-    /// What disturbs the bench in its recordings; none where that is not known.
+    /// Disturbances of the bench in its recordings; none where that is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbances: Option<Disturbances>,
 }

@@ -413,7 +413,7 @@ fn exact_errors_of_the_encoder_count_in_the_slew_of_the_torque_demand() {
     for demand in [Demand::Plan(&plan, &demands), Demand::Cycle(CycleDemand { reference: &reference, map: None })] {
         let median = |disturbances: Disturbances| {
             let inputs = capability::CanInputs { samples: 9, disturbances, ..bench.inputs(demand) };
-            let verdict = can(&inputs, silent()).unwrap();
+            let verdict = can(&inputs, &Context::new()).unwrap();
             verdict.limits.iter().find(|one| one.of == LimitOf::TorqueSlew).unwrap().values.quantile(0.5)
         };
         let added = median(Disturbances { once_a_turn, ..Disturbances::default() }) - median(Disturbances::default());

@@ -61,7 +61,7 @@ impl Track {
         self.steps().all(|step| step >= 0.0) && self.steps().any(|step| step == 0.0)
     }
 
-    /// Whether it is the same in all rows.
+    /// True where it is the same in all rows.
     fn stands(&self) -> bool {
         self.times_s.len() > 1 && self.steps().all(|step| step == 0.0)
     }
@@ -152,7 +152,7 @@ pub(super) struct Doubt {
 /// The first is, unless it repeats itself and another shows the same time and rises with every row. Another is a clock
 /// if it is between channels, and either is named as the first, or rises with every row from about the same time as the
 /// first, but faster or slower. It is a channel where it falls or stays, where no channel follows it, or where it is
-/// another reading of the first, as it may be by the same name in another unit. What stands in all rows is never a
+/// another reading of the first, as it may be by the same name in another unit. What is in all rows is never a
 /// clock. All else may be either.
 pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clocks, Doubt> {
     let mut is_first = true;

@@ -335,7 +335,7 @@ pub(super) struct Content {
 }
 
 impl Column {
-    /// Whether it is a clock of numbers that no unit is stated for.
+    /// Tells whether it is a clock of numbers that no unit is stated for.
     fn is_unitless(&self) -> bool {
         matches!(self.role, Role::Time(_)) && self.unit.is_empty() && clock_and_unit(&self.name).1.is_empty()
     }

@@ -20,7 +20,7 @@ const SAMPLES_EACH: usize = 200;
 /// A root counts as known from so many standard errors inside the unit circle on.
 const INSIDE: f64 = 2.0;
 
-/// Whether the intervals of the noise model of one equation, which rests on so many samples, are too narrow.
+/// Tells whether the intervals of the noise model of one equation, which rests on so many samples, are too narrow.
 ///
 /// # Errors
 /// Those of [`polynomial::roots`].
@@ -34,7 +34,7 @@ pub(super) fn is_uncertain(
     Ok(is_short || is_near(theta, covariance, orders.c())? || is_near(theta, covariance, orders.d())?)
 }
 
-/// Whether a root of a polynomial may well be on the unit circle.
+/// Tells whether a root of a polynomial may well be on the unit circle.
 fn is_near(theta: &[f64], covariance: MatRef<'_, f64>, place: Range<usize>) -> Result<bool, IdentError> {
     let (first, count) = (place.start, place.len());
     let own = covariance.submatrix(first, first, count, count);

@@ -1,4 +1,4 @@
-//! Whether local polynomials follow a response, or miss a resonance that is narrower than their window.
+//! Check that local polynomials follow a response, or miss a resonance that is narrower than their window.
 
 use super::{LocalEstimate, LocalKind, LocalModel};
 use crate::distributions::f_quantile;
