@@ -201,17 +201,32 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experimen
     let is_sound = |other: &&Experiment| !struck::has_error(findings, &other.file, struck::roles(Part::Shaft));
     others.retain(|other| other.file != experiment.file && is_sound(other));
     let estimates = map(&others, |other| parts.shaft_of_whole(other).ok());
+    let mut moved = Vec::new();
     for (other, estimate) in others.into_iter().zip(estimates) {
         let Some(estimate) = estimate else { continue };
         doubt_pulses(findings, other);
         match impossible(&estimate, findings.bench.dynamometer_inertia()) {
-            Some(found) => findings.doubt(&other.file, Severity::Note, no_check(found)),
+            Some(found) => {
+                if found.quantity == Quantity::DynoInertia {
+                    moved.push((other.file.as_str(), found.clone()));
+                }
+                findings.doubt(&other.file, Severity::Note, no_check(found));
+            }
             None => shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone())),
         }
     }
     let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::estimate_inertia(&inputs));
-    let of_inertia = doubt_shaft(findings, experiment, shaft, inertia.ok().flatten());
+    let own = inertia.ok().flatten().map(|estimated| (experiment.file.as_str(), estimated));
+    let of_inertia = doubt_shaft(findings, experiment, shaft, own.or_else(|| agreed(&moved)));
     cover_contradictions(shaft, of_inertia.max(torque_error(parts)));
+}
+
+/// J_d that several recordings show alike, although the bench file states another: the best known of them, and the file
+/// that it is from.
+fn agreed<'a>(moved: &[(&'a str, Parameter)]) -> Option<(&'a str, (f64, f64))> {
+    let (file, best) = moved.iter().min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))?;
+    let agree = moved.len() > 1 && moved.iter().all(|(_, other)| !contradict(best, other));
+    agree.then_some((*file, (best.value, best.standard_error)))
 }
 
 /// Value that the bench cannot have, although a recording gives it: a skew, or another inertia than the stated one.
@@ -255,7 +270,7 @@ fn doubt_shaft(
     findings: &mut Findings<'_>,
     experiment: &Experiment,
     shaft: &Shaft,
-    inertia: Option<(f64, f64)>,
+    inertia: Option<(&str, (f64, f64))>,
 ) -> f64 {
     let excluded = &shaft.residual_spectrum.excluded_hz;
     if !excluded.is_empty() {
@@ -276,7 +291,7 @@ fn doubt_shaft(
         }
     }
     doubt_late_signals(findings, experiment, shaft);
-    doubt_inertias(findings, experiment, shaft, inertia)
+    doubt_inertias(findings, shaft, inertia)
 }
 
 /// Tells whether two values of one quantity are further apart than their errors explain.
@@ -321,21 +336,15 @@ fn cover_contradictions(shaft: &mut Shaft, of_torque: f64) {
 
 /// Compares the stated inertias with the recording that shows each best: that of the shaft, or one that shows both.
 /// By how large a part of itself J_d is contradicted, zero where it is not.
-fn doubt_inertias(
-    findings: &mut Findings<'_>,
-    experiment: &Experiment,
-    shaft: &Shaft,
-    inertia: Option<(f64, f64)>,
-) -> f64 {
+fn doubt_inertias(findings: &mut Findings<'_>, shaft: &Shaft, inertia: Option<(&str, (f64, f64))>) -> f64 {
     let bench = findings.bench;
     let both = shaft.inertias.as_ref();
     let found = |quantity| {
         both.and_then(|(file, e)| e.parameter(quantity).map(|p| (file.as_str(), (p.value, p.standard_error))))
     };
-    let alone = inertia.map(|estimated| (experiment.file.as_str(), estimated));
     let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
     let mut contradiction = 0.0;
-    if let Some((file, estimated)) = alone.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
+    if let Some((file, estimated)) = inertia.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
         contradiction = doubt_inertia(findings, file, (Quantity::DynoInertia, bench.dynamometer_inertia()), estimated);
     }
     if let Some((file, estimated)) = found(Quantity::EngineInertia) {

@@ -173,8 +173,9 @@ fn regress_no_command_replaces_a_file_that_it_reads() {
                 let is_read = writer.line.split(' ').any(|word| word == input) || is_listed;
                 if is_read {
                     let ran = line(&campaign, &format!("{} --overwrite", writer.line), out);
+                    // A link among the recordings is known as one when the bench file is read, which may be refused itself.
                     assert!(
-                        ran.code.is_some_and(|code| code == 2 || code == 4),
+                        ran.code.is_some_and(|code| (2..=4).contains(&code)),
                         "{} to {out}: {}",
                         writer.line,
                         ran.stderr
