@@ -16,6 +16,8 @@ use crate::findings::Findings;
 /// and imbalance show too, is left out.
 const STEP: f64 = 0.5;
 const HIGHEST: usize = 24;
+/// A working cycle, rad: all orders are multiples of one a cycle.
+const CYCLE_RAD: f64 = 2.0 * TAU;
 /// Firings a turn of engines of 3 to 12 cylinders, and of one or two.
 const ENGINES: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 /// An order is seen below this part of the sample rate.
@@ -143,9 +145,11 @@ impl Seen {
         Seen { samples, angle: angle(speed), mean }
     }
 
-    /// Over the angle that another speed turns: pulses of its own would give it multiples of theirs.
+    /// Over the angle that another speed turns, its mean over a working cycle: pulses in the angle would give multiples
+    /// of theirs, by more than pass a soft shaft.
     pub(super) fn over_angle_of(speed: &Signal, other: &Signal, mean: f64) -> Self {
-        let turned = angle(other);
+        let half = (0.5 * CYCLE_RAD / (mean * other.sample_time_s)).round() as usize;
+        let turned = angle(&Signal { samples: moving_mean(&other.samples, half), ..other.clone() });
         let last = turned.len().saturating_sub(1) as f64;
         let at = |k: usize| {
             let position = ((speed.time_s(k) - other.start_s) / other.sample_time_s).clamp(0.0, last);
@@ -248,6 +252,20 @@ mod tests {
         let speed = Signal::new(0.0, sample_time_s, (0..8000).map(value).collect()).unwrap();
         let signals = BTreeMap::from([(Role::EngineSpeed, speed)]);
         Experiment { file: "x".to_owned(), label: ExperimentLabel::BS_T_NT, signals }
+    }
+
+    /// Over an angle with the pulses in it, a tenth of the first order came to the second.
+    #[test]
+    fn regress_strong_pulses_leave_nothing_at_their_multiples() {
+        let (omega, sample_time_s) = (110.0, 1e-3);
+        let value = |k: usize| omega + 6.0 * (1.5 * omega * k as f64 * sample_time_s).sin();
+        let speed = Signal::new(0.0, sample_time_s, (0..20_000).map(value).collect()).unwrap();
+        let seen = Seen::over_angle_of(&speed, &speed, omega);
+        let part = (seen.power(3.0) / seen.power(1.5)).sqrt();
+        assert!(part < 5e-3, "{part}");
+        let with_pulses = Seen::of(&speed, omega);
+        let part = (with_pulses.power(3.0) / with_pulses.power(1.5)).sqrt();
+        assert!(part > 0.05, "{part}");
     }
 
     #[test]
