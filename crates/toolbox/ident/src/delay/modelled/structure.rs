@@ -16,8 +16,10 @@ use crate::{Dataset, IdentError, NonlinearOptions};
 /// Rounds in which ripple in proportion to the output is found from that output.
 const ROUNDS: usize = 2;
 
-/// Zeros and poles of the model that shows whether inputs may have rested before the record.
-const FIRST: (usize, usize) = (1, 2);
+/// Zeros of the model that shows whether inputs may have rested before the record.
+const FIRST_ZEROS: usize = 1;
+/// Poles of that model.
+const FIRST_POLES: usize = 2;
 
 /// Steps of a search that only has to show whether there is more to be found.
 const GLANCE: usize = 30;
@@ -74,8 +76,8 @@ impl Structure<'_> {
     /// Where the rows begin that models of these data rest on.
     pub(super) fn beginning(options: &ModelledDelay, data: &Dataset) -> Result<Beginning, IdentError> {
         let unknown = Beginning { first: options.longest + LEAD, is_held: false, is_refuted: false };
-        let (zeros, poles) = FIRST;
-        Structure { options, beginning: unknown, zeros, poles }.with_ripple(data, 0).beginning(data)
+        let first = Structure { options, beginning: unknown, zeros: FIRST_ZEROS, poles: FIRST_POLES };
+        first.with_ripple(data, 0).beginning(data)
     }
 
     /// The model with its intervals by profiles, at the better minimum that these may lead to.
