@@ -28,7 +28,8 @@ const LOWERED: f32 = 0.6;
 /// The lowest panel in which a course is still seen, pixels.
 const LOWEST_PANEL: f32 = 45.0;
 /// Pixels of the sign before a name in the legend.
-const KEY: (f32, f32) = (18.0, 14.0);
+const KEY_WIDTH: f32 = 18.0;
+const KEY_HEIGHT: f32 = 14.0;
 const ABOVE: f32 = 12.0;
 
 impl Layout<'_> {
@@ -72,7 +73,7 @@ impl Layout<'_> {
     fn legend(&mut self, figure: &Figure, place: Place) -> Result<Vec<Strip>, PdfError> {
         let entries = svg::legend_entries(figure);
         let style = Style { colour: SOFT, size: SMALL, ..body() };
-        let (width, height) = (0.62 * KEY.0, 0.62 * KEY.1);
+        let (width, height) = (0.62 * KEY_WIDTH, 0.62 * KEY_HEIGHT);
         let node = self.structure.node(Role::P, place.node);
         let mut rows: Vec<Strip> = Vec::new();
         let mut x = 0.0;

@@ -40,7 +40,8 @@ use vector::Reader;
 /// Fewer sections need no list of contents.
 const CONTENTS: usize = 4;
 /// The largest logo, points.
-const LOGO: (f32, f32) = (120.0, 48.0);
+const LOGO_WIDTH: f32 = 120.0;
+const LOGO_HEIGHT: f32 = 48.0;
 /// Scales at which a page is tried that is to be on one sheet of paper.
 const SCALES: [f32; 8] = [1.0, 0.93, 0.86, 0.8, 0.72, 0.64, 0.57, 0.5];
 /// A distance from the edge of the paper to the texts there, whatever the scale.
@@ -181,7 +182,7 @@ fn masthead(page: &Page, layout: &mut Layout<'_>, place: Place) -> Vec<Strip> {
     let Some(logo) = &page.logo else { return layout.title(&page.title, &page.subtitle, place) };
     let picture = Rc::new(logo.picture().clone());
     let (width, height) = (picture.width as f32, picture.height as f32);
-    let scale = (LOGO.0 / width).min(LOGO.1 / height);
+    let scale = (LOGO_WIDTH / width).min(LOGO_HEIGHT / height);
     let (width, height) = (scale * width, scale * height);
     let left = place.room - width;
     let strips = layout.title(&page.title, &page.subtitle, Place { room: left - 16.0, ..place });
