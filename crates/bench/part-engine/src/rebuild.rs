@@ -22,8 +22,10 @@ use super::source::{TwoMasses, Values};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;
-/// Standard deviations at the start: of the speeds, rad/s; of the torque in the shaft, Nm.
-const START: (f64, f64) = (1.0, 300.0);
+/// Standard deviation of the speeds at the start, rad/s.
+const START_SPEED_RAD_S: f64 = 1.0;
+/// Standard deviation of the torque in the shaft at the start, Nm.
+const START_SHAFT_NM: f64 = 300.0;
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
 /// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d. N_d and the drift
@@ -140,7 +142,7 @@ fn two_masses(v: &Values) -> Mechanics {
         by_sought: vec![0.0, 0.0, engine],
         measured: vec![DYNO, ENGINE],
         at_rest: vec![1.0 / v.stiffness, 0.0, 0.0],
-        start: vec![START.1 / v.stiffness, START.0, START.0],
+        start: vec![START_SHAFT_NM / v.stiffness, START_SPEED_RAD_S, START_SPEED_RAD_S],
     }
 }
 

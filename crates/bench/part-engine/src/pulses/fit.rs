@@ -25,9 +25,10 @@ use crate::source::Values;
 /// Windows overlap by a half. Neighbours under a Hann window have a correlation of 1/6, which makes the variance of a
 /// mean so many times larger.
 const OVERLAP: f64 = 4.0 / 3.0;
-/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, and than
-/// another cylinder in the place of the first.
-const CLEAR: (f64, f64) = (10.0, 4.6);
+/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, ...
+const CLEAR_OF_NO_PULSES: f64 = 10.0;
+/// ... and than another cylinder in the place of the first.
+const CLEAR_OF_ANOTHER_CYLINDER: f64 = 4.6;
 /// Angles tried for each of the harmonics.
 const ANGLES_EACH: usize = 16;
 /// Halvings of the step in which the best angle is looked for.
@@ -281,7 +282,7 @@ impl Joined {
         let best = climb(&evidence, first, step);
         let others = (1..cylinders).map(|k| climb(&evidence, best + TAU * k as f64 / cylinders as f64, step));
         let next = others.map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        (evidence(best) > CLEAR.0).then(|| (best, evidence(best) - next > CLEAR.1))
+        (evidence(best) > CLEAR_OF_NO_PULSES).then(|| (best, evidence(best) - next > CLEAR_OF_ANOTHER_CYLINDER))
     }
 
     /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the

@@ -34,7 +34,7 @@ pub use orders::Input;
 pub use orders::OrdersTried;
 pub use paired::PairedTest;
 use record::{Record, rms};
-pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, visibility};
+pub use visibility::{RECORDING_S, Visibility, VisibilityCase, visibility};
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.
 pub const LEVEL: f64 = 0.99;

@@ -88,7 +88,7 @@ impl TorqueControlFit {
     pub fn has_lag(&self) -> bool {
         let lag = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
         let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
-        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.model.lag_rad_s)
+        is_known && (1.01 * LAG_RAD_S.start()..0.99 * LAG_RAD_S.end()).contains(&self.model.lag_rad_s)
     }
 }
 
@@ -280,7 +280,7 @@ struct Lagged {
 }
 
 fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Result<Lagged, IdentError> {
-    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
+    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(*LAG_RAD_S.start(), *LAG_RAD_S.end())];
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
     let reach_s = BESIDE * held.sample_time_s();
@@ -378,7 +378,7 @@ impl Lagged {
     /// Quantity that ended at the slow limit of the search, where no drive is.
     fn slow_limit(&self) -> Option<Quantity> {
         let [delay, lag] = [0, 1].map(|at| self.fit.at_bound[at]);
-        if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.0 {
+        if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.start() {
             return Some(Quantity::TorqueControlBandwidth);
         }
         (delay && self.model.delay_s > 0.5 * LONGEST_DELAY_S).then_some(Quantity::TorqueControlDelay)

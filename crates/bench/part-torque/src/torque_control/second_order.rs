@@ -4,6 +4,8 @@
 //! from a delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ
 //! has no standard error at zero, and tests of it compare whole fits.
 
+use std::ops::RangeInclusive;
+
 use faer::Mat;
 use ident::distributions::f_tail;
 use ident::{Bounds, IdentError, Minimum, least_squares};
@@ -20,7 +22,7 @@ use crate::torque_control::bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 /// κ of a critically damped loop, two equal lags.
 pub const CRITICALLY_DAMPED: f64 = 0.25;
 /// Range of κ: below, the second pole is so fast that it is a delay.
-const TERM: (f64, f64) = (0.01, 2.0);
+const TERM: RangeInclusive<f64> = 0.01..=2.0;
 /// κ from which it is looked for.
 const STARTS: [f64; 3] = [0.05, 0.25, 0.6];
 /// Two poles nearer to each other than this part of their size are taken apart by it: for equal ones there is no sum of
@@ -134,10 +136,10 @@ pub(super) fn test(
         &response_bounds(),
         &[],
     )?;
-    let damped = with_term(held, observed, &lag, (CRITICALLY_DAMPED, CRITICALLY_DAMPED), CRITICALLY_DAMPED)?;
+    let damped = with_term(held, observed, &lag, CRITICALLY_DAMPED, Bounds::new(CRITICALLY_DAMPED, CRITICALLY_DAMPED))?;
     let mut best = damped.clone();
     for start in STARTS {
-        let found = with_term(held, observed, &lag, TERM, start)?;
+        let found = with_term(held, observed, &lag, start, Bounds::new(*TERM.start(), *TERM.end()))?;
         best = if found.cost < best.cost { found } else { best };
     }
     let freedom = observed.len() as f64 - 4.0;
@@ -154,18 +156,18 @@ pub(super) fn test(
 }
 
 fn response_bounds() -> Vec<Bounds> {
-    vec![Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)]
+    vec![Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(*LAG_RAD_S.start(), *LAG_RAD_S.end())]
 }
 
 fn with_term(
     held: &HeldDemand,
     observed: &Observed,
     lag: &Minimum,
-    (low, high): (f64, f64),
     start: f64,
+    term: Bounds,
 ) -> Result<Minimum, IdentError> {
     let mut bounds = response_bounds();
-    bounds.push(Bounds::new(low, high));
+    bounds.push(term);
     let start = [lag.parameters[0], lag.parameters[1], start];
     fit_with_lines(&mut RippledModel::new(DelayAndSecondOrder(held), observed), &start, &bounds, &[])
 }
