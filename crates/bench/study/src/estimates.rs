@@ -36,9 +36,10 @@ const APART: f64 = 4.0;
 /// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
 /// Slow rasters may make each recording wrong by half of it.
 const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.04), (Quantity::Damping, 0.2)];
-/// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two
-/// clocks of a bench are apart by 1.5 ms at most.
-const LATE: (f64, f64) = (2e-3, 5.0);
+/// A signal is late if the shaft's equation dates it so far from its stamps, s, ...
+const LATE_S: f64 = 2e-3;
+/// ... and so many standard errors. The two clocks of a bench are apart by 1.5 ms at most.
+const LATE_STANDARD_ERRORS: f64 = 5.0;
 /// A recording that moves J_d by more than this many of its stated standard uncertainties checks no other one. In speed
 /// control T_d follows N_d, and noise on a slow T_d,calc then bends all of J_d, K and the skews together.
 const MOVED: f64 = 3.0;
@@ -296,7 +297,7 @@ fn doubt_late_signals(findings: &mut Findings<'_>, experiment: &Experiment, shaf
 fn late(estimate: &Estimate) -> impl Iterator<Item = (Role, &Parameter)> {
     let skews = [(Role::EngineSpeed, Quantity::EngineSpeedSkew), (Role::AirGapTorque, Quantity::AirGapTorqueSkew)];
     let found = skews.into_iter().filter_map(|(role, quantity)| Some((role, estimate.parameter(quantity)?)));
-    found.filter(|(_, skew)| skew.value.abs() > LATE.0.max(LATE.1 * skew.standard_error))
+    found.filter(|(_, skew)| skew.value.abs() > LATE_S.max(LATE_STANDARD_ERRORS * skew.standard_error))
 }
 
 /// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d
