@@ -37,8 +37,10 @@ const ENGINE_INERTIA_PERCENT: f64 = 2.0;
 
 /// Standard errors of the difference beyond which a stated inertia and what recordings show contradict each other.
 const CONTRADICTED: f64 = 3.0;
-/// A difference of a stated inertia from what a recording shows that is worth a warning: standard errors, and share.
-const DOUBTED: (f64, f64) = (5.0, 0.01);
+/// A difference of a stated inertia from what a recording shows is worth a warning beyond so many standard errors, ...
+const DOUBTED_STANDARD_ERRORS: f64 = 5.0;
+/// ... and beyond this share of the inertia.
+const DOUBTED_SHARE: f64 = 0.01;
 
 /// An inertia before anything was estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +79,7 @@ impl StatedInertia {
     pub fn contradicted_by(&self, (seen, error): (f64, f64)) -> Option<f64> {
         let apart = (seen - self.kg_m2).abs();
         let spread = error.hypot(self.standard_uncertainty_kg_m2());
-        (apart > DOUBTED.0 * spread && apart > DOUBTED.1 * self.kg_m2).then_some(apart / self.kg_m2)
+        (apart > DOUBTED_STANDARD_ERRORS * spread && apart > DOUBTED_SHARE * self.kg_m2).then_some(apart / self.kg_m2)
     }
 
     /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other,

@@ -1,6 +1,7 @@
 //! Statements of a bench file.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use units;
 
@@ -227,13 +228,12 @@ pub(super) fn names_same_file(file: &str, stated: &str) -> bool {
 }
 
 /// The smallest and the largest inertia of a bench that is believed, kg m².
-pub(super) const PLAUSIBLE_INERTIA_KG_M2: (f64, f64) = (0.001, 100.0);
+pub(super) const PLAUSIBLE_INERTIA_KG_M2: RangeInclusive<f64> = 0.001..=100.0;
 
 /// Inertia units in which `value`, written without one or with the wrong one, would be plausible.
 pub(super) fn plausible_inertia_units(value: f64) -> Vec<String> {
-    let (low, high) = PLAUSIBLE_INERTIA_KG_M2;
     let candidates = ["kg cm²", "g m²"].into_iter().filter_map(|spelling| units::parse_unit(spelling).ok());
-    let fitting = candidates.filter(|unit| (low..=high).contains(&unit.to_si(value)));
+    let fitting = candidates.filter(|unit| PLAUSIBLE_INERTIA_KG_M2.contains(&unit.to_si(value)));
     fitting.map(|unit| unit.spelling.to_owned()).collect()
 }
 
