@@ -43,7 +43,7 @@ pub struct Easier {
 /// As [`crate::can`].
 pub fn easier(inputs: &CanInputs<'_>, context: &Context) -> Result<Vec<Easier>, CapabilityError> {
     let least = |kind: &Kind| Search::of(inputs, kind).least();
-    let found = parallel::map_as_step((context, "looking for what would make it possible"), &kinds(inputs), least);
+    let found = parallel::map_as_step(context, "looking for what would make it possible", &kinds(inputs), least);
     Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 

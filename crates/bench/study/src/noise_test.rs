@@ -246,9 +246,8 @@ pub fn noise_test(
     let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
         .collect();
-    let outcomes = parallel::map_as_step((context, "estimating draw after draw"), &plan, |(noise, draw)| {
-        known.draw(*noise, *draw)
-    });
+    let outcomes =
+        parallel::map_as_step(context, "estimating draw after draw", &plan, |(noise, draw)| known.draw(*noise, *draw));
     let case = |(noise, estimator): (Noise, Estimator)| {
         let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
         let all: Vec<_> = of_noise

@@ -30,7 +30,7 @@ pub(super) fn outcomes(
         let (model, engine, friction) = (&bench.model, &bench.engine, bench.friction);
         outcome(&PredictionInputs { model, engine, friction, firing_seed, ..*inputs })
     };
-    parallel::map_as_step((context, "running the experiment on benches"), benches, run).into_iter().collect()
+    parallel::map_as_step(context, "running the experiment on benches", benches, run).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -125,7 +125,7 @@ fn listed(
 
 /// The name of a struct.
 fn name_of(place: &Place, source: &Shared, big: bool) -> Option<String> {
-    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big).ok()?;
+    let mut content = Content::open(place.kind, source, place.at + 8, place.size, big).ok()?;
     let (_, flags) = content.next().ok()?;
     let is_struct = flags.len() == 8 && uint4(&flags, big) & 0xFF == 2;
     dimensions(&mut content).ok().filter(|_| is_struct)?;
@@ -144,7 +144,7 @@ fn variable(
     budget: &mut Budget,
     wanted: &Wanted<'_>,
 ) -> Result<Option<(String, Value)>, String> {
-    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+    let mut content = Content::open(place.kind, source, place.at + 8, place.size, big)?;
     let mut parser = Parser { content: &mut content, budget, wanted };
     match parser.matrix(None, 0) {
         Ok((name, value)) => {
@@ -373,7 +373,7 @@ struct Hidden {
 
 impl Hidden {
     fn open(place: &Place, source: &Shared, big: bool, budget: &Budget) -> Result<Self, String> {
-        let outer = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+        let outer = Content::open(place.kind, source, place.at + 8, place.size, big)?;
         if outer.left() / size_of::<f64>() > budget.numbers {
             return Err("it is larger than the size of the file makes plausible".into());
         }

@@ -45,12 +45,7 @@ pub(crate) struct Engine {
 
 impl Engine {
     /// At rest at a torque, with a charge for another.
-    pub(crate) fn new(
-        parameters: &bench::Engine,
-        (level_nm, air_nm): (f64, f64),
-        angle_rad: f64,
-        random: Random,
-    ) -> Self {
+    pub(crate) fn new(parameters: &bench::Engine, level_nm: f64, air_nm: f64, angle_rad: f64, random: Random) -> Self {
         let table = CycleTable::of(parameters);
         let count = parameters.cylinders.len();
         let cylinder = |(place, share): (usize, &f64)| {

@@ -67,7 +67,8 @@ fn errors(factor: &Mat<f64>, equations: &[Equation], solutions: &[Solution], row
 pub(crate) fn polynomial_fit(
     orders: &ArxOrders,
     sample_time_s: f64,
-    (regression, factor): (&Regression<'_>, &Mat<f64>),
+    regression: &Regression<'_>,
+    factor: &Mat<f64>,
     equations: &[Equation],
     solved: &Solved,
 ) -> Result<Fit<PolynomialModel>, IdentError> {

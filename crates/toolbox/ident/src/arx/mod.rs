@@ -90,8 +90,7 @@ impl Arx {
         let (columns, equations) = layout(&self.orders);
         let regression = Regression::new(&signals, columns);
         let solved = solve_equations(&regression, &equations, self.noise)?;
-        let fit =
-            polynomial_fit(&self.orders, data.sample_time_s(), (&regression, &solved.factor), &equations, &solved)?;
+        let fit = polynomial_fit(&self.orders, data.sample_time_s(), &regression, &solved.factor, &equations, &solved)?;
         Ok(fit.doubting(data).made_by("least squares", data))
     }
 }

@@ -232,7 +232,7 @@ impl<'a, M: Searchable> Search<'a, M> {
             let cost_of = |(model, _, scatter): &Tried<M>| weighted(&scatter.sum, &whitening) + prior_cost(model);
             let mut best = None;
             for step in [Some(&step), further.as_ref()].into_iter().flatten() {
-                let tried = self.tried((&predictor, &basis), step, &linearised.initial_steps(step)?);
+                let tried = self.tried(&predictor, &basis, step, &linearised.initial_steps(step)?);
                 let least = best.as_ref().map_or(cost, cost_of);
                 best = tried.filter(|tried| cost_of(tried) < least).or(best);
             }
@@ -283,7 +283,7 @@ impl<'a, M: Searchable> Search<'a, M> {
     /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they
     /// have `now`: with those of the model tried, the search would prefer models that take errors after a gap for
     /// uncertain.
-    fn tried(&self, (now, basis): (&Predictor, &Mat<f64>), step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
+    fn tried(&self, now: &Predictor, basis: &Mat<f64>, step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();
         x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));

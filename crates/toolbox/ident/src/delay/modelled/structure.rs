@@ -39,7 +39,7 @@ impl Structure<'_> {
     /// The model of data without ripple, its errors not tested, after a short search.
     pub(super) fn glance(&self, clean: &Dataset) -> Result<(DelayModel, TransferFunctionModel), IdentError> {
         let short = NonlinearOptions { iteration_limit: GLANCE, ..NonlinearOptions::default() };
-        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, (0, self.beginning), None)?;
+        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, 0, self.beginning, None)?;
         let own = self.start(&found, clean.inputs(), clean.inputs())?;
         Ok((self.described(clean, &found, Vec::new()), own))
     }
@@ -51,7 +51,7 @@ impl Structure<'_> {
         start: Option<&TransferFunctionModel>,
     ) -> Result<(DelayModel, Dataset), IdentError> {
         let plain = self.with_ripple(data, 0);
-        let mut found = plain.fit_one(data, (0, self.beginning), start)?;
+        let mut found = plain.fit_one(data, 0, self.beginning, start)?;
         let mut clean = data.clone();
         let first = self.beginning.first;
         let ripple = Ripple::of(data, &errors(data, &found, first)?);
@@ -60,7 +60,8 @@ impl Structure<'_> {
             let start = self.start(&found, data.inputs(), with.inputs())?;
             found = self.with_ripple(data, with.inputs() - data.inputs()).fit_one(
                 &with,
-                (0, self.beginning),
+                0,
+                self.beginning,
                 Some(&start),
             )?;
             clean = ripple.removed(data, &with, &found)?;
@@ -84,7 +85,7 @@ impl Structure<'_> {
     pub(super) fn profiled(&self, clean: &Dataset, model: &DelayModel) -> Result<DelayModel, IdentError> {
         let (plain, inputs) = (self.with_ripple(clean, 0), clean.inputs());
         let own = TransferFunctionModel::new(model.channels.clone(), inputs, Mat::identity(1, 1))?;
-        let found = plain.profile_one(clean, (0, self.beginning), &own)?;
+        let found = plain.profile_one(clean, 0, self.beginning, &own)?;
         let mut renewed = self.described(clean, &found, model.ripple_hz.clone());
         renewed.faults.extend(model.faults.iter().filter(|fault| !fault.is_of_search()));
         // Ripple has values of its own.
@@ -183,7 +184,7 @@ impl Structure<'_> {
         clean: &Dataset,
         own: &TransferFunctionModel,
     ) -> Result<Vec<DelayFault>, IdentError> {
-        let found = plain.fit_one(clean, (0, self.beginning), Some(own))?;
+        let found = plain.fit_one(clean, 0, self.beginning, Some(own))?;
         if found.minimum.cost <= ROUNDING * variance(clean) * found.minimum.residuals.len() as f64 {
             return Ok(Vec::new());
         }
