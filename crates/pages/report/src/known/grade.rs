@@ -137,7 +137,8 @@ fn fastest_sample_s(study: &Study) -> f64 {
 /// The parameters of a part that was estimated, or that the part was not.
 pub(super) fn of_part<T>(
     part: &Outcome<T>,
-    (symbol, name): (&str, &str),
+    symbol: &str,
+    name: &str,
     known: impl FnOnce(&T) -> Vec<Known>,
 ) -> Vec<Known> {
     match part {

@@ -13,7 +13,7 @@ const FRICTION_NM: f64 = 1.0;
 
 /// How late each torque signal is.
 pub(super) fn delays(study: &Study) -> Vec<Known> {
-    of_part(&study.timing, ("", "delays of the torque signals"), |part| {
+    of_part(&study.timing, "", "delays of the torque signals", |part| {
         part.delays.iter().filter_map(|delay| one(study, delay)).collect()
     })
 }

@@ -291,7 +291,7 @@ fn responses(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>,
                 all.extend(named(data, experiment, |output, input, name, unit| {
                     let response = &found.responses[input];
                     let lines = Lines::new(&found, response, output, experiment, data.sample_time_s(), instead_of);
-                    Ok(Spectrum { lines: Some(lines), ..one_response(response, (output, 0), name, unit) })
+                    Ok(Spectrum { lines: Some(lines), ..one_response(response, output, 0, name, unit) })
                 })?);
             }
             repeated => all.extend(unrepeated(data, experiment, &inputs, repeated.is_some(), options)?),
@@ -337,7 +337,7 @@ fn unrepeated(
         let excitation = Excitation::of(inputs[input], sample_time_s, welch)?;
         let known = excitation.known(&whole[output].freq_hz, coherence.as_ref());
         let one =
-            Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], (0, input), name, unit) };
+            Spectrum { lobe: lobe(options), coherence, leaks, ..one_response(&whole[output], 0, input, name, unit) };
         Ok(one.only_where(known))
     })
 }
@@ -381,7 +381,7 @@ fn lobe(options: &SpectrumOptions) -> usize {
     }
 }
 
-fn one_response(whole: &FrequencyResponse, (output, input): (usize, usize), channel: String, unit: String) -> Spectrum {
+fn one_response(whole: &FrequencyResponse, output: usize, input: usize, channel: String, unit: String) -> Spectrum {
     let gains = whole.response_of(output, input);
     Spectrum {
         channel,
