@@ -80,7 +80,7 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
         let answer = Answer::of(fits.controller.as_ref().ok().copied(), fits.torque_control.as_ref().ok());
         pulse_path::doubt(findings, &parts.experiments, shaft, answer);
-        cross_check(findings, parts, (shaft, chosen.experiment));
+        cross_check(findings, parts, shaft, chosen.experiment);
     }
     drop(comparing);
     struck::strike(&mut fits, &mut timing, findings);
@@ -196,7 +196,7 @@ fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<
 }
 
 /// Adds the estimates of the shaft from other recordings, and notes the doubts about it.
-fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experiment): (&mut Shaft, &Experiment)) {
+fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, shaft: &mut Shaft, experiment: &Experiment) {
     doubt_pulses(findings, experiment);
     let mut others = Sought::Shaft.candidates(&parts.experiments);
     let is_sound = |other: &&Experiment| !struck::has_error(findings, &other.file, struck::roles(Part::Shaft));
@@ -337,22 +337,24 @@ fn doubt_inertias(
     let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
     let mut contradiction = 0.0;
     if let Some((file, estimated)) = alone.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
-        contradiction = doubt_inertia(findings, file, (Quantity::DynoInertia, bench.dynamometer_inertia()), estimated);
+        contradiction = doubt_inertia(findings, file, Quantity::DynoInertia, bench.dynamometer_inertia(), estimated);
     }
     if let Some((file, estimated)) = found(Quantity::EngineInertia) {
-        doubt_inertia(findings, file, (Quantity::EngineInertia, bench.engine_inertia()), estimated);
+        doubt_inertia(findings, file, Quantity::EngineInertia, bench.engine_inertia(), estimated);
     }
     contradiction
 }
 
-/// By how large a part of itself the stated value is contradicted, zero where it is not.
+/// By how large a part of itself the stated value is contradicted, zero where it is not; by an estimate and its standard
+/// error.
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
-    (inertia, stated): (Quantity, StatedInertia),
+    inertia: Quantity,
+    stated: StatedInertia,
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
 ) -> f64 {
-    let Some(share) = stated.contradicted_by((estimated_kg_m2, standard_error_kg_m2)) else { return 0.0 };
+    let Some(share) = stated.contradicted_by(estimated_kg_m2, standard_error_kg_m2) else { return 0.0 };
     let given_kg_m2 = stated.kg_m2;
     let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
     let severity = if share > INERTIA_CONTRADICTED { Severity::Error } else { Severity::Warning };

@@ -208,7 +208,8 @@ pub fn structure(
 /// Those of [`super::estimate_feed_forward`].
 pub fn feed_forward_terms(
     experiment: &Experiment,
-    (controller, lags): (&SpeedControllerFit, DemandLags),
+    controller: &SpeedControllerFit,
+    lags: DemandLags,
     torque_limit_nm: Option<f64>,
 ) -> Result<FeedForwardTerms, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;

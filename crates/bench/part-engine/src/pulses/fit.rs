@@ -65,7 +65,7 @@ impl<const N: usize> Default for Sums<N> {
 }
 
 impl<const N: usize> Sums<N> {
-    fn add(&mut self, regressors: [f64; N], (value, variance): (Complex64, f64)) {
+    fn add(&mut self, regressors: [f64; N], value: Complex64, variance: f64) {
         for i in 0..N {
             for j in 0..N {
                 self.information[i][j] += regressors[i] * regressors[j] / variance;
@@ -216,7 +216,7 @@ impl Recording {
                 let [engine, dyno] = wave.of_encoders_nm.map(|one| one / SQRT_2);
                 let by_ignition = BY_IGNITION * of_class.scales[1] * missing_nm;
                 let all = [of_none, of_torque, of_speed, engine, dyno, by_ignition];
-                sums[*place].add(all, (wave.torque_nm, wave.variance));
+                sums[*place].add(all, wave.torque_nm, wave.variance);
             }
         }
         let weakened = sums.iter().map(|sums| match sums.scatter() {
@@ -290,7 +290,8 @@ impl Joined {
     pub(super) fn pulses(
         &self,
         prior: &EnginePulses,
-        (values, friction_nm): (&Values, f64),
+        values: &Values,
+        friction_nm: f64,
         at: (f64, f64),
     ) -> Vec<PulseHarmonic> {
         let class = Class::of(prior);

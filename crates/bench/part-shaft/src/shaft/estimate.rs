@@ -233,9 +233,9 @@ pub fn estimate_with_inertias(
     let unknowns = if inputs.inertia_kg_m2.is_some() { Unknowns::ShaftAndInertia } else { Unknowns::Shaft };
     let solution = Solution::of(inputs, &stretch, unknowns)?;
     let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
-    let shaft = (&*solution.fit.fit.parameters, &solution.fit.covariance);
+    let (theta, covariance) = (&solution.fit.fit.parameters, &solution.fit.covariance);
     let firing_s = if firings_per_turn > 0.0 { 1.0 / (firings_per_turn * turns_per_s) } else { WITHOUT_FIRING_S };
-    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, shaft)
+    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, theta, covariance)
         .map_err(|source| EstimateError::Ident { file: inputs.file.to_owned(), source })?;
     Ok(solution.with_engine_inertia(&stretch, &engine))
 }

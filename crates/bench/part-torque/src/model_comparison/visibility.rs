@@ -82,8 +82,7 @@ impl Visibility {
     pub(super) fn of(record: &Record) -> Option<Self> {
         let model = &record.control.model;
         let noise_nm = model.residual.standard_deviation_nm;
-        let visible =
-            || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
+        let visible = || visibility((model.delay_s, model.lag_rad_s), rms(&record.demand), noise_nm, CRITICALLY_DAMPED);
         record.control.has_lag().then(visible)
     }
 }
@@ -91,20 +90,20 @@ impl Visibility {
 /// Power of other rates and holds to show delay and lag `control` (s, rad/s), and a loop of second order with both and
 /// this κ. The demand and the noise are white, with these standard deviations, Nm.
 #[must_use]
-pub fn visibility(control: (f64, f64), (demand_nm, noise_nm): (f64, f64), term: f64) -> Visibility {
+pub fn visibility(control: (f64, f64), demand_nm: f64, noise_nm: f64, term: f64) -> Visibility {
     let pairs = RATES_HZ.iter().flat_map(|rate_hz| HOLDS_S.iter().map(move |hold_s| (*rate_hz, *hold_s)));
     let truth = SecondOrder { delay_s: control.0, lag_rad_s: control.1, term };
-    let cases = pairs.map(|pair| case(truth, pair, (demand_nm, noise_nm))).collect();
+    let cases = pairs.map(|(rate_hz, hold_s)| case(truth, rate_hz, hold_s, demand_nm, noise_nm)).collect();
     Visibility { control, demand_nm, noise_nm, recording_s: RECORDING_S, term, cases }
 }
 
 /// Computed for a demand of standard deviation one, noise of one, and the shorter recording.
-fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm): (f64, f64)) -> VisibilityCase {
+fn case(truth: SecondOrder, rate_hz: f64, hold_s: f64, demand_nm: f64, noise_nm: f64) -> VisibilityCase {
     let held = white_demand(hold_s);
     let times_s: Vec<f64> = (0..(COMPUTED_S * rate_hz) as usize).map(|i| i as f64 / rate_hz).collect();
     // What the samples do not tell has no bound.
     let (delay_s, lag_rad_s) =
-        lag_errors(&held, &times_s, (truth.delay_s, truth.lag_rad_s)).unwrap_or((f64::INFINITY, f64::INFINITY));
+        lag_errors(&held, &times_s, truth.delay_s, truth.lag_rad_s).unwrap_or((f64::INFINITY, f64::INFINITY));
     let term = term_error(&held, &times_s, truth).unwrap_or(f64::INFINITY);
     let distance = |term: f64| distance_from_lag(&held, &times_s, SecondOrder { term, ..truth }).unwrap_or(0.0);
     let scale = (COMPUTED_S / RECORDING_S).sqrt() * noise_nm / demand_nm;

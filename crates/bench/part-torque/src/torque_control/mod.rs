@@ -165,7 +165,8 @@ pub fn estimate_unseparated(
         experiment,
         &lagged,
         &delay_and_lag_validation,
-        (demand.sample_time_s, torque.sample_time_s),
+        demand.sample_time_s,
+        torque.sample_time_s,
     ));
     if lagged.is_gain_contradicted(torque.sample_time_s) {
         delay_and_lag.add_moves(&lagged.moves_with_gain());
@@ -206,7 +207,7 @@ pub fn second_order(
     let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.model.without_ripple(*y, *t)).collect();
     let observed = Observed { values: smooth, ..seen };
     let held = HeldDemand::new(demand, torque_limit_nm);
-    second_order::test(&held, &observed, (fit.model.delay_s, fit.model.lag_rad_s))
+    second_order::test(&held, &observed, fit.model.delay_s, fit.model.lag_rad_s)
         .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
 }
 
@@ -421,7 +422,8 @@ fn doubts(
     experiment: &Experiment,
     lagged: &Lagged,
     validation: &rig::results::Validation,
-    (demand_sample_time_s, torque_sample_time_s): (f64, f64),
+    demand_sample_time_s: f64,
+    torque_sample_time_s: f64,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let submodel = Part::TorqueControl;

@@ -128,7 +128,8 @@ pub struct SecondOrderTest {
 pub(super) fn test(
     held: &HeldDemand,
     observed: &Observed,
-    (delay_s, lag_rad_s): (f64, f64),
+    delay_s: f64,
+    lag_rad_s: f64,
 ) -> Result<SecondOrderTest, IdentError> {
     let lag = fit_with_lines(
         &mut RippledModel::new(DelayAndLag::new(held), observed),
@@ -182,7 +183,8 @@ fn with_term(
 pub(crate) fn lag_errors(
     held: &HeldDemand,
     times_s: &[f64],
-    (delay_s, lag_rad_s): (f64, f64),
+    delay_s: f64,
+    lag_rad_s: f64,
 ) -> Result<(f64, f64), IdentError> {
     let errors = standard_errors(&mut DelayAndLag::new(held), times_s, &[delay_s, lag_rad_s])?;
     Ok((errors[0], errors[1]))
@@ -264,7 +266,7 @@ mod tests {
             let truth = SecondOrder { delay_s: 1.3e-3, lag_rad_s: 500.0, term };
             let torque = truth.torque_at(&held, &times());
             let observed = Observed::of_samples(&times(), torque, 4e-3);
-            let found = super::test(&held, &observed, (1.3e-3, 500.0)).unwrap();
+            let found = super::test(&held, &observed, 1.3e-3, 500.0).unwrap();
             assert!((found.term - term).abs() < 1e-3 && (found.lag_rad_s - 500.0).abs() < 0.5, "{found:?}");
             assert!(found.lag_p_value < 1e-6);
         }

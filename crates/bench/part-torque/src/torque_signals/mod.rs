@@ -78,14 +78,15 @@ impl TorqueSignals {
 /// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]
 pub fn torque_signals(
-    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    controllers: &SpeedControllers<'_>,
+    torque_controls: &TorqueControls<'_>,
     bench: &BenchFile,
     context: &Context,
 ) -> TorqueSignals {
     let step = context.step("looking at the torques", torque_controls.experiments.len() as u64);
     let look = |experiment: &&Experiment| {
         let _part = step.step(format!("looking at the torques of {}", experiment.file), 0);
-        of_recording(experiment, (controllers, torque_controls), bench)
+        of_recording(experiment, controllers, torque_controls, bench)
     };
     // Chosen before the recordings are shared out.
     let _ = torque_controls.chosen();
@@ -98,7 +99,8 @@ pub fn torque_signals(
 /// The chosen torque control serves where a recording does not give it itself.
 fn of_recording(
     experiment: &Experiment,
-    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    controllers: &SpeedControllers<'_>,
+    torque_controls: &TorqueControls<'_>,
     bench: &BenchFile,
 ) -> TorqueRecording {
     if let Err(error) = believable(experiment) {

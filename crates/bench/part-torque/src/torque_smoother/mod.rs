@@ -84,12 +84,7 @@ impl Clock {
     ///
     /// # Errors
     /// Stamps and T_d share too little.
-    pub fn new(
-        file: &str,
-        stamps: Stamps,
-        (torque, late_s): (&Signal, f64),
-        gate_s: f64,
-    ) -> Result<Self, EstimateError> {
+    pub fn new(file: &str, stamps: Stamps, torque: &Signal, late_s: f64, gate_s: f64) -> Result<Self, EstimateError> {
         let step = stamps.step_s;
         let row_s = |i: usize| stamps.first_s + i as f64 * step + 0.5 * (step - gate_s);
         let is_inside = |i: &usize| {

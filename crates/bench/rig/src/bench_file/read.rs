@@ -309,7 +309,7 @@ fn read_overload(section: &Section<'_, '_>, continuous_nm: Option<f64>, faults: 
         let kind = FaultKind::OutOfRange { value, low: continuous_nm, high: f64::INFINITY, remedy };
         faults.add(place?.offset, section.path_of("overload_torque"), kind);
     }
-    DriveHeat::of_overload(continuous_nm, (value, time_s?))
+    DriveHeat::of_overload(continuous_nm, value, time_s?)
 }
 
 fn read_shaft(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ShaftPrior {

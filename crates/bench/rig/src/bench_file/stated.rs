@@ -122,10 +122,10 @@ impl DriveHeat {
     /// ```
     /// use rig::bench_file::DriveHeat;
     /// // 200 Nm for ever, √2 times as much for 60 s: (T/T_c)² (1 − e^{−60/τ}) = 1.
-    /// let heat = DriveHeat::of_overload(200.0, (200.0 * 2.0_f64.sqrt(), 60.0)).unwrap();
+    /// let heat = DriveHeat::of_overload(200.0, 200.0 * 2.0_f64.sqrt(), 60.0).unwrap();
     /// assert!((heat.time_constant_s - 60.0 / 2.0_f64.ln()).abs() < 1e-9);
     /// ```
-    pub fn of_overload(continuous_torque_nm: f64, (torque_nm, time_s): (f64, f64)) -> Option<Self> {
+    pub fn of_overload(continuous_torque_nm: f64, torque_nm: f64, time_s: f64) -> Option<Self> {
         let time_constant_s = -time_s / (-(continuous_torque_nm / torque_nm).powi(2)).ln_1p();
         (torque_nm > continuous_torque_nm).then_some(DriveHeat { continuous_torque_nm, time_constant_s })
     }

@@ -57,7 +57,7 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
         }
         let times = if role == Role::LoadCellTorque { FOLDED_TIMES_OF_CELL } else { FOLDED_TIMES };
         let folded_nm = times * folded_to_rest_nm(experiment, bench_file.dynamometer_inertia_kg_m2);
-        let Some((gain, offset_nm)) = disagreement(experiment, role, (limit_nm, folded_nm)) else { continue };
+        let Some((gain, offset_nm)) = disagreement(experiment, role, limit_nm, folded_nm) else { continue };
         let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
         let looks_like = likely_unit(role, gain, limit_nm);
         let finding = Finding::TorquesDisagree { role, gain, offset_nm, looks_like };
@@ -93,7 +93,7 @@ fn amplitude_at(signal: &Signal, frequency_hz: f64) -> f64 {
 
 /// Gain and offset of a torque against T_d,calc, if they are not one and zero. They may differ by what folds to rest
 /// besides.
-fn disagreement(experiment: &Experiment, role: Role, (limit_nm, folded_nm): (Option<f64>, f64)) -> Option<(f64, f64)> {
+fn disagreement(experiment: &Experiment, role: Role, limit_nm: Option<f64>, folded_nm: f64) -> Option<(f64, f64)> {
     let window = common_window(experiment, &[role, Role::AirGapTorque])?;
     let (of, calc) = (experiment.signal(role)?, experiment.signal(Role::AirGapTorque)?);
     let at_limit = |block: &[f64]| limit_nm.is_some_and(|nm| block.iter().any(|x| x.abs() >= AT_LIMIT * nm));
