@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::listed;
 use super::objects::{self, Objects};
 use super::scope::{element, joined};
-use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::value::{MAX_DEPTH, MAX_NUMBERS, MAX_PARTS, MAX_TEXT, Struct, Value, text_rows};
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
 use crate::source::{self, Shared};
@@ -20,15 +20,10 @@ use work::Context;
 
 /// Bytes before the first element.
 pub(super) const HEADER: usize = 128;
-/// The most structs and cells within each other.
-const MAX_DEPTH: usize = 20;
-/// The most cells, fields and lines of text in a file.
-const MAX_PARTS: usize = 1 << 18;
 /// The longest name; MATLAB's limit is 63.
 const MAX_NAME: usize = 128;
 
-/// The most numbers of a file, and of each byte of a larger file: as many as doubles can be deflated.
-const MAX_NUMBERS: usize = 1 << 26;
+/// The most numbers of each byte of a larger file: as many as doubles can be deflated.
 const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
 
 /// The most numbers in the list of a file, which holds texts.

@@ -4,13 +4,11 @@ use faer::Mat;
 use lti::{PolynomialEquation, PolynomialModel};
 
 use super::ArxOrders;
+use crate::condition::ILL_CONDITIONED;
 use crate::dense::spectral_radius;
 use crate::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};
 use crate::regression::{Regression, robust_covariance};
 use crate::{Doubt, Fit, IdentError, Termination};
-
-/// Condition number above which the parameters can hardly be separated.
-pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
 /// Assumption about the equation errors.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,7 @@ mod whitening;
 
 use lti::PolynomialModel;
 
-pub(crate) use estimate::{ILL_CONDITIONED, Noise, largest_pole, polynomial_fit, solve_equations};
+pub(crate) use estimate::{Noise, largest_pole, polynomial_fit, solve_equations};
 pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};

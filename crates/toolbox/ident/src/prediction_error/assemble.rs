@@ -8,10 +8,8 @@ use super::equation::Equation;
 use super::joint;
 use super::orders::Orders;
 use super::stability_boundary;
+use crate::condition::ILL_CONDITIONED;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
-
-/// From this condition number on, the coefficients can hardly be separated.
-const ILL_CONDITIONED: f64 = 1e8;
 
 /// The model of these coefficients, one list an equation, with noise of variance one.
 pub(super) fn model(orders: &Orders, data: &Dataset, thetas: &[Vec<f64>]) -> Result<PolynomialModel, IdentError> {

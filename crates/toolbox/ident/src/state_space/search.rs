@@ -10,7 +10,7 @@ use super::extrapolation::Extrapolation;
 use super::gather::{check_finite, scaled_columns};
 use super::lineariser::Lineariser;
 use super::predictor::{Free, Predictor, Scatter};
-use crate::dense::{spectral_radius, whitening};
+use crate::dense::{WEIGHT_FLOOR, spectral_radius, whitening};
 use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
@@ -19,10 +19,6 @@ const DECREASE_TOLERANCE: f64 = 1e-13;
 /// extrapolated may have many small ones before it.
 const STATISTICAL_TOLERANCE: f64 = 1e-4;
 const STATISTICAL_TOLERANCE_OF_SMALL_STEPS: f64 = 1e-8;
-/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
-/// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
-/// before the other is right.
-const WEIGHT_FLOOR: f64 = 1e-6;
 /// Directions weaker than this part of the strongest are left alone within a step.
 const RANK_TOLERANCE: f64 = 1e-9;
 
