@@ -15,9 +15,10 @@ use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectru
 
 use crate::blocks::{finding, heading, line, name};
 use crate::figures::figure;
+use crate::level::LEVEL;
 use crate::words::ratio_unit;
 use coherence::Coherence;
-use confidence::{FALSE_ALARM, LEVEL};
+use confidence::FALSE_ALARM;
 use excitation::Excitation;
 use lines::{Curve, Lines};
 
