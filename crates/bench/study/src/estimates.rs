@@ -345,8 +345,7 @@ fn doubt_inertias(
     contradiction
 }
 
-/// By how large a part of itself the stated value is contradicted, zero where it is not; by an estimate and its standard
-/// error.
+/// By how large a part of itself an estimate contradicts the stated value, zero where it does not.
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,

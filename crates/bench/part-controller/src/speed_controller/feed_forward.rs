@@ -7,14 +7,14 @@ use faer::Mat;
 use ident::covariance::at_least_white;
 use ident::{Minimum, ResidualModel, least_squares};
 use rig::align::split_window;
-use rig::estimation::{EstimateError, ReadOut, transformed};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, ReadOut, transformed};
 use rig::results::{DelayPlace, DemandLags, Estimate, FeedForward, Quantity};
 use rig::{Experiment, Role};
 use signal::Signal;
 
 use super::data::{Data, LEAST_SPREAD, ident_error, spread};
 use super::demand_lags::{Candidate, Reading, is_same, scan};
-use super::fit::{BATCHES, ESTIMATION_SHARE, SpeedControllerFit, run, validate};
+use super::fit::{BATCHES, SpeedControllerFit, run, validate};
 use super::inverse;
 
 /// Parameters estimated here.

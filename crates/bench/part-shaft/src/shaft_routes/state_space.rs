@@ -25,7 +25,7 @@ use ident::{
 };
 use lti::{LtiError, StateSpace};
 use numerics::linalg::FullyPivotedLu;
-use rig::estimation::{EstimateError, timing_floor_s};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, timing_floor_s};
 use rig::results::{Estimate, Quantity, Stretch, Trace, Validation};
 use serde::Serialize;
 use signal::{Complex64, Sos};
@@ -33,10 +33,8 @@ use units::RPM_RAD_S;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{Timing, estimate_of, flange_torque};
-use crate::shaft::ShaftInputs;
+use crate::shaft::{ECCENTRICITY, ShaftInputs};
 
-/// Share of the recording that is estimated from; the rest judges.
-const ESTIMATION_SHARE: f64 = 0.7;
 /// About how far the samples are apart that the model is fitted to, s.
 const SAMPLE_TIME_S: f64 = 2e-3;
 /// Band of the signals: lowest frequency, Hz, and the highest as a part of the sample rate.
@@ -48,8 +46,6 @@ const LOWER_EDGE_ORDER: usize = 2;
 const UPPER_EDGE_ORDER: usize = 8;
 /// Time for which the band-pass remembers its start, s.
 const SETTLING_S: f64 = 1.5;
-/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
-const ECCENTRICITY: f64 = 1e-3;
 /// Largest skew looked for in a round, s, and rounds in which signals are dated anew.
 const LARGEST_SKEW_S: f64 = 5e-3;
 const ROUNDS: usize = 6;

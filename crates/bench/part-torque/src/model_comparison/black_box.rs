@@ -7,6 +7,7 @@ use ident::uncertainty::{Ellipse, UncertainRoot};
 use ident::{Arx, Criteria, Fit, IdentError, NonlinearOptions, OutputError};
 use lti::polynomial::{add, multiply};
 use lti::{Complex64, LtiError, PolynomialModel};
+use rig::estimation::INTERVAL_LEVEL;
 use rig::results::{Parameter, Quantity};
 use serde::Serialize;
 
@@ -23,8 +24,6 @@ const NO_LOOP: f64 = 1e-6;
 
 /// Where a black box is asked for delay and gain, Hz: within what a demand held 10 ms excites, above slow drifts.
 pub const ASKED_HZ: f64 = 10.0;
-/// Level of the intervals of coefficients.
-const INTERVAL_LEVEL: f64 = 0.95;
 
 /// Kind of noise that a black box models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]

@@ -18,8 +18,6 @@ use self::load_cell::LoadCell;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
 use crate::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
 
-/// The signals whose delay is wanted.
-const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 /// Band of the phase slope of signals that follow T_d itself, Hz.
 const FOLLOWING_HZ: RangeInclusive<f64> = 0.5..=20.0;
 /// Band in which a torque flange is compared with T_d + J_d dω_d/dt, Hz.
@@ -70,7 +68,7 @@ pub fn estimate(
     })?;
     let demand = usable_signal(experiment, Role::DynoTorqueDemand)?;
     let bench = Bench { experiment, demand, torque_control, inertia_kg_m2: dynamometer_inertia_kg_m2 };
-    let present = TORQUES.into_iter().filter(|role| experiment.signal(*role).is_some());
+    let present = Role::TORQUES.into_iter().filter(|role| experiment.signal(*role).is_some());
     Ok(Timing { delays: present.map(|role| bench.delay_of(role)).collect::<Result<_, _>>()? })
 }
 

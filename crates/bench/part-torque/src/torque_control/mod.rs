@@ -19,7 +19,7 @@ mod validation;
 use faer::Mat;
 use ident::distributions::interval;
 use ident::{Bounds, IdentError, Minimum};
-use rig::estimation::{EstimateError, liveliest_part, timing_floor_s};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, liveliest_part, timing_floor_s};
 use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
@@ -41,8 +41,6 @@ pub(super) use search::robust_covariance;
 pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
 pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
 
-/// Part of the recording that is estimated from; the rest is held out.
-const ESTIMATION_SHARE: f64 = 0.7;
 /// Shortest usable recording, s.
 const SHORTEST_S: f64 = 4.0;
 /// A demand that varies less than this (standard deviation) excites nothing, Nm.

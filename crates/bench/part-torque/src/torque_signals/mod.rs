@@ -22,9 +22,6 @@ use shaft::Known;
 pub use shaft::{OnceATurn, RebuiltShaft};
 pub use trust::{Trust, TrustCheck};
 
-/// Torques whose signals this is about.
-const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
-
 /// Findings of recordings on the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueSignals {
@@ -146,7 +143,7 @@ fn missing(experiment: &Experiment, role: Role) -> Reason {
 }
 
 fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Outcome<Vec<SignalDelay>> {
-    if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
+    if !Role::TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
         return Outcome::because(missing(experiment, Role::AirGapTorque));
     }
     timing::estimate(&[experiment], control, bench.dynamometer_inertia_kg_m2).map(|timing| timing.delays).into()
