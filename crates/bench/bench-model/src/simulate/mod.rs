@@ -103,8 +103,9 @@ pub fn simulate_with_ripple(
     run(
         model,
         inputs,
-        (ripple, DynoFriction::default()),
-        Engine::of(inputs, None, (None, start.engine_speed_rad_s))?,
+        ripple,
+        DynoFriction::default(),
+        Engine::of(inputs, None, None, start.engine_speed_rad_s)?,
         start,
     )
 }
@@ -130,7 +131,8 @@ pub fn simulate_governed(
 pub fn simulate_fired(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    (fires, control): (&FiringEngine<'_>, Option<&EngineSpeedControl<'_>>),
+    fires: &FiringEngine<'_>,
+    control: Option<&EngineSpeedControl<'_>>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     simulate_acted_on(model, inputs, &Acting { fires: Some(fires), control, ..Acting::default() }, start)
@@ -157,19 +159,20 @@ pub fn simulate_acted_on(
     acting: &Acting<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    let engine = Engine::of(inputs, acting.control, (acting.fires, start.engine_speed_rad_s))?;
-    run(model, inputs, (Ripple::NONE, acting.friction), engine, start)
+    let engine = Engine::of(inputs, acting.control, acting.fires, start.engine_speed_rad_s)?;
+    run(model, inputs, Ripple::NONE, acting.friction, engine, start)
 }
 
 fn run(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    braking: (Ripple<'_>, DynoFriction),
+    ripple: Ripple<'_>,
+    friction: DynoFriction,
     mut engine: Engine<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    let mut plant = Plant::new(model, inputs, braking, start)?;
+    let mut plant = Plant::new(model, inputs, ripple, friction, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);
@@ -187,7 +190,7 @@ fn run(
         response.engine_speed_rad_s.push(engine_reading);
         let engine_nm = engine.update(k, engine_reading, &plant);
         let demand = match (inputs.dyno, pi.as_mut()) {
-            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, (demand, k), &mut streams),
+            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand, k, &mut streams),
             (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };
