@@ -73,7 +73,7 @@ fn braking_correlation(experiment: &Experiment, role: Role) -> Option<f64> {
 /// Σ Re S_xy / √(Σ S_xx Σ S_yy) over the band; `None` if the record is too short to hold it or does not move there.
 fn correlation_in_band(x: &Signal, y: &[f64]) -> Option<f64> {
     let segment = ((SEGMENT_S / x.sample_time_s) as usize).min(x.len());
-    if (segment as f64) * x.sample_time_s * *BAND_HZ.start() < 1.0 {
+    if (segment as f64) * x.sample_time_s * BAND_HZ.start() < 1.0 {
         return None;
     }
     let spectrum = cross_spectrum(&x.samples, y, x.sample_time_s, Welch::half_overlapping(segment)).ok()?;

@@ -99,8 +99,8 @@ pub(crate) fn tallies(rows: &[Row], answers: &[Yes]) -> BTreeMap<String, Tally> 
     println!("\nless than {} % inside: {}", 100.0 * LEAST, those(|inside| inside < LEAST));
     println!(
         "within {} … {} %: {}",
-        100.0 * *GOAL.start(),
-        100.0 * *GOAL.end(),
+        100.0 * GOAL.start(),
+        100.0 * GOAL.end(),
         those(|inside| GOAL.contains(&inside))
     );
     let sum = |of: fn(&Tally) -> usize| by_statistic.values().map(of).sum::<usize>();
