@@ -44,7 +44,7 @@ pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, Capabil
     let outcomes: Vec<Outcome> = parallel::map_as_step(context, "running the test on benches", &benches, run)
         .into_iter()
         .collect::<Result<_, _>>()?;
-    Ok(verdict(inputs, (&benches, &outcomes), &of_nominal, trace))
+    Ok(verdict(inputs, &benches, &outcomes, &of_nominal, trace))
 }
 
 /// Tells whether the nominal bench keeps everything.
