@@ -1,9 +1,10 @@
-//! `cargo xtask layers`: which crates may use which, and no circles among the modules of a crate.
+//! `cargo xtask layers`: which crates may use which, no circles among the modules of a crate, and names of tests.
 
 mod cycles;
 mod names;
 mod rooms;
 mod source;
+mod test_names;
 #[cfg(test)]
 mod tests;
 
@@ -14,19 +15,22 @@ use serde_json::Value;
 
 use self::cycles::{Arrows, Cycle, Kind};
 
-/// Checks the dependencies of all crates, and the modules in each of them.
+/// Checks the dependencies of all crates, the modules in each of them, and the names of their tests.
 pub(crate) fn check() -> Result<(), String> {
     let metadata = metadata()?;
     let root = crate::folder::root();
-    let architecture =
-        std::fs::read_to_string(root.join("ARCHITECTURE.md")).map_err(|error| format!("ARCHITECTURE.md: {error}"))?;
-    let house = rooms::House::read(&architecture)?;
+    let document = |name| std::fs::read_to_string(root.join(name)).map_err(|error| format!("{name}: {error}"));
+    let house = rooms::House::read(&document("ARCHITECTURE.md")?)?;
     let mut faults = house.faults(&metadata)?;
     faults.extend(house.floors_without_a_sign(&root));
     for room in Room::all(&metadata)? {
         faults.extend(room.cycles.iter().map(|cycle| format!("`{}`: {cycle}", room.name)));
     }
     faults.extend(tests_never_run(&metadata)?);
+    let manifests = array(&metadata["packages"]).iter().filter_map(|package| package["manifest_path"].as_str());
+    for package in manifests.filter_map(|manifest| Path::new(manifest).parent()) {
+        faults.extend(test_names::without_prefix(package, &document("CONTRIBUTING.md")?)?);
+    }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }
 
@@ -101,14 +105,8 @@ fn tests_never_run(metadata: &Value) -> Result<Vec<String>, String> {
 }
 
 fn has_tests(folder: &Path) -> Result<bool, String> {
-    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
-    for entry in folder.read_dir().map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let is_source = path.extension().is_some_and(|extension| extension == "rs");
-        if path.is_dir() && has_tests(&path)? {
-            return Ok(true);
-        }
-        if is_source && std::fs::read_to_string(&path).map_err(failed)?.contains("#[test]") {
+    for file in crate::folder::sources(folder)? {
+        if std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?.contains("#[test]") {
             return Ok(true);
         }
     }

@@ -6,6 +6,7 @@ use serde_json::json;
 use super::cycles::{self, Arrows, Kind};
 use super::rooms::House;
 use super::source::Tree;
+use super::test_names;
 
 /// A crate written to the build's folder, from files' names and contents.
 fn written(name: &str, files: &[(&str, &str)]) -> PathBuf {
@@ -167,4 +168,17 @@ fn exact_the_tables_say_who_may_use_whom() {
         "ARCHITECTURE.md has a room `c`, which no crate has",
     ];
     assert_eq!(faults(&wrong), expected);
+}
+
+#[test]
+fn exact_a_test_is_named_after_what_it_proves() {
+    let contributing = "# Contributing\n\n## Tests\n\n| prefix | proves |\n| --- | --- |\n| `exact_` | values |\n\n## Code\n\n| `other` |\n";
+    assert_eq!(test_names::prefixes(contributing), ["exact_"]);
+    let mark = "#[test]";
+    let source = format!(
+        "fn helper() {{}}\n\n{mark}\nfn exact_a() {{}}\n\nproptest! {{\n    {mark}\n    #[ignore]\n    fn b(x in 0..2) {{}}\n}}\n"
+    );
+    assert_eq!(test_names::names(&source).collect::<Vec<_>>(), [(4, "exact_a"), (9, "b")]);
+    let faults = test_names::without_prefix(&written("unnamed", &[("src/lib.rs", &source)]), contributing).unwrap();
+    assert!(matches!(&faults[..], [one] if one.contains("lib.rs:9: the test `b`")), "{faults:?}");
 }

@@ -64,7 +64,7 @@ fn findings() -> Result<Vec<Finding>, String> {
             findings.extend(patterns::find(&name, &text));
         }
         if name.ends_with(".rs") {
-            findings.extend(patterns::long_lines(&name, &content));
+            findings.extend(patterns::lines(&name, &content));
         }
     }
     Ok(findings)
@@ -194,8 +194,16 @@ mod tests {
             "a".repeat(200)
         );
         let lines: Vec<usize> =
-            patterns::long_lines("crates/toolbox/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
+            patterns::lines("crates/toolbox/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
         assert_eq!(lines, [2, 3]);
+    }
+
+    #[test]
+    fn exact_the_parts_of_a_constant_have_names() {
+        let source = "const A: (f64, f64) = (1.0, 2.0);\nconst B: f64 = 1.0;\nstruct C;\n    pub(super) const D: (usize, f64) =\n        (1, 2.0);\nlet e: (f64, f64) = A;\nconst F: [(f64, f64); 1] = [A];\n";
+        let found = patterns::lines("crates/toolbox/lti/src/a.rs", source);
+        let found: Vec<_> = found.iter().map(|finding| (finding.line, finding.pattern.name)).collect();
+        assert_eq!(found, [(1, "tuple constant"), (4, "tuple constant")]);
     }
 
     #[test]

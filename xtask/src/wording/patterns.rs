@@ -100,6 +100,13 @@ static LONG_LINE: LazyLock<Pattern> = LazyLock::new(|| Pattern {
     suggestion: "lines of at most 120 columns",
 });
 
+/// Its expression finds constants whose parts have no names.
+static TUPLE_CONSTANT: LazyLock<Pattern> = LazyLock::new(|| Pattern {
+    name: "tuple constant",
+    expression: compiled(r"(?m)^[ \t]*(pub(\([a-z ]+\))? )?const [A-Z0-9_]+: \(.*$"),
+    suggestion: "a constant for each part with its own name and unit, a range, or a struct",
+});
+
 /// Beginning of the doc comment of a predicate, in which the word is right.
 const PREDICATE: &str = "Tells whether";
 
@@ -147,16 +154,18 @@ pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
     findings
 }
 
-/// The lines of comments in a source that are too long.
-pub(super) fn long_lines(path: &str, source: &str) -> Vec<Finding> {
-    let lines = LONG_LINE.expression.find_iter(source).filter(|line| line.as_str().chars().count() > LONGEST_LINE);
-    let finding = |line: regex_lite::Match<'_>| Finding {
+/// The lines of a source that are to be written another way: comments that are too long, constants that are tuples.
+pub(super) fn lines(path: &str, source: &str) -> Vec<Finding> {
+    let is_long = |line: &regex_lite::Match<'_>| line.as_str().chars().count() > LONGEST_LINE;
+    let long = LONG_LINE.expression.find_iter(source).filter(is_long).map(|line| (&*LONG_LINE, line));
+    let tuples = TUPLE_CONSTANT.expression.find_iter(source).map(|line| (&*TUPLE_CONSTANT, line));
+    let finding = |(pattern, line): (&'static Pattern, regex_lite::Match<'_>)| Finding {
         path: path.to_owned(),
         line: 1 + source[..line.start()].matches('\n').count(),
-        pattern: &LONG_LINE,
+        pattern,
         excerpt: line.as_str().trim_start().chars().take(70).collect(),
     };
-    lines.map(finding).collect()
+    long.chain(tuples).map(finding).collect()
 }
 
 /// Tells whether the doc comment of a predicate begins here.

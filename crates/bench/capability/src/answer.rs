@@ -45,10 +45,10 @@ pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, Capabil
     judged::check_own(&trace, inputs.own)?;
     let of_nominal = outcome(inputs, &driven, &nominal, Ok(trace.clone()))?;
     let run = |bench: &Drawn| outcome(inputs, &driven, bench, driven.trace(inputs, bench));
-    let outcomes: Vec<Outcome> = parallel::map_as_step((context, "running the test on benches"), &benches, run)
+    let outcomes: Vec<Outcome> = parallel::map_as_step(context, "running the test on benches", &benches, run)
         .into_iter()
         .collect::<Result<_, _>>()?;
-    Ok(verdict(inputs, (&benches, &outcomes), &of_nominal, trace))
+    Ok(verdict(inputs, &benches, &outcomes, &of_nominal, trace))
 }
 
 /// Tells whether the nominal bench keeps everything.

@@ -10,20 +10,26 @@ use serde::Serialize;
 use crate::demand::{CycleDemand, Demand};
 use crate::outcome::CanInputs;
 
-/// A plan and a cycle are made slower by these factors at most.
-const SLOWEST: (f64, f64) = (8.0, 2.0);
+/// A plan is made slower by this factor at most.
+const SLOWEST_PLAN: f64 = 8.0;
+/// A cycle is made slower by this factor at most.
+const SLOWEST_CYCLE: f64 = 2.0;
 /// Changes of the demand are made smaller down to this part at least.
 const SMALLEST: f64 = 0.05;
-/// Corners of a filter of the demands, from hardly any to the strongest, Hz.
-const CORNERS_HZ: (f64, f64) = (20.0, 0.1);
+/// Corner of the weakest filter of the demands, Hz: it hardly changes them.
+const WEAKEST_FILTER_HZ: f64 = 20.0;
+/// Corner of the strongest filter of the demands, Hz.
+const STRONGEST_FILTER_HZ: f64 = 0.1;
 /// Gains change by this factor at most, up and down.
 const GAINS: f64 = 4.0;
 /// The stiffness of the shaft changes by this factor at most, up and down.
 const SHAFT: f64 = 4.0;
 /// The dynamometer's inertia becomes so many times as large at most.
 const INERTIA: f64 = 3.0;
-/// Margins that a change of the speed loop leaves at least, dB and °.
-const MARGINS: (f64, f64) = (6.0, 30.0);
+/// Gain margin that a change of the speed loop leaves at least, dB.
+const GAIN_MARGIN_DB: f64 = 6.0;
+/// Phase margin that a change of the speed loop leaves at least, °.
+const PHASE_MARGIN_DEG: f64 = 30.0;
 
 /// A change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -75,11 +81,13 @@ pub(crate) fn kinds(inputs: &CanInputs<'_>) -> Vec<Kind> {
         Demand::Cycle(_) => (true, true),
         Demand::Plan(plan, _) => (false, plan.label.mode == ControlMode::Nt),
     };
-    let slowest = if is_cycle { SLOWEST.1 } else { SLOWEST.0 };
+    let slowest = if is_cycle { SLOWEST_CYCLE } else { SLOWEST_PLAN };
     let mut kinds: Vec<Kind> = vec![
         Box::new(move |share| Change::Slower { factor: slowest.powf(share) }),
         Box::new(|share| Change::Smaller { factor: 1.0 - share * (1.0 - SMALLEST) }),
-        Box::new(|share| Change::Filter { corner_hz: CORNERS_HZ.0 * (CORNERS_HZ.1 / CORNERS_HZ.0).powf(share) }),
+        Box::new(|share| Change::Filter {
+            corner_hz: WEAKEST_FILTER_HZ * (STRONGEST_FILTER_HZ / WEAKEST_FILTER_HZ).powf(share),
+        }),
     ];
     if is_nt && inputs.model.speed_controller.is_some() {
         kinds.push(Box::new(|share| Change::Gains { factor: GAINS.powf(share) }));
@@ -111,7 +119,7 @@ impl Change {
         let is_touched = changed.speed_controller != inputs.model.speed_controller;
         !is_touched
             || margins(&changed)
-                .is_some_and(|left| left.gain_margin_db >= MARGINS.0 && left.phase_margin_deg >= MARGINS.1)
+                .is_some_and(|left| left.gain_margin_db >= GAIN_MARGIN_DB && left.phase_margin_deg >= PHASE_MARGIN_DEG)
     }
 
     /// Does something with the changed test and bench.

@@ -13,8 +13,10 @@ use crate::error::CapabilityError;
 use crate::outcome::CanInputs;
 use crate::verdict::{is_share_of_yes, most_misses};
 
-/// Benches that a change is looked for with, and those that confirm the one that was found, at most.
-const SAMPLES: (usize, usize) = (24, 100);
+/// Benches that a change is looked for with, at most.
+const FIRST_SAMPLES: usize = 24;
+/// Benches that confirm the one that was found, at most.
+const CONFIRMING_SAMPLES: usize = 100;
 /// Steps in which the range of a change is looked at first, and parts of such a step.
 const STEPS: u32 = 4;
 const PARTS: u32 = 32;
@@ -43,7 +45,7 @@ pub struct Easier {
 /// As [`crate::can`].
 pub fn easier(inputs: &CanInputs<'_>, context: &Context) -> Result<Vec<Easier>, CapabilityError> {
     let least = |kind: &Kind| Search::of(inputs, kind).least();
-    let found = parallel::map_as_step((context, "looking for what would make it possible"), &kinds(inputs), least);
+    let found = parallel::map_as_step(context, "looking for what would make it possible", &kinds(inputs), least);
     Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
@@ -59,7 +61,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn of(inputs: &CanInputs<'a>, kind: &'a Kind) -> Self {
-        let inputs = CanInputs { samples: SAMPLES.1.min(inputs.samples), ..*inputs };
+        let inputs = CanInputs { samples: CONFIRMING_SAMPLES.min(inputs.samples), ..*inputs };
         Search { inputs, kind, tried: BTreeMap::new(), hard: Vec::new() }
     }
 
@@ -102,7 +104,7 @@ impl<'a> Search<'a> {
     /// The least change from there on with which a few benches call it a yes: larger ones, each twice as far away,
     /// until one does.
     fn of_few(&mut self, from: u32) -> Result<Option<u32>, CapabilityError> {
-        let few = SAMPLES.0.min(self.inputs.samples);
+        let few = FIRST_SAMPLES.min(self.inputs.samples);
         let (mut no, mut further) = (from - 1, 0);
         loop {
             let part = (from + further).min(LARGEST);

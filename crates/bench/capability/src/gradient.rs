@@ -75,8 +75,8 @@ pub(crate) fn of_bench(
     let most_nm = torque_nm.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
     let pulses = Pulses::of(model, engine, LoopMode::Speed, range, most_nm);
     let place = |torque: f64, speed: f64| {
-        let braked = (speed, friction.torque_nm(speed));
-        gradient(&model.mechanics, &inputs.limits, torque, braked, &pulses.at(torque, speed))
+        let friction_nm = friction.torque_nm(speed);
+        gradient(&model.mechanics, &inputs.limits, torque, speed, friction_nm, &pulses.at(torque, speed))
     };
     torque_nm.iter().flat_map(|torque| speed_rad_s.iter().map(|speed| place(*torque, *speed))).collect()
 }
@@ -87,7 +87,8 @@ fn gradient(
     mechanics: &Mechanics,
     limits: &Limits,
     engine_nm: f64,
-    (speed_rad_s, friction_nm): (f64, f64),
+    speed_rad_s: f64,
+    friction_nm: f64,
     added: &Added,
 ) -> Gradient {
     let both = mechanics.dyno_inertia_kg_m2 + mechanics.engine_inertia_kg_m2;

@@ -25,8 +25,10 @@ use crate::pulses::{About, Pulses};
 
 /// Halvings of the range in which the largest amplitude is looked for: its last part is 1e-12 of the whole.
 const HALVINGS: usize = 40;
-/// Speeds of the engine at which a sine can meet pulses, as parts of the lowest and the highest mean speed.
-const REACHED: (f64, f64) = (0.02, 2.0);
+/// Lowest speed of the engine at which a sine can meet pulses, as a part of the lowest mean speed.
+const LOWEST_REACHED: f64 = 0.02;
+/// The highest, as a part of the highest mean speed.
+const HIGHEST_REACHED: f64 = 2.0;
 
 /// Frequencies at which the response is looked at for bandwidths, less one.
 const BANDWIDTH_STEPS: u32 = 400;
@@ -216,7 +218,7 @@ pub(crate) fn one_bench(
     let mode = if of == SineOf::Speed { LoopMode::Speed } else { LoopMode::Torque };
     let swings_nm = gains.iter().map(|gains| high / gains.dyno_speed * gains.engine_torque).fold(0.0, f64::max);
     let most_nm = inputs.torque_nm.abs() + friction.torque_nm(high).abs() + swings_nm;
-    let pulses = Pulses::of(model, engine, mode, (REACHED.0 * low, REACHED.1 * high), most_nm);
+    let pulses = Pulses::of(model, engine, mode, (LOWEST_REACHED * low, HIGHEST_REACHED * high), most_nm);
     let rows = speed_rad_s.iter().flat_map(|speed| {
         let (torque, friction) = (inputs.torque_nm, friction.torque_nm(*speed));
         let (engine, dyno) =

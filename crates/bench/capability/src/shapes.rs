@@ -1,5 +1,7 @@
 //! Shapes that tests of drivelines have, with parameters.
 
+use std::ops::RangeInclusive;
+
 use rig::experiment::catalogue::{CatalogueError, Parameter, Settings, parameter};
 use rig::experiment::{
     ControlMode, DEMAND_HOLD_S, Excitation, ExperimentLabel, ExperimentPlan, Test, UPDATE_S, Waveform,
@@ -23,15 +25,15 @@ pub struct Shape {
 /// Speed, rpm, and torque, Nm.
 type Point = (f64, f64);
 
-const RPM: (f64, f64) = (-20_000.0, 20_000.0);
-const NM: (f64, f64) = (-20_000.0, 20_000.0);
-const SECONDS: (f64, f64) = (0.0, 1000.0);
+const RPM: RangeInclusive<f64> = -20_000.0..=20_000.0;
+const NM: RangeInclusive<f64> = -20_000.0..=20_000.0;
+const SECONDS: RangeInclusive<f64> = 0.0..=1000.0;
 
 const SPEED: Parameter = parameter("speed", "rpm", 1500.0, RPM, "speed at the beginning");
 const TORQUE: Parameter = parameter("torque", "Nm", 50.0, NM, "torque at the beginning");
 const START: Parameter = parameter("start", "s", 1.0, SECONDS, "when the change begins");
 const RAMP: Parameter = parameter("ramp", "s", 0.15, SECONDS, "how long the change takes");
-const DURATION: Parameter = parameter("duration", "s", 4.0, (0.1, 1000.0), "length of the test");
+const DURATION: Parameter = parameter("duration", "s", 4.0, 0.1..=1000.0, "length of the test");
 
 /// Every shape.
 pub const ALL: [Shape; 9] = [
@@ -138,7 +140,7 @@ pub const ALL: [Shape; 9] = [
             parameter("slip", "rpm", 150.0, RPM, "slip at the beginning"),
             parameter("hold", "rpm", 20.0, RPM, "slip at the end"),
             parameter("amplitude", "rpm", 4.0, RPM, "amplitude of the judder"),
-            parameter("frequency", "Hz", 8.0, (0.01, 100.0), "frequency of the judder"),
+            parameter("frequency", "Hz", 8.0, 0.01..=100.0, "frequency of the judder"),
         ],
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
@@ -157,8 +159,8 @@ pub const ALL: [Shape; 9] = [
             Parameter { default: 60.0, ..TORQUE },
             Parameter { default: 20.0, ..DURATION },
             parameter("amplitude", "Nm", 10.0, NM, "amplitude"),
-            parameter("from", "Hz", 1.0, (0.01, 100.0), "first frequency"),
-            parameter("to", "Hz", 20.0, (0.01, 100.0), "last frequency"),
+            parameter("from", "Hz", 1.0, 0.01..=100.0, "first frequency"),
+            parameter("to", "Hz", 20.0, 0.01..=100.0, "last frequency"),
         ],
         excitation: Excitation::Torque,
         mode: ControlMode::Tn,

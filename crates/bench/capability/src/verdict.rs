@@ -159,7 +159,8 @@ impl Spread {
 /// Puts the outcomes of all benches together.
 pub(crate) fn verdict(
     inputs: &CanInputs<'_>,
-    (benches, outcomes): (&[Drawn], &[Outcome]),
+    benches: &[Drawn],
+    outcomes: &[Outcome],
     nominal: &Outcome,
     trace: Trace,
 ) -> Verdict {
@@ -183,8 +184,8 @@ pub(crate) fn verdict(
         unstable: proportion(outcomes, |outcome| outcome.is_unstable),
         unchecked: limits.iter().filter(|one| one.limit.is_none()).map(|one| one.of).collect(),
         limits,
-        sets: inputs.sets.iter().enumerate().map(|(k, set)| set_verdict((k, set), outcomes, nominal)).collect(),
-        own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict((k, own), outcomes, nominal)).collect(),
+        sets: inputs.sets.iter().enumerate().map(|(k, set)| set_verdict(k, set, outcomes, nominal)).collect(),
+        own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict(k, own, outcomes, nominal)).collect(),
         doubts: match answer {
             Answer::Perhaps => doubts(benches, &outcomes.iter().map(|one| keeps(inputs, one)).collect::<Vec<_>>()),
             Answer::Yes | Answer::No | Answer::NotShown | Answer::NotJudged => Vec::new(),
@@ -219,7 +220,7 @@ fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal:
     }
 }
 
-fn set_verdict((place, set): (usize, &RequirementSet), outcomes: &[Outcome], nominal: &Outcome) -> SetVerdict {
+fn set_verdict(place: usize, set: &RequirementSet, outcomes: &[Outcome], nominal: &Outcome) -> SetVerdict {
     let of_nominal = nominal.validations.get(place);
     let statistic = |k: usize| {
         let first = &of_nominal?.checked[k];
@@ -241,7 +242,7 @@ fn set_verdict((place, set): (usize, &RequirementSet), outcomes: &[Outcome], nom
     }
 }
 
-fn own_verdict((place, own): (usize, &Own), outcomes: &[Outcome], nominal: &Outcome) -> OwnVerdict {
+fn own_verdict(place: usize, own: &Own, outcomes: &[Outcome], nominal: &Outcome) -> OwnVerdict {
     let of_nominal = nominal.own.get(place);
     OwnVerdict {
         own: *own,

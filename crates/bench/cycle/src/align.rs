@@ -3,8 +3,10 @@
 use crate::error::CycleError;
 use crate::reference::Reference;
 
-/// Steps of the first and the second search, s.
-const STEPS_S: (f64, f64) = (1.0, 0.05);
+/// Steps of the first search, s.
+const COARSE_STEP_S: f64 = 1.0;
+/// Steps of the second search, s.
+const FINE_STEP_S: f64 = 0.05;
 /// Reach of the second search, s.
 const REACH_S: f64 = 1.5;
 
@@ -37,8 +39,8 @@ pub fn find_start(reference: &Reference, speed: (f64, f64, &[f64])) -> Result<f6
         let tried = (0..=count).map(|k| (from + k as f64 * step).min(to));
         tried.map(|start| (misfit(start), start)).fold((f64::INFINITY, from), |a, b| if b.0 < a.0 { b } else { a }).1
     };
-    let coarse = best(earliest, latest, STEPS_S.0);
-    Ok(best((coarse - REACH_S).max(earliest), (coarse + REACH_S).min(latest), STEPS_S.1))
+    let coarse = best(earliest, latest, COARSE_STEP_S);
+    Ok(best((coarse - REACH_S).max(earliest), (coarse + REACH_S).min(latest), FINE_STEP_S))
 }
 
 /// A value between samples, straight; beyond them that of the end.

@@ -33,7 +33,8 @@ pub struct Excursion {
 /// 40 CFR 1066.425(b).
 pub fn speed_band(
     schedule_m_s: &[f64],
-    (sample_time_s, speed_m_s): (f64, &[f64]),
+    sample_time_s: f64,
+    speed_m_s: &[f64],
     tolerance: &BandTolerance,
 ) -> Result<Vec<Excursion>, CycleError> {
     if schedule_m_s.len() < 2 || speed_m_s.is_empty() {
@@ -104,9 +105,12 @@ impl ModeDeviation {
 /// The deviation of one mode: means and set points of speed and torque, the maximum test speed, and the largest torque
 /// at the speed of the mode; rad/s and Nm.
 pub fn steady_modes(
-    (mean_rad_s, mean_nm): (f64, f64),
-    (set_rad_s, set_nm): (f64, f64),
-    (maximum_test_speed_rad_s, largest_nm): (f64, f64),
+    mean_rad_s: f64,
+    mean_nm: f64,
+    set_rad_s: f64,
+    set_nm: f64,
+    maximum_test_speed_rad_s: f64,
+    largest_nm: f64,
     tolerance: &ModeTolerance,
 ) -> ModeDeviation {
     let of_speed = 0.01 * tolerance.speed_percent * maximum_test_speed_rad_s;

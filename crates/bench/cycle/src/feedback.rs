@@ -117,11 +117,7 @@ impl<'a> Seconds<'a> {
 
     /// The points where the feedback is moved forward by `shift_s`: the second around t of the reference meets the mean
     /// of the feedback over the second around t + shift. The first and the last second of the cycle have one half each.
-    pub(crate) fn points(
-        &self,
-        (reference, has_means): (&Reference, bool),
-        shift_s: f64,
-    ) -> Result<Points, CycleError> {
+    pub(crate) fn points(&self, reference: &Reference, has_means: bool, shift_s: f64) -> Result<Points, CycleError> {
         let Feedback { start_s, sample_time_s, .. } = *self.feedback;
         let end_s = start_s + (self.feedback.speed_rad_s.len() as f64 - 1.0) * sample_time_s;
         let (speed, torque) = (Line::of(&reference.speed_rad_s), Line::of(&reference.torque_nm));

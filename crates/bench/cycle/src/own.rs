@@ -10,8 +10,10 @@ use crate::error::CycleError;
 use crate::requirement::Signal;
 use crate::tone::{Lag, Samples, lag, largest_sine};
 
-/// Ten and ninety per cent of a step.
-const RISE: (f64, f64) = (0.1, 0.9);
+/// A step has begun to rise at this part of it.
+const RISE_BEGINS: f64 = 0.1;
+/// A step has risen at this part of it.
+const RISE_ENDS: f64 = 0.9;
 /// A demand has a sine if its amplitude is at least this part of the span of the demand.
 const LEAST_SINE: f64 = 0.01;
 /// A sine that is this part of what the demand does about it shows a phase by itself: of a step or a ramp it is some
@@ -217,7 +219,7 @@ impl Own {
         match *self {
             Own::Within { error, share, .. } => course.within(error, share),
             Own::Rise { most_s, .. } => {
-                let (from, to) = (course.first_beyond(RISE.0), course.first_beyond(RISE.1));
+                let (from, to) = (course.first_beyond(RISE_BEGINS), course.first_beyond(RISE_ENDS));
                 let value = to.zip(from).map_or(f64::INFINITY, |(to, from)| course.time_s(to) - course.time_s(from));
                 Judged { value, limit: most_s, time_s: to.map_or(f64::NAN, |to| course.time_s(to)) }
             }

@@ -126,7 +126,7 @@ pub(crate) fn lag(demand: &Samples<'_>, value: &Samples<'_>, frequency_hz: f64) 
     // Windows that begin before the record serve a step at its begin; what comes after its end is not known.
     let count = BLOCKS - 1 + ((to_s - from_s) / block_s) as usize;
     let first_s = from_s - (BLOCKS - 1) as f64 * block_s;
-    let [asked, came] = [asked, came].map(|changes| windows(&changes, frequency_hz, (first_s, block_s), count));
+    let [asked, came] = [asked, came].map(|changes| windows(&changes, frequency_hz, first_s, block_s, count));
     let (mut cross, mut of_asked, mut of_came, mut squares) = ((0.0, 0.0), 0.0, 0.0, 0.0);
     for (x, y) in asked.into_iter().zip(came) {
         let size = x.0 * x.0 + x.1 * x.1;
@@ -146,7 +146,7 @@ pub(crate) fn lag(demand: &Samples<'_>, value: &Samples<'_>, frequency_hz: f64) 
 
 /// The Fourier transforms of changes in windows of Hann, each of which begins a block after the one before. The cosine
 /// of a window is one of the time itself, turned: all windows share the sums of their blocks.
-fn windows(changes: &[(f64, f64)], frequency_hz: f64, (first_s, block_s): (f64, f64), count: usize) -> Vec<(f64, f64)> {
+fn windows(changes: &[(f64, f64)], frequency_hz: f64, first_s: f64, block_s: f64, count: usize) -> Vec<(f64, f64)> {
     // The transform by itself, times the cosine and times the sine.
     let mut blocks = vec![[(0.0, 0.0); 3]; count];
     for (time_s, change) in changes {

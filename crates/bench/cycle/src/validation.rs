@@ -84,7 +84,7 @@ pub fn validate(reference: &Reference, feedback: &Feedback, set: &RequirementSet
     let mut best: Option<Validation> = None;
     for step in 0..=steps {
         let shift_s = step as f64 * SHIFT_STEP_S;
-        let points = seconds.points((reference, set.reference_means), shift_s)?;
+        let points = seconds.points(reference, set.reference_means, shift_s)?;
         let mut judge = Judge { set, scales: &reference.scales, largest_rad_s, points: &points, known: Vec::new() };
         let rows = points.rows(&reference.scales);
         for choice in &choices {
@@ -181,14 +181,10 @@ impl Judge<'_> {
         }
         let [low, high] = criterion.slope;
         vec![
-            between((signal, Statistic::Slope), self.rounded(regression.slope), (low, high)),
+            between(signal, Statistic::Slope, self.rounded(regression.slope), (low, high)),
             most(Statistic::Intercept, regression.intercept.abs(), &criterion.intercept),
             error,
-            at_least(
-                (signal, Statistic::Determination),
-                self.rounded(regression.determination),
-                criterion.determination,
-            ),
+            at_least(signal, Statistic::Determination, self.rounded(regression.determination), criterion.determination),
         ]
     }
 
@@ -214,7 +210,7 @@ impl Judge<'_> {
             |speed: &[f64], torque: &[f64]| -> f64 { speed.iter().zip(torque).map(|(n, t)| (n * t).max(0.0)).sum() };
         let reference = work(&points.speed_reference_rad_s, &points.torque_reference_nm);
         let ratio = work(&points.speed_rad_s, &points.torque_nm) / reference;
-        between((Signal::Power, Statistic::Work), self.rounded(ratio), (low, high))
+        between(Signal::Power, Statistic::Work, self.rounded(ratio), (low, high))
     }
 }
 
@@ -238,7 +234,7 @@ fn impossible(signal: Signal) -> Checked {
     }
 }
 
-fn between((signal, statistic): (Signal, Statistic), value: f64, (low, high): (f64, f64)) -> Checked {
+fn between(signal: Signal, statistic: Statistic, value: f64, (low, high): (f64, f64)) -> Checked {
     let room = if value < 1.0 { (1.0 - value) / (1.0 - low) } else { (value - 1.0) / (high - 1.0) };
     Checked {
         signal,
@@ -251,7 +247,7 @@ fn between((signal, statistic): (Signal, Statistic), value: f64, (low, high): (f
     }
 }
 
-fn at_least((signal, statistic): (Signal, Statistic), value: f64, low: f64) -> Checked {
+fn at_least(signal: Signal, statistic: Statistic, value: f64, low: f64) -> Checked {
     let (passes, use_of_limit) = (value >= low, (1.0 - value) / (1.0 - low));
     Checked { signal, statistic, value, low: Some(low), high: None, passes, use_of_limit }
 }

@@ -22,8 +22,10 @@ pub use zeros::{NaiveZeros, ShaftZeros};
 const SPECTRUM_S: f64 = 10.0;
 /// Spectra are given up to this frequency, Hz.
 const HIGHEST_HZ: f64 = 200.0;
-/// Time shown before and after a step, s.
-const AROUND_STEP_S: (f64, f64) = (0.02, 0.1);
+/// Time shown before a step, s.
+const BEFORE_STEP_S: f64 = 0.02;
+/// Time shown after a step, s.
+const AFTER_STEP_S: f64 = 0.1;
 const STEP_S: f64 = 2.0;
 
 /// Amplitudes of a signal over frequency.
@@ -157,7 +159,7 @@ fn step(bench: &BenchParameters, seed: u64) -> Result<(Vec<ShownTrace>, Vec<Show
 
 fn around_step(name: &str, samples: &[f64], sample_time_s: f64) -> ShownTrace {
     let index = |time_s: f64| ((time_s / sample_time_s).round() as usize).min(samples.len());
-    let (from, to) = (index(STEP_S - AROUND_STEP_S.0), index(STEP_S + AROUND_STEP_S.1));
+    let (from, to) = (index(STEP_S - BEFORE_STEP_S), index(STEP_S + AFTER_STEP_S));
     let start_s = from as f64 * sample_time_s - STEP_S;
     ShownTrace { name: name.to_owned(), start_s, sample_time_s, values: samples[from..to].to_vec() }
 }

@@ -15,7 +15,7 @@ use crate::ExportError;
 use crate::numbers::name_of;
 
 /// Time between ticks where the model has no controller, s.
-const TICK_S: f64 = 1e-3;
+pub(crate) const TICK_S: f64 = 1e-3;
 const SPEEDS: [(&str, &str); 2] = [("N_d", "rad/s"), ("N_e", "rad/s")];
 const TORQUES: [(&str, &str); 2] = [("T_d", "Nm"), ("T_shaft", "Nm")];
 

@@ -8,13 +8,11 @@ use bench_model::document::BenchModelDocument;
 use bench_model::model::BenchModel;
 use ident::ModelDocument;
 
+use crate::draws::SEED;
 use crate::names::Names;
 use crate::numbers::{self, Number, Unit, written_by};
 use crate::xml::escaped;
 use crate::{ExportError, ExportedFile, draws};
-
-/// Seed of the draws: the same model gives the same files.
-const SEED: u64 = 1;
 
 /// `NAME.ssv` with the estimates, `NAME_uncertainty.ssv` with their covariance, and so many sets `NAME_draw_K.ssv` that
 /// are drawn from it.

@@ -22,8 +22,10 @@ use super::source::{TwoMasses, Values};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;
-/// Standard deviations at the start: of the speeds, rad/s; of the torque in the shaft, Nm.
-const START: (f64, f64) = (1.0, 300.0);
+/// Standard deviation of the speeds at the start, rad/s.
+const START_SPEED_RAD_S: f64 = 1.0;
+/// Standard deviation of the torque in the shaft at the start, Nm.
+const START_SHAFT_NM: f64 = 300.0;
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
 /// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d. N_d and the drift
@@ -93,9 +95,9 @@ pub(super) fn rebuild(
     masses: &TwoMasses,
     known: &Known<'_>,
 ) -> Result<(RebuiltEngine, Motion), EstimateError> {
-    let encoder = (known.controller.map(|fit| fit.encoder), known.stated_gate_s);
+    let encoder = known.controller.map(|fit| fit.encoder);
     let engine_speed = needed(experiment, Role::EngineSpeed)?;
-    let dyno = Prepared::new(experiment, known.torque_control, encoder)?;
+    let dyno = Prepared::new(experiment, known.torque_control, encoder, known.stated_gate_s)?;
     let lines_hz = firing_lines(experiment, known.engine, engine_speed, HIGHEST_LINE * dyno.speed.nyquist_hz());
     let recorded = Recorded { file: &experiment.file, dyno, engine_speed, lines_hz };
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
@@ -105,16 +107,16 @@ pub(super) fn rebuild(
     let levels = smoother.levels(FOR_LEVELS_S).map_err(failed)?;
     let smoothed = smoother.smooth(&levels).map_err(failed)?;
     let (smoothed_nm, of_noise_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
-    let of_masses_nm = recorded.of_masses(masses, &levels, (observed.start_s, observed.sample_time_s, &smoothed_nm))?;
+    let of_masses_nm = recorded.of_masses(masses, &levels, observed.start_s, observed.sample_time_s, &smoothed_nm)?;
     let noise = smoother.noise(&levels).map_err(failed)?;
     let widening = noise.widening;
-    let motion = motion(&smoother, &smoothed, (&values, observed.first_rad_s), &noise).map_err(failed)?;
+    let motion = motion(&smoother, &smoothed, &values, observed.first_rad_s, &noise).map_err(failed)?;
     let mean = recorded.engine_speed.mean().unwrap_or(0.0);
     let engine = RebuiltEngine {
         start_s: observed.start_s,
         sample_time_s: observed.sample_time_s,
         standard_deviation_nm: of_noise_nm.iter().zip(&of_masses_nm).map(|(a, b)| (widening * a).hypot(*b)).collect(),
-        zero_phase_nm: recorded.zero_phase(&values, (observed.start_s, observed.sample_time_s, smoothed_nm.len())),
+        zero_phase_nm: recorded.zero_phase(&values, observed.start_s, observed.sample_time_s, smoothed_nm.len()),
         smoothed_nm,
         of_masses_nm,
         torque: recorded.dyno.source,
@@ -140,7 +142,7 @@ fn two_masses(v: &Values) -> Mechanics {
         by_sought: vec![0.0, 0.0, engine],
         measured: vec![DYNO, ENGINE],
         at_rest: vec![1.0 / v.stiffness, 0.0, 0.0],
-        start: vec![START.1 / v.stiffness, START.0, START.0],
+        start: vec![START_SHAFT_NM / v.stiffness, START_SPEED_RAD_S, START_SPEED_RAD_S],
     }
 }
 
@@ -160,8 +162,8 @@ impl Recorded<'_> {
         let (dyno, engine) = (&self.dyno.speed, self.engine_speed);
         let between = (engine.sample_time_s / dyno.sample_time_s).round().max(1.0) as usize;
         let stamps = self.stamps(values.engine_late_s, between);
-        let torque = (&self.dyno.torque, values.torque_late_s);
-        let clock = Clock::new(self.file, stamps, torque, self.dyno.encoder.gate_s)?;
+        let (torque, gate_s) = (&self.dyno.torque, self.dyno.encoder.gate_s);
+        let clock = Clock::new(self.file, stamps, torque, values.torque_late_s, gate_s)?;
         let read_s: Vec<f64> = clock.used.clone().map(|k| stamps.first_s + k as f64 * stamps.step_s).collect();
         let dyno_speed = interpolate_at(dyno, &read_s, Interpolation::BandLimited)
             .map_err(|source| EstimateError::Signal { file: self.file.to_owned(), source })?;
@@ -204,7 +206,9 @@ impl Recorded<'_> {
         &self,
         masses: &TwoMasses,
         levels: &Levels,
-        (start_s, step_s, smoothed_nm): (f64, f64, &[f64]),
+        start_s: f64,
+        step_s: f64,
+        smoothed_nm: &[f64],
     ) -> Result<Vec<f64>, EstimateError> {
         let failed = |source: IdentError| EstimateError::Ident { file: self.file.to_owned(), source };
         let moved = |values: &[f64; super::source::PARAMETERS]| -> Result<(f64, Vec<f64>), EstimateError> {
@@ -227,7 +231,7 @@ impl Recorded<'_> {
     }
 
     /// J_e dω_e/dt + J_d dω_d/dt + T_d, every term through the same low-pass.
-    fn zero_phase(&self, values: &Values, (start_s, step, count): (f64, f64, usize)) -> Vec<f64> {
+    fn zero_phase(&self, values: &Values, start_s: f64, step: f64, count: usize) -> Vec<f64> {
         let gate_s = self.dyno.encoder.gate_s;
         let filtered = |x: &Signal, wanted, gate_s: f64, late_s: f64| {
             ZeroPhase { band_hz: BAND_HZ, gate_s, wanted }.at(x, start_s + late_s, step, count)
@@ -243,7 +247,8 @@ impl Recorded<'_> {
 fn motion(
     smoother: &TorqueSmoother<'_>,
     smoothed: &Smoothed,
-    (values, first_rad_s): (&Values, f64),
+    values: &Values,
+    first_rad_s: f64,
     noise: &NoiseLevels,
 ) -> Result<Motion, IdentError> {
     let states = smoother.weights().len();

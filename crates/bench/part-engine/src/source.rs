@@ -78,10 +78,10 @@ impl TwoMasses {
         let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, Quantity::EngineInertia) < CERTAIN;
         let both = parts.chosen_inertias().ok().filter(certain);
         let both = both.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
-        Ok(Self::assembled((shaft.experiment.file.clone(), &shaft.fit.estimate), both, parts.bench))
+        Ok(Self::assembled(shaft.experiment.file.clone(), &shaft.fit.estimate, both, parts.bench))
     }
 
-    fn assembled((file, shaft): (String, &Estimate), both: Option<Found>, bench: &BenchFile) -> Self {
+    fn assembled(file: String, shaft: &Estimate, both: Option<Found>, bench: &BenchFile) -> Self {
         let mut values = [0.0; PARAMETERS];
         let mut covariance = vec![vec![0.0; PARAMETERS]; PARAMETERS];
         let places = OF_SHAFT.map(|quantity| shaft.place(quantity));
@@ -100,7 +100,7 @@ impl TwoMasses {
         let stated = bench.engine_inertia();
         let seen = |found: &Estimate| {
             let seen = found.parameter(Quantity::EngineInertia)?;
-            Some(stated.with_seen((seen.value, seen.standard_error)))
+            Some(stated.with_seen(seen.value, seen.standard_error))
         };
         let (inertia_from, found) = match both {
             None => (InertiaSource::BenchFile, None),

@@ -17,8 +17,10 @@ use crate::options::{FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed}
 /// Shortest stretch, s: alone, and where T_d drives.
 const SHORTEST_S: f64 = 1.0;
 const SHORTEST_DRIVEN_S: f64 = 0.25;
-/// Slower than this part of the highest speed, and than so many rad/s, is left out.
-const SLOWEST: (f64, f64) = (0.02, 1.0);
+/// Slower than this part of the highest speed, ...
+const SLOWEST_PART: f64 = 0.02;
+/// ... and than so many rad/s, is left out.
+const SLOWEST_RAD_S: f64 = 1.0;
 /// Of a machine that is slow itself no more than this part of its highest speed is left out.
 const SLOWEST_OF_SLOW: f64 = 0.1;
 /// A sample drops out that is off the median of those about it by this part of it.
@@ -39,9 +41,10 @@ const FINER: usize = 4;
 const SAMPLES_OF_TORQUE: f64 = 5.0;
 /// Means over this hardly see what a load cell does to T_d beyond being late, s.
 const BLOCK_OF_CELL_S: f64 = 0.1;
-/// T_d jumps where it changes from one sample to the next by more than so many times what it does on the average (rms),
-/// and by this part of the most.
-const JUMPS: (f64, f64) = (3.0, 0.25);
+/// T_d jumps where it changes from one sample to the next by more than so many times its usual change (rms), ...
+const JUMP_TIMES_RMS: f64 = 3.0;
+/// ... and by this part of the most.
+const JUMP_PART: f64 = 0.25;
 /// T_d is averaged over this to see what it does beyond noise and ripple, s.
 const BLOCK_S: f64 = 0.05;
 /// Points of a figure.
@@ -83,8 +86,8 @@ pub(super) fn free_runs(experiment: &Experiment, options: FrictionOptions) -> Re
     let (speed, dropped) = without_drop_outs(measured);
     let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let slowest = options.slowest_rad_s.unwrap_or_else(|| match fastest {
-        0.0 => SLOWEST.1,
-        _ => (SLOWEST.0 * fastest).max(SLOWEST.1.min(SLOWEST_OF_SLOW * fastest)),
+        0.0 => SLOWEST_RAD_S,
+        _ => (SLOWEST_PART * fastest).max(SLOWEST_RAD_S.min(SLOWEST_OF_SLOW * fastest)),
     });
     let is_inside =
         |t: f64| torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s());
@@ -250,7 +253,7 @@ impl FreeRun {
         let changes: Vec<f64> = torque.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let most = changes.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
         let rms = (changes.iter().map(|c| c * c).sum::<f64>() / changes.len().max(1) as f64).sqrt();
-        let least = (JUMPS.0 * rms).max(JUMPS.1 * most);
+        let least = (JUMP_TIMES_RMS * rms).max(JUMP_PART * most);
         let mut sum = 0.0;
         let sums = changes.iter().map(|change| {
             sum += if change.abs() > least { *change } else { 0.0 };
@@ -317,7 +320,7 @@ fn without_drop_outs(speed: &Signal) -> (Signal, Vec<bool>) {
     let x = &speed.samples;
     let is_dropped = |i: usize| {
         let mut about = x[i.saturating_sub(ABOUT)..(i + ABOUT + 1).min(x.len())].to_vec();
-        let dropped = |median: f64| (x[i] - median).abs() > DROPPED * median.abs() && median.abs() > SLOWEST.1;
+        let dropped = |median: f64| (x[i] - median).abs() > DROPPED * median.abs() && median.abs() > SLOWEST_RAD_S;
         order::upper_median(&mut about).is_some_and(dropped)
     };
     let dropped: Vec<bool> = (0..x.len()).map(is_dropped).collect();

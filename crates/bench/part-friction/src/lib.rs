@@ -28,8 +28,10 @@ use regression::{Excitation, Problem};
 const TERM_LEVEL: f64 = 0.99;
 /// 1/J_d counts as determined by the data below this relative standard error.
 const DETERMINED: f64 = 0.1;
-/// Friction drives where it does so beyond so many half widths of its interval, and by this part of the largest torque.
-const DRIVES: (f64, f64) = (2.0, 0.05);
+/// Friction drives where it does so beyond so many half widths of its interval, ...
+const DRIVES_HALF_WIDTHS: f64 = 2.0;
+/// ... and by this part of the largest torque.
+const DRIVES_PART: f64 = 0.05;
 
 /// Whence J_d.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -204,7 +206,7 @@ fn check_torques(fit: &Fitted, free_runs: &[FreeRun]) -> Result<(), FrictionErro
     let driving_nm = |point: &CurvePoint| -point.torque_nm * point.speed_rad_s.signum();
     let drives = |point: &&CurvePoint| {
         point.speed_rad_s.abs() >= slowest
-            && driving_nm(point) > (DRIVES.0 * point.half_width_nm).max(DRIVES.1 * largest_nm)
+            && driving_nm(point) > (DRIVES_HALF_WIDTHS * point.half_width_nm).max(DRIVES_PART * largest_nm)
     };
     let worst = curve.iter().filter(drives).max_by(|a, b| driving_nm(a).total_cmp(&driving_nm(b)));
     match worst {

@@ -1,5 +1,7 @@
 //! Generalised least squares on integrated torques.
 
+use std::ops::RangeInclusive;
+
 use faer::{Mat, mat};
 use ident::covariance::at_least_white;
 use ident::distributions::student_t_quantile;
@@ -18,8 +20,10 @@ use crate::options::{LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
 const FEWEST_EVENTS: f64 = 3.0;
 /// Batches of the robust covariance.
 const BATCHES: usize = 16;
-/// ln of the random walk's variance a sample over that of the encoder's noise: where it starts, and its range.
-const WALK: (f64, f64, f64) = (-6.0, -30.0, 12.0);
+/// ln of the random walk's variance a sample over that of the encoder's noise, where the search starts.
+const WALK_START: f64 = -6.0;
+/// Range of that logarithm.
+const WALK_RANGE: RangeInclusive<f64> = -30.0..=12.0;
 /// Rounds of noise ratio and estimate in turn.
 const NOISE_ROUNDS: usize = 3;
 /// Fewest means that are compared.
@@ -55,7 +59,7 @@ impl<'a> Problem<'a> {
     pub(super) fn new(free_runs: &'a [FreeRun]) -> Self {
         let whole_s: f64 = free_runs.iter().map(|free_run| free_run.speed.duration_s()).sum();
         let block_s = free_runs.iter().map(|free_run| free_run.block_s).fold(0.0, f64::max);
-        Problem { free_runs, delay_s: 0.0, walk: WALK.0, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
+        Problem { free_runs, delay_s: 0.0, walk: WALK_START, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
     }
 
     /// Excitation by T_d beyond noise and ripple, of a dynamometer of about this inertia.
@@ -111,7 +115,7 @@ impl<'a> Problem<'a> {
             let left: Vec<f64> = (0..longest.speed.len()).map(left).collect();
             let outputs = self.means(longest, &left);
             let none = Mat::zeros(outputs.nrows(), 0);
-            let bounds = [Bounds::new(WALK.1, WALK.2)];
+            let bounds = [Bounds::new(*WALK_RANGE.start(), *WALK_RANGE.end())];
             let found = likeliest(&[vec![self.walk]], &bounds, |p| walk(p[0]), none.as_ref(), outputs.as_ref())?;
             let change = found.parameters[0] - self.walk;
             self.walk = found.parameters[0];

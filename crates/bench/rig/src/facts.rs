@@ -37,8 +37,10 @@ const ENGINE_INERTIA_PERCENT: f64 = 2.0;
 
 /// Standard errors of the difference beyond which a stated inertia and what recordings show contradict each other.
 const CONTRADICTED: f64 = 3.0;
-/// A difference of a stated inertia from what a recording shows that is worth a warning: standard errors, and share.
-const DOUBTED: (f64, f64) = (5.0, 0.01);
+/// A difference of a stated inertia from what a recording shows is worth a warning beyond so many standard errors, ...
+const DOUBTED_STANDARD_ERRORS: f64 = 5.0;
+/// ... and beyond this share of the inertia.
+const DOUBTED_SHARE: f64 = 0.01;
 
 /// An inertia before anything was estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,10 +76,10 @@ impl StatedInertia {
 
     /// By which part of itself it differs from what a recording shows, value and standard uncertainty in kg m²; `None`
     /// where chance or less than 1 % may be the reason.
-    pub fn contradicted_by(&self, (seen, error): (f64, f64)) -> Option<f64> {
+    pub fn contradicted_by(&self, seen: f64, error: f64) -> Option<f64> {
         let apart = (seen - self.kg_m2).abs();
         let spread = error.hypot(self.standard_uncertainty_kg_m2());
-        (apart > DOUBTED.0 * spread && apart > DOUBTED.1 * self.kg_m2).then_some(apart / self.kg_m2)
+        (apart > DOUBTED_STANDARD_ERRORS * spread && apart > DOUBTED_SHARE * self.kg_m2).then_some(apart / self.kg_m2)
     }
 
     /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other,
@@ -87,7 +89,7 @@ impl StatedInertia {
     /// # Source
     /// JCGM 100:2008 (GUM), 4.3, for the stated one; means weighted by precision: Rao, *Linear Statistical Inference
     /// and Its Applications*, 2nd ed., §6a.2.
-    pub fn with_seen(&self, (seen, error): (f64, f64)) -> (f64, f64) {
+    pub fn with_seen(&self, seen: f64, error: f64) -> (f64, f64) {
         let (stated, uncertainty) = (self.kg_m2, self.standard_uncertainty_kg_m2());
         let apart = (seen - stated).abs();
         if apart > CONTRADICTED * uncertainty.hypot(error) {

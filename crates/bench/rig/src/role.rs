@@ -42,6 +42,10 @@ impl Role {
         Role::Throttle,
     ];
 
+    /// Torques at the dynamometer, measured or computed, in the same order.
+    pub const TORQUES: [Role; 4] =
+        [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
+
     /// The key of the role in a bench file, e.g. `dyno_speed`.
     pub fn key(self) -> &'static str {
         match self {

@@ -73,7 +73,7 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
         });
         on_one_mains(found)
     };
-    let torque_signals = torque_signals((controllers, torque_controls), bench, &step);
+    let torque_signals = torque_signals(controllers, torque_controls, bench, &step);
     let speed_control = speed_control(controllers, &step);
     let pi_study = held_speed(parts).map(|experiment| {
         let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };

@@ -79,7 +79,7 @@ fn engine_inertia(parts: &StudyParts<'_>) -> (f64, f64) {
     let stated = parts.facts.engine_inertia();
     let seen = parts.shaft.inertias.as_ref().and_then(|(_, both)| both.parameter(Quantity::EngineInertia));
     seen.map_or((stated.kg_m2, stated.standard_uncertainty_kg_m2()), |seen| {
-        stated.with_seen((seen.value, seen.standard_error))
+        stated.with_seen(seen.value, seen.standard_error)
     })
 }
 

@@ -3,6 +3,8 @@
 //! No torque is ahead of its demand by more than two clocks of a bench are apart. Where it is, the demand is late:
 //! delays and feed-forward of the speed controller are then wrong by as much.
 
+use std::ops::RangeInclusive;
+
 use rig::{Experiment, Finding, Role, Severity};
 use signal::Signal;
 
@@ -10,14 +12,17 @@ use crate::findings::Findings;
 
 /// The two clocks of a bench are apart by at most this, s.
 const APART_S: f64 = 1.5e-3;
-/// Delays that are tried: the first, the last, and the steps between them, s.
-const TRIED_S: (f64, f64, f64) = (-0.02, 0.03, 2.5e-4);
+/// Delays that are tried, s.
+const TRIED_S: RangeInclusive<f64> = -0.02..=0.03;
+/// Steps between them, s.
+const TRIED_STEP_S: f64 = 2.5e-4;
 /// Changes over so long are compared, s: the drive's ripple at 100 Hz is as it was.
 const CHANGE_S: f64 = 0.04;
-/// A delay is seen where it leaves less than this part of the changes of T_d,calc. Delays that leave hardly more are as
-/// good: the second is by how much more. On 130 recordings of 29 simulated benches their middle is 0 to 4.6 ms later
-/// than the lag.
-const LEAVES: (f64, f64) = (0.5, 0.02);
+/// A delay is seen where it leaves less than this part of the changes of T_d,calc.
+const LEAVES: f64 = 0.5;
+/// Delays that leave hardly more are as good: by how much more. On 130 recordings of 29 simulated benches their middle
+/// is 0 to 4.6 ms later than the lag.
+const AS_GOOD: f64 = 0.02;
 
 /// Doubts each recording in which T_d,calc is ahead of T_d*; `lag_s` is how late the torque control makes it beside its
 /// pure delay.
@@ -35,13 +40,13 @@ pub(super) fn doubt(findings: &mut Findings<'_>, lag_s: f64) {
 /// T_d,calc. A held T_d* leaves several.
 fn delay_s(experiment: &Experiment) -> Option<f64> {
     let (demand, calc) = (experiment.signal(Role::DynoTorqueDemand)?, experiment.signal(Role::AirGapTorque)?);
-    let (first, last, step) = TRIED_S;
-    let tried = (0..=((last - first) / step).round() as usize).map(|k| first + k as f64 * step);
+    let (first, last) = TRIED_S.into_inner();
+    let tried = (0..=((last - first) / TRIED_STEP_S).round() as usize).map(|k| first + k as f64 * TRIED_STEP_S);
     let tried: Vec<(f64, f64)> = tried.map(|delay_s| (delay_s, left(demand, calc, delay_s))).collect();
     let least = tried.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::min);
     let mut as_good =
-        tried.iter().filter(|(_, left)| *left <= least + LEAVES.1 * (1.0 - least)).map(|(delay_s, _)| *delay_s);
-    let earliest = as_good.next().filter(|_| least < LEAVES.0)?;
+        tried.iter().filter(|(_, left)| *left <= least + AS_GOOD * (1.0 - least)).map(|(delay_s, _)| *delay_s);
+    let earliest = as_good.next().filter(|_| least < LEAVES)?;
     Some(0.5 * (earliest + as_good.next_back().unwrap_or(earliest)))
 }
 

@@ -36,9 +36,10 @@ const APART: f64 = 4.0;
 /// Contradictions of K and of B that are worth a warning, as a share; smaller ones are in the intervals, and noted.
 /// Slow rasters may make each recording wrong by half of it.
 const MATTERS: [(Quantity, f64); 2] = [(Quantity::Stiffness, 0.04), (Quantity::Damping, 0.2)];
-/// A signal is late if the shaft's equation dates it so far from its stamps, s, and so many standard errors. The two
-/// clocks of a bench are apart by 1.5 ms at most.
-const LATE: (f64, f64) = (2e-3, 5.0);
+/// A signal is late if the shaft's equation dates it so far from its stamps, s, ...
+const LATE_S: f64 = 2e-3;
+/// ... and so many standard errors. The two clocks of a bench are apart by 1.5 ms at most.
+const LATE_STANDARD_ERRORS: f64 = 5.0;
 /// A recording that moves J_d by more than this many of its stated standard uncertainties checks no other one. In speed
 /// control T_d follows N_d, and noise on a slow T_d,calc then bends all of J_d, K and the skews together.
 const MOVED: f64 = 3.0;
@@ -79,7 +80,7 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
         let answer = Answer::of(fits.controller.as_ref().ok().copied(), fits.torque_control.as_ref().ok());
         pulse_path::doubt(findings, &parts.experiments, shaft, answer);
-        cross_check(findings, parts, (shaft, chosen.experiment));
+        cross_check(findings, parts, shaft, chosen.experiment);
     }
     drop(comparing);
     struck::strike(&mut fits, &mut timing, findings);
@@ -195,7 +196,7 @@ fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<
 }
 
 /// Adds the estimates of the shaft from other recordings, and notes the doubts about it.
-fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experiment): (&mut Shaft, &Experiment)) {
+fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, shaft: &mut Shaft, experiment: &Experiment) {
     doubt_pulses(findings, experiment);
     let mut others = Sought::Shaft.candidates(&parts.experiments);
     let is_sound = |other: &&Experiment| !struck::has_error(findings, &other.file, struck::roles(Part::Shaft));
@@ -311,7 +312,7 @@ fn doubt_late_signals(findings: &mut Findings<'_>, experiment: &Experiment, shaf
 fn late(estimate: &Estimate) -> impl Iterator<Item = (Role, &Parameter)> {
     let skews = [(Role::EngineSpeed, Quantity::EngineSpeedSkew), (Role::AirGapTorque, Quantity::AirGapTorqueSkew)];
     let found = skews.into_iter().filter_map(|(role, quantity)| Some((role, estimate.parameter(quantity)?)));
-    found.filter(|(_, skew)| skew.value.abs() > LATE.0.max(LATE.1 * skew.standard_error))
+    found.filter(|(_, skew)| skew.value.abs() > LATE_S.max(LATE_STANDARD_ERRORS * skew.standard_error))
 }
 
 /// Widens the intervals of K and B by what contradicts them: they are proportional to T_d, which may be wrong where J_d
@@ -345,22 +346,23 @@ fn doubt_inertias(findings: &mut Findings<'_>, shaft: &Shaft, inertia: Option<(&
     let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
     let mut contradiction = 0.0;
     if let Some((file, estimated)) = inertia.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
-        contradiction = doubt_inertia(findings, file, (Quantity::DynoInertia, bench.dynamometer_inertia()), estimated);
+        contradiction = doubt_inertia(findings, file, Quantity::DynoInertia, bench.dynamometer_inertia(), estimated);
     }
     if let Some((file, estimated)) = found(Quantity::EngineInertia) {
-        doubt_inertia(findings, file, (Quantity::EngineInertia, bench.engine_inertia()), estimated);
+        doubt_inertia(findings, file, Quantity::EngineInertia, bench.engine_inertia(), estimated);
     }
     contradiction
 }
 
-/// By how large a part of itself the stated value is contradicted, zero where it is not.
+/// By how large a part of itself an estimate contradicts the stated value, zero where it does not.
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
-    (inertia, stated): (Quantity, StatedInertia),
+    inertia: Quantity,
+    stated: StatedInertia,
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
 ) -> f64 {
-    let Some(share) = stated.contradicted_by((estimated_kg_m2, standard_error_kg_m2)) else { return 0.0 };
+    let Some(share) = stated.contradicted_by(estimated_kg_m2, standard_error_kg_m2) else { return 0.0 };
     let given_kg_m2 = stated.kg_m2;
     let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
     let severity = if share > INERTIA_CONTRADICTED { Severity::Error } else { Severity::Warning };

@@ -5,6 +5,7 @@
 //! is as an acceleration is that order of the torque over J_e, above the resonance.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use numerics::parallel::map;
 use rig::{Experiment, Finding, Role, Severity};
@@ -24,22 +25,29 @@ const ENGINES: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 pub(super) const SEEN: f64 = 0.45;
 /// The slow course of the speed is its mean over this, taken twice, s.
 const TREND_S: f64 = 0.25;
-/// Parts of the power of all orders: the stated engine has less than the first in its multiples, or less than the
-/// second in its firing order itself; the engine found has more than the third and the fourth. On 38 recordings of ten
-/// simulated benches the right engine has 0.90 and more, and 0.43 and more in its firing order; the best wrong one has
-/// 0.50.
-const STATED: (f64, f64) = (0.6, 0.02);
-const FOUND: (f64, f64) = (0.85, 0.2);
-/// Pulses are looked for between so many times the speed; beyond this part of it, where their power is so many times
-/// that at the speed itself, they are not of this speed.
-const OFF_SPEED: (f64, f64) = (0.65, 1.45);
-const OFF: (f64, f64) = (0.003, 10.0);
+/// The stated engine has more than this part of the power of all orders in its multiples, ...
+const STATED_MULTIPLES: f64 = 0.6;
+/// ... and more than this part in its firing order itself.
+const STATED_ITSELF: f64 = 0.02;
+/// The engine found has more than this part in its multiples, ... On 38 recordings of ten simulated benches the right
+/// engine has 0.90 and more, the best wrong one 0.50.
+const FOUND_MULTIPLES: f64 = 0.85;
+/// ... and more than this part in its firing order itself. The right engine has 0.43 and more.
+const FOUND_ITSELF: f64 = 0.2;
+/// Pulses are looked for between so many times the speed.
+const OFF_SPEED: RangeInclusive<f64> = 0.65..=1.45;
+/// Pulses are not of this speed beyond this part of it, ...
+const OFF_PART: f64 = 0.003;
+/// ... where their power is so many times that at the speed itself.
+const OFF_POWER: f64 = 10.0;
 /// Steps of that search, as a part of what separates two orders over the whole recording.
 const STEP_OF_ORDERS: f64 = 0.5;
 /// So much of a recording is searched, s.
 const SEARCHED_S: f64 = 30.0;
-/// Orders of what turns, such as an encoder off its centre, and how near to them an order may be theirs.
-const OF_THE_TURNS: ([f64; 2], f64) = ([1.0, 2.0], 0.01);
+/// Orders of what turns, such as an encoder off its centre.
+const OF_THE_TURNS: [f64; 2] = [1.0, 2.0];
+/// An order this near to one of those, as a part of it, may be theirs.
+const NEAR_THE_TURNS: f64 = 0.01;
 /// Smallest amplitude of the firing order, as a part of the speed: an engine that does not fire has less.
 const LEAST: f64 = 2e-4;
 
@@ -63,7 +71,7 @@ pub(super) fn doubt(findings: &mut Findings<'_>) -> Vec<(String, f64)> {
     let named = |one: &&Experiment| others.iter().any(|(other, _)| other.file == one.file);
     let ratios = with_shaft.iter().zip(&seen).filter_map(|(one, (_, ratio))| Some((*one, (*ratio)?)));
     let ratios: Vec<(&Experiment, f64)> = ratios.filter(|(one, _)| !named(one)).collect();
-    for (experiment, ratio) in ratios.iter().filter(|(_, ratio)| (ratio - 1.0).abs() > OFF.0) {
+    for (experiment, ratio) in ratios.iter().filter(|(_, ratio)| (ratio - 1.0).abs() > OFF_PART) {
         findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffSpeed { ratio: *ratio });
     }
     ratios.into_iter().map(|(experiment, ratio)| (experiment.file.clone(), ratio)).collect()
@@ -86,22 +94,23 @@ pub(super) fn middle(speed: &Signal) -> Signal {
 fn pulses_over(speed: &Signal, stated: f64) -> Option<f64> {
     let mean = speed.mean()?.abs();
     let highest = SEEN * TAU / (speed.sample_time_s * mean);
-    let longest = OFF_SPEED.1.min(highest / stated);
-    if stated == 0.0 || longest < 1.0 + OFF.0 {
+    let longest = OFF_SPEED.end().min(highest / stated);
+    if stated == 0.0 || longest < 1.0 + OFF_PART {
         return None;
     }
     let seen = Seen::of(speed, mean);
     let step = STEP_OF_ORDERS * TAU / seen.turned();
-    let powers = seen.powers(OFF_SPEED.0 * stated, step, ((longest - OFF_SPEED.0) * stated / step) as usize);
+    let powers =
+        seen.powers(OFF_SPEED.start() * stated, step, ((longest - OFF_SPEED.start()) * stated / step) as usize);
     let (order, power) = powers.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let ratio = order / stated;
-    let is_of = |turns: &f64| *turns != stated && (order / turns - 1.0).abs() < OF_THE_TURNS.1;
-    if OF_THE_TURNS.0.iter().any(is_of) {
+    let is_of = |turns: &f64| *turns != stated && (order / turns - 1.0).abs() < NEAR_THE_TURNS;
+    if OF_THE_TURNS.iter().any(is_of) {
         return None;
     }
     let others: f64 = seen.order_powers(ratio * STEP, highest).iter().map(|(_, power)| power).sum();
-    (power > (LEAST * mean * mean).powi(2) && power > FOUND.1 * others)
-        .then(|| if power > OFF.1 * seen.power(stated) { ratio } else { 1.0 })
+    (power > (LEAST * mean * mean).powi(2) && power > FOUND_ITSELF * others)
+        .then(|| if power > OFF_POWER * seen.power(stated) { ratio } else { 1.0 })
 }
 
 /// The firings a turn that a recording shows in place of those stated, or none; nothing where the stated order is not
@@ -122,10 +131,13 @@ fn contradiction(experiment: &Experiment, stated: f64) -> Option<Option<f64>> {
     let itself = |firing: f64| of(&|order| order == firing);
     // The order of the turns is no evidence; two cylinders show its odd multiples too.
     let own = if stated == 1.0 { of(&|order| order % 2.0 == 1.0) } else { itself(stated) };
-    let is_stated = stated > 0.0 && multiples(stated) > STATED.0 && own > STATED.1;
+    let is_stated = stated > 0.0 && multiples(stated) > STATED_MULTIPLES && own > STATED_ITSELF;
     let least = (LEAST * mean * mean).powi(2);
     let is_engine = |firing: &f64| {
-        *firing != stated && multiples(*firing) > FOUND.0 && itself(*firing) > FOUND.1 && itself(*firing) * all > least
+        *firing != stated
+            && multiples(*firing) > FOUND_MULTIPLES
+            && itself(*firing) > FOUND_ITSELF
+            && itself(*firing) * all > least
     };
     Some(ENGINES.into_iter().find(is_engine).filter(|_| !is_stated))
 }

@@ -247,7 +247,7 @@ pub(super) fn beside(parts: &Parts<'_>, options: NextOptions, context: &Context)
             candidate.is_worth_while().then(|| safety(bench, &stated, known.model.as_ref(), plan, options.seed));
         Ok(Candidate { safety: safety.flatten(), ..candidate })
     };
-    let candidates = parallel::map_as_step((context, "trying experiments on a bench like this one"), &plans, tried);
+    let candidates = parallel::map_as_step(context, "trying experiments on a bench like this one", &plans, tried);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
     candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })

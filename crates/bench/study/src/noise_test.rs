@@ -11,6 +11,8 @@
 //! # Source
 //! Thesis §7.1, figure 7.1, table 7.1.
 
+use std::ops::RangeInclusive;
+
 use design::safety::Proportion;
 use numerics::parallel;
 use numerics::random::Stream;
@@ -31,9 +33,11 @@ use work::Context;
 /// Order of the noise's Butterworth filters (that of a band-pass is twice this).
 const NOISE_ORDER: usize = 4;
 /// The integrator starts within this of a middling torque, Nm.
-const INITIAL_NM: (f64, f64) = (20.0, 60.0);
-/// Length and speed of the virtual recording.
-const VIRTUAL: (f64, f64) = (60.0, 1200.0);
+const INITIAL_NM: RangeInclusive<f64> = 20.0..=60.0;
+/// Length of the virtual recording, s.
+const VIRTUAL_S: f64 = 60.0;
+/// Speed of the virtual recording, rpm.
+const VIRTUAL_RPM: f64 = 1200.0;
 
 /// A row of table 7.1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -217,8 +221,7 @@ impl From<Summary> for WrittenSummary {
 /// # Errors
 /// Those of [`simulate`].
 pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
-    let (duration_s, speed_rpm) = VIRTUAL;
-    let plan = ExperimentPlan::bs_t_nt(speed_rpm, duration_s);
+    let plan = ExperimentPlan::bs_t_nt(VIRTUAL_RPM, VIRTUAL_S);
     let recording = simulate(&BenchParameters::default(), &plan, seed)?;
     let signal = |(role, name): &(Role, &str)| {
         let channel = recording.channels.iter().find(|channel| channel.name == *name)?;
@@ -243,9 +246,8 @@ pub fn noise_test(
     let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
         .collect();
-    let outcomes = parallel::map_as_step((context, "estimating draw after draw"), &plan, |(noise, draw)| {
-        known.draw(*noise, *draw)
-    });
+    let outcomes =
+        parallel::map_as_step(context, "estimating draw after draw", &plan, |(noise, draw)| known.draw(*noise, *draw));
     let case = |(noise, estimator): (Noise, Estimator)| {
         let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
         let all: Vec<_> = of_noise
@@ -318,7 +320,7 @@ impl<'a> Known<'a> {
     /// T_d* of one draw, and the controller that is estimated from it, forward and inverse.
     fn draw(&self, noise: Noise, draw: u64) -> [Result<Estimate, EstimateError>; 2] {
         let mut random = Source::NoiseTest.stream(self.options.seed.wrapping_add(draw << 20));
-        let initial_nm = random.between(INITIAL_NM.0, INITIAL_NM.1);
+        let initial_nm = random.between(*INITIAL_NM.start(), *INITIAL_NM.end());
         let added = self.noise(noise, &mut random);
         let t = self.clock.sample_time_s;
         let (k_p, step) = (self.options.k_p / RPM_RAD_S, self.options.k_i / RPM_RAD_S * t);

@@ -6,6 +6,7 @@
 //! they are estimated from.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use part_controller::speed_controller::SpeedControllerFit;
 use part_torque::torque_control::TorqueControlFit;
@@ -21,7 +22,7 @@ use crate::firing::{SEEN, Seen, middle};
 /// The ratio of the speeds over what the shaft makes of it, where nothing is wrong. On 29 simulated benches it is 0.92
 /// to 1.17, the latter with a loss factor in place of B; a mean of 6 ms on N_e makes 1.6 of it, a lag of 2 ms on N_d
 /// 0.66.
-const AS_IT_SHOULD: (f64, f64) = (0.8, 1.25);
+const AS_IT_SHOULD: Range<f64> = 0.8..1.25;
 /// A line is seen where its power is so many times that beside it.
 const CLEAR: f64 = 400.0;
 /// Where the noise beside a line is taken, as a part of what separates two orders over the recording.
@@ -63,10 +64,10 @@ pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], sh
     let firing = findings.bench.engine().firings_per_turn();
     let is_at_a_speed = |experiment: &&Experiment| experiment.label.excitation == Excitation::Torque;
     for experiment in Sought::Shaft.candidates(experiments).into_iter().filter(is_at_a_speed) {
-        let of = |order| passed(experiment, (shaft, answer), findings.bench.dynamometer_inertia_kg_m2, order);
+        let of = |order| passed(experiment, shaft, answer, findings.bench.dynamometer_inertia_kg_m2, order);
         let found = [firing, 2.0 * firing].into_iter().filter_map(of);
         let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
-        let is_off = |ratio: f64| !(AS_IT_SHOULD.0..AS_IT_SHOULD.1).contains(&ratio);
+        let is_off = |ratio: f64| !AS_IT_SHOULD.contains(&ratio);
         if let Some((frequency_hz, ratio)) = farthest.filter(|(_, ratio)| is_off(*ratio)) {
             findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffShaft { frequency_hz, ratio });
         }
@@ -77,7 +78,8 @@ pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], sh
 /// where either does not show it, or where a controller that is not known answers to it.
 fn passed(
     experiment: &Experiment,
-    (shaft, answer): (&Shaft, Option<Answer>),
+    shaft: &Shaft,
+    answer: Option<Answer>,
     inertia_kg_m2: f64,
     order: f64,
 ) -> Option<(f64, f64)> {

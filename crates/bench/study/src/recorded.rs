@@ -5,8 +5,10 @@ use rig::results::Trace;
 use rig::{ControlMode, Experiment, ExperimentLabel, Role};
 use signal::Signal;
 
-/// Time shown before and after a step, s.
-const AROUND_S: (f64, f64) = (0.02, 0.08);
+/// Time shown before a step, s.
+const BEFORE_STEP_S: f64 = 0.02;
+/// Time shown after a step, s.
+const AFTER_STEP_S: f64 = 0.08;
 /// A step stands alone where T_d* is constant for so long before and after it, s: other steps would be in the picture.
 const ALONE_S: f64 = 0.05;
 /// Signals whose timing a step shows.
@@ -61,7 +63,7 @@ pub(super) fn step_response(experiments: &[&Experiment]) -> Option<StepResponse>
     let around = |role: Role| {
         let signal = experiment.signal(role)?;
         let index = |time_s: f64| ((time_s - signal.start_s) / signal.sample_time_s).round().max(0.0) as usize;
-        let range = index(at_s - AROUND_S.0)..index(at_s + AROUND_S.1).min(signal.len());
+        let range = index(at_s - BEFORE_STEP_S)..index(at_s + AFTER_STEP_S).min(signal.len());
         Some((role, trace(signal, range, at_s)))
     };
     let signals = AT_A_STEP.into_iter().filter_map(around).collect();

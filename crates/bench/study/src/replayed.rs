@@ -52,7 +52,7 @@ impl ReplayModel<'_> {
     fn torque_control(&self) -> Option<AirGapTorqueModel> {
         let RecordedTorque { delay_s, ripple_hz } = self.recorded_torque?;
         let lag_rad_s = self.model.torque_control?.bandwidth_rad_s?;
-        Some(AirGapTorqueModel::known((*delay_s, lag_rad_s), ripple_hz, self.model.torque_limit_nm))
+        Some(AirGapTorqueModel::known(*delay_s, lag_rad_s, ripple_hz, self.model.torque_limit_nm))
     }
 
     fn encoder_error(&self, experiment: &Experiment) -> Option<EncoderError> {

@@ -12,16 +12,18 @@ use crate::findings::Findings;
 
 /// Twice the mains, Hz.
 const RIPPLES_HZ: [f64; 2] = [100.0, 120.0];
-/// Without the engine's pulses a clock is wrong by at most this; and by more than the second, since mains stray by up
-/// to 0.4 %.
-const WRONG: (f64, f64) = (0.02, 0.005);
+/// Without the engine's pulses a clock is wrong by at most this, ...
+const MOST_WRONG: f64 = 0.02;
+/// ... and by more than this, since mains stray by up to 0.4 %.
+const LEAST_WRONG: f64 = 0.005;
 /// The power of the ripple over the median beside it. On 40 recordings of ten simulated benches it is 100 to 10⁵.
 const CLEAR: f64 = 300.0;
 /// A line this close to a multiple of half the engine's speed may be the engine's, Hz.
 const OF_THE_ENGINE_HZ: f64 = 0.8;
-/// Recordings of one clock agree within this; a recording of another is apart from the others, which agree, by more
-/// than the second.
-const AGREE: (f64, f64) = (1e-3, 4e-3);
+/// Recordings of one clock agree within this.
+const AGREE: f64 = 1e-3;
+/// A recording of another clock is apart by more than this from the others, which agree.
+const APART: f64 = 4e-3;
 /// The ripple is looked for within this part of where the engine's pulses would have it.
 const BY_PULSES: f64 = 0.004;
 
@@ -40,14 +42,14 @@ impl Ripple<'_> {
     }
 
     fn is_off(&self) -> bool {
-        (self.ratio() - 1.0).abs() > WRONG.1
+        (self.ratio() - 1.0).abs() > LEAST_WRONG
     }
 
     /// Tells whether the engine's pulses, or the other recordings, show that the clock of this one is wrong.
     fn is_certain(&self, others: &[f64]) -> bool {
-        let alike = |ratio: &f64, other: f64| (ratio - other).abs() < AGREE.0;
+        let alike = |ratio: &f64, other: f64| (ratio - other).abs() < AGREE;
         let all_alike = !others.is_empty() && others.iter().all(|other| alike(other, self.ratio()));
-        let apart = |other: &f64| alike(other, others[0]) && (other - self.ratio()).abs() > AGREE.1;
+        let apart = |other: &f64| alike(other, others[0]) && (other - self.ratio()).abs() > APART;
         match self.pulses {
             Some(pulses) => all_alike || (pulses - self.ratio()).abs() < BY_PULSES,
             None => all_alike || others.len() >= 2 && others.iter().all(apart),
@@ -77,7 +79,7 @@ fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple<'_>> {
     let half_turn_hz = 0.5 * speed.mean()?.abs() / TAU;
     let powers = powers(speed)?;
     let by_pulses = pulses.filter(|ratio| (ratio - 1.0).abs() > BY_PULSES);
-    let about = RIPPLES_HZ.map(|mains_hz| (mains_hz, mains_hz, WRONG.0)).into_iter();
+    let about = RIPPLES_HZ.map(|mains_hz| (mains_hz, mains_hz, MOST_WRONG)).into_iter();
     let about = about.chain(by_pulses.into_iter().flat_map(|ratio| RIPPLES_HZ.map(|hz| (hz, ratio * hz, BY_PULSES))));
     let lines =
         about.filter_map(|(mains_hz, about_hz, within)| Some((line(&powers, speed, about_hz, within)?, mains_hz)));

@@ -15,21 +15,21 @@ pub(super) fn strike(fits: &mut Fits<'_>, timing: &mut Result<Timing, Vec<Reason
     let mut shaft = errors_of(Part::Shaft, findings);
     feed_forward.extend(on(Part::SpeedController, &controller));
     shaft.extend(on(Part::TorqueControl, &torque_control));
-    strike_one(&mut fits.controller, (Part::SpeedController, controller), findings);
-    strike_one(&mut fits.feed_forward, (Part::FeedForward, feed_forward), findings);
-    strike_one(&mut fits.torque_control, (Part::TorqueControl, torque_control), findings);
+    strike_one(&mut fits.controller, Part::SpeedController, controller, findings);
+    strike_one(&mut fits.feed_forward, Part::FeedForward, feed_forward, findings);
+    strike_one(&mut fits.torque_control, Part::TorqueControl, torque_control, findings);
     if let (false, Ok(fit), Some(recorded)) =
         (shaft.is_empty(), &mut fits.torque_control, fits.torque_control_as_recorded.take())
     {
         // The skew of T_d,calc is of a shaft that is struck.
         *fit = recorded;
     }
-    strike_one(&mut fits.shaft, (Part::Shaft, shaft), findings);
+    strike_one(&mut fits.shaft, Part::Shaft, shaft, findings);
     if let Ok(shaft) = &mut fits.shaft {
         shaft.inertias.take_if(|(file, _)| has_error(findings, file, roles(Part::Shaft)));
     }
     let of_timing = errors_of(Part::Timing, findings);
-    strike_one(timing, (Part::Timing, of_timing), findings);
+    strike_one(timing, Part::Timing, of_timing, findings);
     if let Ok(timing) = timing {
         timing.delays.retain(|delay| !has_error(findings, &delay.stretch.file, &[delay.role]));
     }
@@ -37,7 +37,8 @@ pub(super) fn strike(fits: &mut Fits<'_>, timing: &mut Result<Timing, Vec<Reason
 
 fn strike_one<T>(
     estimated: &mut Result<T, Vec<Reason>>,
-    (part, because): (Part, Vec<Reason>),
+    part: Part,
+    because: Vec<Reason>,
     findings: &mut Findings<'_>,
 ) {
     if estimated.is_ok() && !because.is_empty() {

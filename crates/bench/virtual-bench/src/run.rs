@@ -112,9 +112,9 @@ impl Bench {
         let computed_nm = rest.air_gap_nm / knowledge.gain();
         Ok(Self {
             dyno_control: dyno_control(parameters, plan, speed, &rest, computed_nm),
-            drive: Drive::new(&parameters.drive, computed_nm, speed, (UPDATE_S, numerics.steps_per_update)),
+            drive: Drive::new(&parameters.drive, computed_nm, speed, UPDATE_S, numerics.steps_per_update),
             knowledge,
-            engine: Engine::new(&parameters.engine, combustion, seed, angle, (rest.engine_nm, speed)),
+            engine: Engine::new(&parameters.engine, combustion, seed, angle, rest.engine_nm, speed),
             engine_control: match (is_fired, plan.label.mode) {
                 (false, _) => EngineControl::Motored,
                 (true, ControlMode::Nt) => EngineControl::Demanded,

@@ -147,7 +147,7 @@ fn stated_in(file: &BenchFile) -> BenchParameters {
     };
     let (dyno, engine) = (file.dynamometer_inertia_kg_m2, file.engine_inertia_kg_m2);
     let mechanics = &mut parameters.mechanics;
-    take_inertias(mechanics, (dyno, engine));
+    take_inertias(mechanics, dyno, engine);
     if let Some(stiffness) = file.shaft.stiffness_nm_per_rad((dyno, engine)) {
         mechanics.shaft_stiffness_nm_per_rad = stiffness;
         let natural_rad_s = (stiffness * (1.0 / dyno + 1.0 / engine)).sqrt();
@@ -168,13 +168,13 @@ fn stated_in(file: &BenchFile) -> BenchParameters {
 }
 
 /// Takes the inertias of dynamometer and engine. The flywheel's secondary side keeps its share of the engine's.
-fn take_inertias(mechanics: &mut MechanicsParameters, (dyno, engine): (f64, f64)) {
-    let share = engine / mechanics.engine_inertia_kg_m2;
+fn take_inertias(mechanics: &mut MechanicsParameters, dyno_kg_m2: f64, engine_kg_m2: f64) {
+    let share = engine_kg_m2 / mechanics.engine_inertia_kg_m2;
     mechanics.flywheel = mechanics.flywheel.map(|flywheel| DualMassFlywheel {
         secondary_inertia_kg_m2: flywheel.secondary_inertia_kg_m2 * share,
         ..flywheel
     });
-    (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2) = (dyno, engine);
+    (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2) = (dyno_kg_m2, engine_kg_m2);
 }
 
 /// An engine with the stated cylinders, unequal as the default one's are.
@@ -203,8 +203,8 @@ fn overlay(whole: &mut toml::Table, table: &toml::Table) {
 
 fn take_over(parameters: &mut BenchParameters, model: &BenchModel) {
     // Stiffness and damping scale with the inertias that they were estimated with.
-    let inertias = (model.mechanics.dyno_inertia_kg_m2, model.mechanics.engine_inertia_kg_m2);
-    take_inertias(&mut parameters.mechanics, inertias);
+    let (dyno_kg_m2, engine_kg_m2) = (model.mechanics.dyno_inertia_kg_m2, model.mechanics.engine_inertia_kg_m2);
+    take_inertias(&mut parameters.mechanics, dyno_kg_m2, engine_kg_m2);
     parameters.mechanics.shaft_stiffness_nm_per_rad = model.mechanics.stiffness_nm_per_rad;
     parameters.mechanics.shaft_damping_nm_s_per_rad = model.mechanics.damping_nm_s_per_rad;
     if let Some(pi) = model.speed_controller {

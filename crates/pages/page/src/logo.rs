@@ -8,7 +8,8 @@ use serde::{Serialize, Serializer};
 /// Most pixels of a side.
 const MOST_PIXELS: u32 = 3000;
 /// Pixels that an SVG becomes on paper, at most: sharp at the size of a logo.
-const DRAWN: (f32, f32) = (960.0, 440.0);
+const DRAWN_WIDTH: f32 = 960.0;
+const DRAWN_HEIGHT: f32 = 440.0;
 
 /// A picture at the top of a page: PNG, JPEG or SVG.
 #[derive(Debug, Clone)]
@@ -174,7 +175,7 @@ fn svg(bytes: &[u8]) -> Result<Picture, LogoError> {
     let tree = usvg::Tree::from_str(text, &options).map_err(|error| LogoError::Broken(error.to_string()))?;
     let broken = || LogoError::Broken("it has no size".to_owned());
     let (width, height) = (tree.size().width(), tree.size().height());
-    let scale = (DRAWN.0 / width).min(DRAWN.1 / height);
+    let scale = (DRAWN_WIDTH / width).min(DRAWN_HEIGHT / height);
     let size = tree.size().to_int_size().scale_by(scale).ok_or_else(broken)?;
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or_else(broken)?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());

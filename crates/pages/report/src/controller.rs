@@ -9,10 +9,9 @@ use rig::results::{Outcome, Quantity, ResidualTest, WrittenParameter};
 use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use units::RPM_RAD_S;
 
+use crate::figures::HEIGHT;
 use crate::wording::{self, number};
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// Room beside the first and last point, as a part of the axis.
 const MARGIN: f64 = 0.03;
 /// Truths that differ by less than this part of themselves are the same.

@@ -8,18 +8,15 @@ use part_engine::{
 use part_torque::torque_smoother::TorqueSource;
 use rig::results::Outcome;
 
+use crate::figures::{BAND, HEIGHT};
 use crate::wording::{self, number};
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// Working cycles of which the torque is drawn.
 const SHOWN_CYCLES: f64 = 3.0;
 /// How much of the torque is drawn where cycles cannot be separated, s.
 const SHOWN_S: f64 = 0.25;
 /// Cycles whose means are drawn: more of them cover each other.
 const DRAWN_CYCLES: usize = 75;
-/// Half the width of a 95 % band in standard deviations.
-const BAND: f64 = 1.96;
 /// Cylinders that differ so little by chance are alike.
 const LEVEL: f64 = 0.01;
 

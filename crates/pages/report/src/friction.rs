@@ -6,14 +6,11 @@ use rig::facts::StatedInertia;
 use rig::results::{Parameter, Quantity};
 use units::RPM_RAD_S;
 
+use crate::figures::{BAND, HEIGHT};
 use crate::wording::number;
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// Measured speeds that are drawn of a stretch.
 const DOTS: usize = 150;
-/// Half the width of a 95 % interval in standard deviations.
-const BAND: f64 = 1.96;
 /// Below this difference a criterion does not decide.
 const UNDECIDED: f64 = 6.0;
 

@@ -17,6 +17,7 @@ pub mod design;
 mod effects;
 pub mod engine;
 pub mod estimated;
+mod figures;
 pub mod friction;
 pub mod inspection;
 mod json;

@@ -13,10 +13,8 @@ use virtual_bench::Assumption;
 
 use crate::assumptions::{assumptions, friction, prior_ranges};
 use crate::can::beyond_findings;
+use crate::figures::HEIGHT;
 use crate::wording::{self, number};
-
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 
 /// An experiment that was checked.
 #[derive(Clone, Copy)]

@@ -7,16 +7,13 @@ use part_shaft::shaft_routes::black_box::{BlackBoxDoubt, BlackBoxRoute};
 use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
 use rig::results::{Estimate, Notation, Outcome, Parameter, Quantity, Reason, Shaft, WrittenParameter};
 
+use crate::figures::{BAND, HEIGHT};
 use crate::wording::number;
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// A simple shaft whose errors are this many times what noise explains is not the whole truth.
 const MISFIT: f64 = 2.0;
 /// Samples of T_d further apart than this may hold what is folded, s.
 const COARSE_S: f64 = 2e-3;
-/// Half the width of a 95 % band in standard errors.
-const BAND: f64 = 1.96;
 /// e^{−(T/w)²} over torque has the area √π w; w is 5 Nm in [`Weight::NearZeroTorque`].
 const LOOSE_AREA_NM: f64 = 5.0 * 1.772_453_850_905_516;
 

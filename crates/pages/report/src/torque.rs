@@ -7,14 +7,11 @@ use part_torque::torque_smoother::{NoiseLevels, TorqueSource};
 use rig::Role;
 use rig::results::{Parameter, Quantity, SignalDelay, TorqueControl, Trace};
 
+use crate::figures::{BAND, HEIGHT};
 use crate::wording::number;
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// How much of the shaft torque is drawn, s.
 const SHOWN_S: f64 = 0.5;
-/// Half the width of a 95 % band in standard deviations.
-const BAND: f64 = 1.96;
 /// Intervals that are widened by more than this are worth a remark.
 const WORTH_SAYING: f64 = 1.2;
 

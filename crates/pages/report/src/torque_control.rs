@@ -7,11 +7,10 @@ use part_torque::model_comparison::{
 };
 use rig::results::Trace;
 
+use crate::figures::HEIGHT;
 use crate::torque;
 use crate::wording::number;
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 220;
 /// Height of a panel of errors.
 const ERROR_HEIGHT: u32 = 110;
 /// Roots further from zero than this would make all others small: they are left out, and said to be.

@@ -11,6 +11,7 @@ pub mod data;
 pub mod delay;
 mod figures;
 pub mod fit;
+mod level;
 pub mod models;
 pub mod one_clock;
 pub mod operating_point;

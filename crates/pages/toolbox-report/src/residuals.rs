@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Page of the tests on data.
 pub fn page(report: &ResidualReport, data: &Dataset) -> Page {
-    let mut blocks = findings(report, (data.input_labels(), data.output_labels()));
+    let mut blocks = findings(report, data.input_labels(), data.output_labels());
     blocks.extend(figures(report, data).into_iter().map(Block::figure));
     Page::new("Residuals", blocks)
 }
@@ -31,7 +31,7 @@ pub fn json(report: &ResidualReport, data: &Dataset) -> Value {
 }
 
 /// Findings of the tests, output by output.
-pub(crate) fn findings(report: &ResidualReport, (inputs, outputs): (&[Label], &[Label])) -> Vec<Block> {
+pub(crate) fn findings(report: &ResidualReport, inputs: &[Label], outputs: &[Label]) -> Vec<Block> {
     let mut all = Vec::new();
     if report.samples < report.samples_given {
         let (tested, given) = (report.samples, report.samples_given);

@@ -90,7 +90,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         }
         Doubt::RootAtEdge { output, polynomial, input, magnitude, angle, cancelled_by } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
-            root_at_edge(name, (*polynomial, *input), (*magnitude, *angle), *cancelled_by)
+            root_at_edge(name, *polynomial, *input, *magnitude, *angle, *cancelled_by)
         }
         Doubt::UnseenMode { output, input, pole: (re, im), .. } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
@@ -127,8 +127,10 @@ pub fn growing_pole(mode: &Mode) -> String {
 /// Of a root at which a search had to stop.
 fn root_at_edge(
     output: &str,
-    (polynomial, input): (char, Option<usize>),
-    (magnitude, angle): (f64, f64),
+    polynomial: char,
+    input: Option<usize>,
+    magnitude: f64,
+    angle: f64,
     cancelled_by: Option<char>,
 ) -> String {
     let whose = input.map_or(String::new(), |input| format!(" of input {}", input + 1));

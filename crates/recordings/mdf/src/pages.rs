@@ -8,6 +8,8 @@ use crate::{MdfError, Source};
 const PAGE: u64 = 1 << 12;
 /// Pages held at once: few, so that memory that has been written to before is written to again.
 const MOST: usize = 1 << 7;
+/// Bytes of blocks that may be read beyond four times the file: blocks are read about once.
+const SPARE: u64 = 1 << 26;
 
 /// A source with its length, and pages of it in memory.
 pub(crate) struct Pages<'a, S: ?Sized> {
@@ -21,6 +23,11 @@ impl<'a, S: Source + ?Sized> Pages<'a, S> {
         let failed = |e: std::io::Error| MdfError::Io { offset: 0, length: 0, detail: e.to_string() };
         let length = source.size().map_err(failed)?;
         Ok(Self { source, length, pages: HashMap::new() })
+    }
+
+    /// Bytes of blocks that may be read of the file at most.
+    pub(crate) fn most_read(&self) -> u64 {
+        self.length.saturating_mul(4).saturating_add(SPARE)
     }
 
     /// `count` bytes at `offset`, all of which the file must have.

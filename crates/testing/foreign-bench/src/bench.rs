@@ -1,5 +1,10 @@
 //! Plain numbers of a bench.
 
+use std::f64::consts::TAU;
+
+/// One revolution a minute, rad/s.
+pub(crate) const RPM: f64 = TAU / 60.0;
+
 /// A bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {

@@ -2,11 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use crate::bench::RPM;
 use crate::bench::{Bench, Clocks, Controller, Drive, Engine, Sensors, Train};
 use crate::random::Random;
-
-/// One revolution a minute, rad/s.
-const RPM: f64 = TAU / 60.0;
 
 /// The bench of a seed: passenger cars' engines of 3, 4 or 6 cylinders on dynamometers of 0.3 to 1.2 kg m², resonances
 /// from 9 to 30 Hz.

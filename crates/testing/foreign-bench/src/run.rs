@@ -122,8 +122,7 @@ impl<'a> Moving<'a> {
             Mode::SpeedByIgnition => demand.torque_nm.iter().copied().map(given_nm).fold(engine_nm, f64::max),
             Mode::Speed | Mode::Torque => engine_nm,
         };
-        let engine =
-            Engine::new(&bench.engine, (engine_nm, charged_nm), angle_rad, Random::new(seed ^ 0x5eed_0000_0001));
+        let engine = Engine::new(&bench.engine, engine_nm, charged_nm, angle_rad, Random::new(seed ^ 0x5eed_0000_0001));
         let motions = [(angle_rad, speed_rad_s); 2];
         let sensors_random = Random::new(seed ^ 0x5eed_0000_0002);
         Moving {

@@ -7,6 +7,8 @@ use crate::IdentError;
 
 /// Singular values below this fraction of the largest, after columns are scaled to one, count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
+/// Condition number above which the parameters can hardly be separated.
+pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
 /// Condition number of a scaled triangular factor.
 ///

@@ -5,6 +5,11 @@ use numerics::linalg::{self, Cholesky, DecompositionError, Lu};
 
 use crate::IdentError;
 
+/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
+/// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
+/// before the other is right.
+pub(crate) const WEIGHT_FLOOR: f64 = 1e-6;
+
 /// Largest modulus of the eigenvalues.
 pub(crate) fn spectral_radius(m: MatRef<'_, f64>) -> Result<f64, IdentError> {
     if m.nrows() == 0 {

@@ -24,7 +24,8 @@ pub fn map<T: Sync, R: Send>(tasks: &[T], run: impl Fn(&T) -> R + Sync) -> Vec<R
 /// The results of all tasks, in their order. They are a step of the work, such as `simulating`, of which each task is a
 /// part.
 pub fn map_as_step<T: Sync, R: Send>(
-    (context, what): (&Context, &str),
+    context: &Context,
+    what: &str,
     tasks: &[T],
     run: impl Fn(&T) -> R + Sync,
 ) -> Vec<R> {

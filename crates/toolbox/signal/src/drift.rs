@@ -93,7 +93,7 @@ pub fn relative_drift<'a>(
     if !stretches.is_related(rate) || second.is_some_and(is_rival) {
         return Ok(Drift { rate, standard_error: LARGEST_RATE });
     }
-    let without: Vec<f64> = (0..SEGMENTS).map(|out| stretches.without(out, rate, (best, step))).collect();
+    let without: Vec<f64> = (0..SEGMENTS).map(|out| stretches.without(out, rate, best, step)).collect();
     let standard_error = jackknife(&without)
         .max(jackknife(&stretches.without_bands(rate, step)))
         .max(stretches.curvature_error(rate, 0.1 * step))
@@ -198,7 +198,7 @@ impl Stretches {
 
     /// The likeliest rate within a step of the best from all stretches but one: by a step of Newton's from the
     /// likeliest rate of all, or where the likelihood is not rounded there, by a search.
-    fn without(&self, out: usize, rate: f64, (best, step): (f64, f64)) -> f64 {
+    fn without(&self, out: usize, rate: f64, best: f64, step: f64) -> f64 {
         let (slope, curvature) = self.derivatives(rate, out);
         let found = rate - slope / curvature;
         if curvature < 0.0 && (found - best).abs() < step {

@@ -108,14 +108,18 @@ const FAR_BEYOND: f64 = 20.0;
 /// A spike departs from the median of its window by at least this part of what it does from its neighbours.
 const ALONE: f64 = 0.5;
 
-/// A spike departs so many times as far as all but a share of the samples around it move from one to the next; how many
-/// count on each side, and that share. Of a ripple that the raster folds, and of a corner between two ramps, the ratio
-/// is 1.
-const AROUND: (f64, usize, f64) = (3.0, 24, 0.2);
+/// A spike departs so many times as far as all but a share of the samples around it move from one to the next. Of a
+/// ripple that the raster folds, and of a corner between two ramps, the ratio is 1.
+const BEYOND_AROUND: f64 = 3.0;
+/// So many samples on each side are around a spike.
+const SAMPLES_ASIDE: usize = 24;
+/// This share of the samples around a spike, those that move most, does not count.
+const LARGEST_SHARE: f64 = 0.2;
 
-/// The share of samples that sets the scale where their tails are heavier than Gaussian ones, and how many Gaussian
-/// standard deviations that share lies beyond.
-const TAIL: (f64, f64) = (0.02, 2.326_347_874);
+/// The share of samples that sets the scale where their tails are heavier than Gaussian ones.
+const TAIL_SHARE: f64 = 0.02;
+/// So many Gaussian standard deviations that share lies beyond.
+const TAIL_DEVIATIONS: f64 = 2.326_347_874;
 
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     let middle = lower_median_streamed(|| finite(x)).unwrap_or(0.0);
@@ -136,7 +140,7 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
         let size = error(*i).abs();
         size > threshold
             && departure(*i).abs() > ALONE * size
-            && size > AROUND.0 * moved_around(x, *i, options.spike_half_window)
+            && size > BEYOND_AROUND * moved_around(x, *i, options.spike_half_window)
     };
     let found: Vec<usize> = (0..x.len()).filter(&mut is_spike).collect();
     let found = with_neighbours(&found, x.len(), &mut departure);
@@ -161,22 +165,21 @@ fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm
     let mut count = 0;
     let place = |all: usize| {
         count = all;
-        all.saturating_sub(1 + (TAIL.0 * all.saturating_sub(1) as f64).ceil() as usize)
+        all.saturating_sub(1 + (TAIL_SHARE * all.saturating_sub(1) as f64).ceil() as usize)
     };
     let Some(tail) = select_streamed(&sizes, place) else { return f64::INFINITY };
     let usual = 1.4826 * lower_median_streamed(&sizes).unwrap_or(0.0);
-    usual.max(tail / TAIL.1) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
+    usual.max(tail / TAIL_DEVIATIONS) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
 }
 
 /// How far the samples around a place move from one to the next, but for the largest of them. What is within a spike's
 /// reach of the place does not count.
 fn moved_around(x: &[f64], i: usize, reach: usize) -> f64 {
-    let (_, side, share) = AROUND;
-    let before = i.saturating_sub(reach + side)..i.saturating_sub(reach);
-    let after = (i + reach).min(x.len())..(i + reach + side).min(x.len());
+    let before = i.saturating_sub(reach + SAMPLES_ASIDE)..i.saturating_sub(reach);
+    let after = (i + reach).min(x.len())..(i + reach + SAMPLES_ASIDE).min(x.len());
     let moved = |range: Range<usize>| x[range].windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut sizes: Vec<f64> = moved(before).chain(moved(after)).filter(|size| size.is_finite()).collect();
-    let largest = (share * sizes.len() as f64) as usize;
+    let largest = (LARGEST_SHARE * sizes.len() as f64) as usize;
     let place = sizes.len().saturating_sub(1 + largest);
     select(&mut sizes, place).unwrap_or(0.0)
 }

@@ -18,13 +18,18 @@ const NEW_BETWEEN: f64 = 0.02;
 const NEW_OF_ITS_OWN: f64 = 0.5;
 /// Samples lie on a straight line within this part of the largest magnitude, or within a step of their resolution.
 const ROUNDING: f64 = 1e-9;
-/// Differences that are multiples of a step within this part of it show a resolution, if this share of them is.
-const MULTIPLE: (f64, f64) = (0.1, 0.9);
+/// Differences that are multiples of a step within this part of it show a resolution, ...
+const MULTIPLE_WITHIN: f64 = 0.1;
+/// ... if this share of them is.
+const MULTIPLES_SHARE: f64 = 0.9;
 /// In finer steps than this part of the usual difference, repeats by chance are as frequent as differences of one step.
 const FINE: f64 = 3.0;
-/// Repeats count beyond so many times those by chance, so many standard deviations of these, and this share of the
-/// samples.
-const BEYOND_CHANCE: (f64, f64, f64) = (1.5, 5.0, 1e-3);
+/// Repeats count beyond so many times those by chance, ...
+const REPEATS_FACTOR: f64 = 1.5;
+/// ... so many standard deviations of these, ...
+const REPEATS_DEVIATIONS: f64 = 5.0;
+/// ... and this share of the samples.
+const REPEATS_SHARE: f64 = 1e-3;
 /// Of samples on straight lines at irregular instants, this share has to be.
 const MANY_STRAIGHT: f64 = 0.05;
 /// Of all samples this share has to bend clearly; rest is no straight line.
@@ -137,7 +142,7 @@ fn repeated(x: &[f64]) -> Option<Stale> {
     }
     let found = samples.iter().filter(|stale| **stale).count() as f64;
     let most =
-        BEYOND_CHANCE.0 * by_chance + BEYOND_CHANCE.1 * (by_chance + 1.0).sqrt() + BEYOND_CHANCE.2 * x.len() as f64;
+        REPEATS_FACTOR * by_chance + REPEATS_DEVIATIONS * (by_chance + 1.0).sqrt() + REPEATS_SHARE * x.len() as f64;
     let longest = runs(samples.len(), |i| samples[i]).max_by_key(ExactSizeIterator::len)?;
     (found > most).then_some(Stale { how: Staleness::Repeated { longest }, samples })
 }
@@ -179,9 +184,9 @@ fn all_but(count: usize, every: usize, first: usize) -> Vec<bool> {
 pub fn resolution(x: &[f64]) -> Option<f64> {
     let sizes = || (1..x.len()).filter_map(|i| difference(x, i)).filter(|d| *d > 0.0);
     let step = sizes().fold(f64::INFINITY, f64::min);
-    let is_multiple = |d: &f64| (d / step - (d / step).round()).abs() < MULTIPLE.0;
+    let is_multiple = |d: &f64| (d / step - (d / step).round()).abs() < MULTIPLE_WITHIN;
     let all = sizes().count();
-    (all > 0 && sizes().filter(is_multiple).count() as f64 > MULTIPLE.1 * all as f64).then_some(step)
+    (all > 0 && sizes().filter(is_multiple).count() as f64 > MULTIPLES_SHARE * all as f64).then_some(step)
 }
 
 /// The size of the change from the sample before; none beside a gap.

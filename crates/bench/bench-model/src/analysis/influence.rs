@@ -12,7 +12,9 @@ const UNMOVED: f64 = 1e-3;
 
 /// Influence of each parameter on a result; parameters without effect on it are left out.
 pub(super) fn influence(
-    (quantity, model, uncertainty): (Quantity, &BenchModel, &ModelUncertainty),
+    quantity: Quantity,
+    model: &BenchModel,
+    uncertainty: &ModelUncertainty,
     result: impl Fn(&BenchModel) -> f64,
 ) -> Influence {
     let value = result(model);

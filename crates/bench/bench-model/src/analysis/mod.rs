@@ -36,7 +36,7 @@ pub fn whole_model(inputs: &WholeInputs<'_>) -> WholeModel {
     };
     let engine = inputs.engine;
     let influences = results(inputs.model)
-        .map(|(quantity, function)| influence::influence((quantity, inputs.model, inputs.uncertainty), function));
+        .map(|(quantity, function)| influence::influence(quantity, inputs.model, inputs.uncertainty, function));
     WholeModel {
         resonance_hz: number(Quantity::ResonanceFrequency, &resonance_hz),
         resonance_gain: number(Quantity::ResonanceGain, &resonance_gain),

@@ -40,7 +40,8 @@ impl Pi {
     pub(super) fn update(
         &mut self,
         reading_rad_s: f64,
-        (demand, k): (&[f64], usize),
+        demand: &[f64],
+        k: usize,
         streams: &mut Streams,
     ) -> Option<f64> {
         let late = |lag: isize| demand[k.saturating_add_signed(-lag).min(demand.len() - 1)];

@@ -47,12 +47,13 @@ impl<'a> Engine<'a> {
     pub(super) fn of(
         inputs: &Inputs<'a>,
         control: Option<&EngineSpeedControl<'a>>,
-        (fires, speed_rad_s): (Option<&FiringEngine<'a>>, f64),
+        fires: Option<&FiringEngine<'a>>,
+        speed_rad_s: f64,
     ) -> Result<Self, SimulationError> {
         let mut governor = control.map(|control| Governor::new(control, inputs)).transpose()?;
         let governed_nm = governor.as_mut().map_or(0.0, Governor::at_rest_nm);
         let level_nm = inputs.engine_torque_nm.first().copied().unwrap_or(0.0) + governed_nm;
-        let firings = fires.map(|fires| Firings::new(fires, (level_nm, speed_rad_s), inputs.sample_time_s));
+        let firings = fires.map(|fires| Firings::new(fires, level_nm, speed_rad_s, inputs.sample_time_s));
         Ok(Engine { given_nm: inputs.engine_torque_nm, governor, governed_nm, firings })
     }
 

@@ -40,7 +40,8 @@ impl<'a> Firings<'a> {
     /// The engine running at a torque level and a speed.
     pub(super) fn new(
         FiringEngine { engine, seed, is_motored }: &FiringEngine<'a>,
-        (level_nm, speed_rad_s): (f64, f64),
+        level_nm: f64,
+        speed_rad_s: f64,
         step_s: f64,
     ) -> Self {
         let interval_rad = engine.cycle_rad() / engine.cylinder_factors.len().max(1) as f64;

@@ -140,7 +140,7 @@ impl<'a> Builder<'a> {
         let (in_error, in_feed_forward) = model.demand_lags();
         let lags = (in_error.max(0).unsigned_abs(), in_feed_forward);
         let wait = in_error.min(0).unsigned_abs();
-        let states = states(model, mode, step_s, &substeps, (lags, wait));
+        let states = states(model, mode, step_s, &substeps, lags, wait);
         Ok(Builder { model, mode, step_s, substeps, states, lags, wait })
     }
 
@@ -339,7 +339,8 @@ fn states(
     mode: LoopMode,
     step_s: f64,
     substeps: &[Substep],
-    (lags, wait): ((usize, usize), usize),
+    lags: (usize, usize),
+    wait: usize,
 ) -> Vec<State> {
     let gate = model.encoder_gate_s / step_s;
     let samples = gate.max(0.0).ceil() as usize;

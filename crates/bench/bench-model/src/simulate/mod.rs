@@ -101,8 +101,8 @@ pub fn simulate_with_ripple(
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     ripple.check_length(inputs.engine_torque_nm.len())?;
-    let engine = Engine::of(inputs, None, (None, start.engine_speed_rad_s))?;
-    run(model, inputs, (ripple, DynoFriction::default(), None), engine, start)
+    let engine = Engine::of(inputs, None, None, start.engine_speed_rad_s)?;
+    run(model, inputs, ripple, DynoFriction::default(), None, engine, start)
 }
 
 /// Simulates the bench with the engine under speed control; the engine torque of `inputs` adds to that of the control.
@@ -126,7 +126,8 @@ pub fn simulate_governed(
 pub fn simulate_fired(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    (fires, control): (&FiringEngine<'_>, Option<&EngineSpeedControl<'_>>),
+    fires: &FiringEngine<'_>,
+    control: Option<&EngineSpeedControl<'_>>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     simulate_acted_on(model, inputs, &Acting { fires: Some(fires), control, ..Acting::default() }, start)
@@ -155,23 +156,25 @@ pub fn simulate_acted_on(
     acting: &Acting<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
-    let engine = Engine::of(inputs, acting.control, (acting.fires, start.engine_speed_rad_s))?;
+    let engine = Engine::of(inputs, acting.control, acting.fires, start.engine_speed_rad_s)?;
     let disturbing = acting.disturbances.map(|(of, seed)| Disturbing::new(of, seed));
     let ripple = |disturbing: &Disturbing| disturbing.ripple(inputs.engine_torque_nm.len(), inputs.sample_time_s);
     let (relative, added_nm) = disturbing.as_ref().map(ripple).unwrap_or_default();
     let ripple = Ripple { relative: &relative, added_nm: &added_nm };
-    run(model, inputs, (ripple, acting.friction, disturbing), engine, start)
+    run(model, inputs, ripple, acting.friction, disturbing, engine, start)
 }
 
 fn run(
     model: &BenchModel,
     inputs: &Inputs<'_>,
-    (ripple, friction, mut disturbing): (Ripple<'_>, DynoFriction, Option<Disturbing>),
+    ripple: Ripple<'_>,
+    friction: DynoFriction,
+    mut disturbing: Option<Disturbing>,
     mut engine: Engine<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    let mut plant = Plant::new(model, inputs, (ripple, friction), start)?;
+    let mut plant = Plant::new(model, inputs, ripple, friction, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);
@@ -191,7 +194,7 @@ fn run(
         let error = |by: &mut Disturbing| by.of_reading_rad_s(state.dyno_angle_rad, state.dyno_speed_rad_s);
         let seen = reading + disturbing.as_mut().map_or(0.0, error);
         let demand = match (inputs.dyno, pi.as_mut()) {
-            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(seen, (demand, k), &mut streams),
+            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(seen, demand, k, &mut streams),
             (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };

@@ -97,7 +97,8 @@ impl<'a> Plant<'a> {
     pub(super) fn new(
         model: &BenchModel,
         inputs: &Inputs<'_>,
-        (ripple, friction): (Ripple<'a>, DynoFriction),
+        ripple: Ripple<'a>,
+        friction: DynoFriction,
         start: &InitialState,
     ) -> Result<Self, SimulationError> {
         let ripple = if matches!(inputs.dyno, DynoInput::AirGapTorque(_)) { Ripple::NONE } else { ripple };

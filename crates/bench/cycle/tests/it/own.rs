@@ -109,23 +109,23 @@ fn exact_a_vehicle_may_leave_its_band_for_two_seconds() {
         };
         (0..590).map(at).collect()
     };
-    let found = |beyond, seconds| speed_band(&schedule, (0.1, &run(beyond, seconds)), &tolerance).unwrap();
+    let found = |beyond, seconds| speed_band(&schedule, 0.1, &run(beyond, seconds), &tolerance).unwrap();
     assert!(found(0.89, 10.0).is_empty(), "2 mph are 0.894 m/s");
     let short = found(0.9, 1.95);
     assert!(short.len() == 1 && short[0].is_allowed && (short[0].start_s - 40.0).abs() < 1e-9, "{short:?}");
     assert!(!found(0.9, 2.25)[0].is_allowed);
     // A second early or late on a slope is no excursion.
     let late: Vec<f64> = (0..590).map(|k| (f64::from(k) * 0.1 - 1.0).clamp(0.0, 20.0)).collect();
-    assert!(speed_band(&schedule, (0.1, &late), &tolerance).unwrap().is_empty());
+    assert!(speed_band(&schedule, 0.1, &late, &tolerance).unwrap().is_empty());
 }
 
 #[test]
 fn exact_tolerances_of_modes_are_the_greater_of_two() {
     let tolerance = ModeTolerance { speed_percent: 1.0, speed_rpm: 3.0, torque_percent: 2.0 };
-    let slow = steady_modes((20.2, 100.0), (20.0, 100.0), (25.0, 500.0), &tolerance);
+    let slow = steady_modes(20.2, 100.0, 20.0, 100.0, 25.0, 500.0, &tolerance);
     assert_close(slow.speed_limit_rad_s, 3.0 * RPM_RAD_S, 1e-12);
     assert!(slow.passes());
-    let fast = steady_modes((202.0, 111.0), (200.0, 100.0), (250.0, 500.0), &tolerance);
+    let fast = steady_modes(202.0, 111.0, 200.0, 100.0, 250.0, 500.0, &tolerance);
     assert_eq!((fast.speed_limit_rad_s, fast.torque_limit_nm), (2.5, 10.0));
     assert!(!fast.passes());
 }

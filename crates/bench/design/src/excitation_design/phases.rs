@@ -12,8 +12,10 @@ const SAMPLES_PER_PERIOD: usize = 10;
 const ROUNDS: usize = 300;
 /// Starts at random, beside Schroeder's phases.
 const RANDOM_STARTS: u64 = 3;
-/// Where clips begin and end, as a part of the largest peak: early ones move phases far, late ones settle them.
-const CLIP: (f64, f64) = (0.75, 0.99);
+/// The first clip, as a part of the largest peak: early ones move phases far, late ones settle them.
+const FIRST_CLIP: f64 = 0.75;
+/// The last clip, as a part of the largest peak.
+const LAST_CLIP: f64 = 0.99;
 
 /// A periodic excitation whose phases are sought, with what it makes of the limited quantities.
 #[derive(Debug, Clone)]
@@ -60,7 +62,7 @@ impl Responses {
             if peak < best.peak {
                 *best = Phases { phases_rad: phases.clone(), peak };
             }
-            let level = peak * (CLIP.0 + (CLIP.1 - CLIP.0) * round as f64 / ROUNDS as f64);
+            let level = peak * (FIRST_CLIP + (LAST_CLIP - FIRST_CLIP) * round as f64 / ROUNDS as f64);
             let mut nearest = vec![Complex64::ZERO; phases.len()];
             for (response, gains) in responses.iter_mut().zip(&self.gains) {
                 response.iter_mut().for_each(|v| *v = v.clamp(-level, level));

@@ -31,7 +31,7 @@ pub(super) fn outcomes(
         let (friction, disturbances) = (*friction, *disturbances);
         outcome(&PredictionInputs { model, engine, friction, disturbances, firing_seed, ..*inputs })
     };
-    parallel::map_as_step((context, "running the experiment on benches"), benches, run).into_iter().collect()
+    parallel::map_as_step(context, "running the experiment on benches", benches, run).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -3,6 +3,7 @@
 use bench_model::document::{BenchModelDocument, Range};
 use bench_model::model::{BenchModel, ModelParameter};
 
+use crate::draws::SEED;
 use crate::numbers::{Number, Unit, all, demand_lead, name_of};
 use crate::start::{start_nm, start_rad_s};
 use crate::{ExportError, draws};
@@ -18,8 +19,6 @@ const LONGEST_SAMPLES: f64 = 508.0;
 const SAMPLE_TIME_S: f64 = 1e-3;
 /// Draws of the covariance that an FMU holds.
 pub const DRAWS: usize = 200;
-/// Seed of the draws.
-const SEED: u64 = 1;
 
 /// One parameter of the runtime.
 #[derive(Debug, Clone, PartialEq)]

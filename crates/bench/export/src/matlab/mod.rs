@@ -9,6 +9,7 @@ use bench_model::simulate::{LoopMode, linear_form};
 
 use crate::continuous::{self, Continuous};
 use crate::error::MOST_STATES;
+use crate::linear::TICK_S;
 use crate::names::{Names, one_line};
 use crate::numbers::{self, Number, Unit, written_by};
 use crate::{ExportError, ExportedFile};
@@ -16,8 +17,6 @@ use level5::{Value, file};
 pub use linear::linear;
 
 const FUNCTION: &str = include_str!("bench.m");
-/// Time between ticks where the model has no controller, s.
-const TICK_S: f64 = 1e-3;
 
 /// `NAME.mat` with the bench, and `NAME.m` that makes systems of it and draws them.
 ///

@@ -15,9 +15,11 @@ use crate::others::{folder_with, largest, python as run};
 const SAMPLE_S: f64 = 1e-3;
 const STEPS: usize = 50;
 const SAMPLES: usize = 700;
-/// The sample from which on recordings have a higher demand, rad/s, and the engine's torque throughout, Nm.
+/// The sample from which on recordings have the higher demand, both demands, rad/s, and the engine's torque throughout,
+/// Nm.
 const RISES_AT: usize = 200;
-const DEMAND_RAD_S: (f64, f64) = (320.0, 322.0);
+const LOWER_DEMAND_RAD_S: f64 = 320.0;
+const HIGHER_DEMAND_RAD_S: f64 = 322.0;
 const ENGINE_NM: f64 = 30.0;
 const WORDS: &str = "recordings have it 1 T_s (1 ms) later: advance a recorded demand by as much";
 
@@ -52,7 +54,7 @@ fn late_recordings() -> BenchModelDocument {
 }
 
 fn recorded(sample: usize) -> f64 {
-    if sample < RISES_AT { DEMAND_RAD_S.0 } else { DEMAND_RAD_S.1 }
+    if sample < RISES_AT { LOWER_DEMAND_RAD_S } else { HIGHER_DEMAND_RAD_S }
 }
 
 /// The equations of the bench by Runge and Kutta, with the demand as recorded: readings of ω_d and T_shaft at each
@@ -67,17 +69,17 @@ fn independent(model: &BenchModel) -> Vec<(f64, f64)> {
     let step_s = SAMPLE_S / STEPS as f64;
     let samples = |time_s: f64| (time_s / SAMPLE_S).round() as isize;
     let at = |k: usize, later_s: f64| recorded(k.saturating_add_signed(samples(later_s)));
-    let mut integral = ENGINE_NM - feed.speed_nm_s_per_rad * DEMAND_RAD_S.0;
+    let mut integral = ENGINE_NM - feed.speed_nm_s_per_rad * LOWER_DEMAND_RAD_S;
     // Outputs of PI and feed-forward with the instants from which on they act on the lag.
     let (mut delayed, mut direct) =
         (vec![(f64::NEG_INFINITY, integral)], vec![(f64::NEG_INFINITY, ENGINE_NM - integral)]);
-    let mut x = [DEMAND_RAD_S.0, DEMAND_RAD_S.0, ENGINE_NM / m.stiffness_nm_per_rad, ENGINE_NM, 0.0];
+    let mut x = [LOWER_DEMAND_RAD_S, LOWER_DEMAND_RAD_S, ENGINE_NM / m.stiffness_nm_per_rad, ENGINE_NM, 0.0];
     let mut angles = vec![0.0];
     let mut out = Vec::new();
     let shaft = |x: &[f64; 5]| m.stiffness_nm_per_rad * x[2] + m.damping_nm_s_per_rad * (x[1] - x[0]);
     for k in 0..SAMPLES {
         let turned = match k {
-            0 => DEMAND_RAD_S.0 * SAMPLE_S,
+            0 => LOWER_DEMAND_RAD_S * SAMPLE_S,
             _ => angles[k * STEPS] - angles[(k - 1) * STEPS],
         };
         let reading = turned / SAMPLE_S;
@@ -162,7 +164,7 @@ fn difference_in_c(document: &BenchModelDocument, lead: usize) -> Option<(f64, f
          for (int k = 0; k < {SAMPLES} - 1; k++) {{\n        in.speed_demand_rad_s = k + lead < {RISES_AT} ? {0:?} : {1:?};\n        \
          if (!bench_step(&b, &in, {SAMPLE_S})) return 1;\n        \
          printf(\"%.17g %.17g\\n\", b.state.reading[0], bench_shaft_torque_nm(&b.state));\n    }}\n    return 0;\n}}\n",
-        DEMAND_RAD_S.0, DEMAND_RAD_S.1, ENGINE_NM
+        LOWER_DEMAND_RAD_S, HIGHER_DEMAND_RAD_S, ENGINE_NM
     );
     std::fs::write(folder.join("lead.c"), program).unwrap();
     compiled(&folder, &["-std=c99", "-O1", "lead.c", "bench.c", "matrix.c", "-lm", "-o", "lead"])?;
@@ -198,9 +200,9 @@ fn ref_modelica_takes_the_demand_by_the_lead_that_it_states() {
          bench.w_d_demand = if time < {rises_s:?} then {:?} else {:?};\n  bench.T_e = {ENGINE_NM:?};\nend DrivenSpeed;\n",
         String::from_utf8(file.content.clone()).unwrap(),
         names.class,
-        DEMAND_RAD_S.0,
-        DEMAND_RAD_S.0,
-        DEMAND_RAD_S.1
+        LOWER_DEMAND_RAD_S,
+        LOWER_DEMAND_RAD_S,
+        HIGHER_DEMAND_RAD_S
     );
     let folder = folder_with("lead_modelica", &[file]);
     std::fs::create_dir_all(folder.join("driven")).unwrap();

@@ -59,11 +59,17 @@ const LIBRARY: &str = "package Modelica\n  package Blocks\n    package Interface
     connector RealOutput = output Real;\n      connector BooleanOutput = output Boolean;\n    end Interfaces;\n  end Blocks;\n  \
     package Mechanics\n    package Rotational\n      package Interfaces\n        connector Flange_a\n          Real phi(unit = \"rad\");\n          \
     flow Real tau(unit = \"N.m\");\n        end Flange_a;\n      end Interfaces;\n    end Rotational;\n  end Mechanics;\nend Modelica;\n";
-/// The engine of the flange: its inertia, kg m², and its torque, Nm.
-const FLANGED: (f64, f64) = (0.15, 55.0);
-/// Friction, Nm and Nm s/rad; ripple, Nm, its part of T_d, and its order.
-const FRICTION: (f64, f64) = (3.0, 0.04);
-const RIPPLE: (f64, f64, f64) = (2.0, 0.05, 4.0);
+/// Inertia of the engine at the flange, kg m².
+const FLANGED_INERTIA_KG_M2: f64 = 0.15;
+/// Torque of the engine at the flange, Nm.
+const FLANGED_TORQUE_NM: f64 = 55.0;
+/// Friction, Nm and Nm s/rad.
+const COULOMB_NM: f64 = 3.0;
+const VISCOUS_NM_S_PER_RAD: f64 = 0.04;
+/// Ripple, Nm, its part of T_d, and its order.
+const RIPPLE_NM: f64 = 2.0;
+const RIPPLE_PART: f64 = 0.05;
+const RIPPLE_ORDER: f64 = 4.0;
 
 /// The plant with friction and ripple, held in torque control by a constant demand, turned by the engine at its flange:
 /// readings of ω_d, T_d and T_shaft at each sample, by Runge and Kutta.
@@ -73,11 +79,11 @@ fn flanged(model: &BenchModel, demand_nm: f64) -> [Vec<f64>; 3] {
     let bandwidth = model.torque_control.unwrap().bandwidth_rad_s.unwrap();
     let shaft = |x: &[f64; 5]| m.stiffness_nm_per_rad * x[2] + m.damping_nm_s_per_rad * (x[1] - x[0]);
     let slope = |x: [f64; 5]| {
-        let friction = FRICTION.0 * (x[0] / 0.5).clamp(-1.0, 1.0) + FRICTION.1 * x[0];
-        let ripple = (RIPPLE.0 + RIPPLE.1 * x[3]) * (RIPPLE.2 * x[4]).sin();
+        let friction = COULOMB_NM * (x[0] / 0.5).clamp(-1.0, 1.0) + VISCOUS_NM_S_PER_RAD * x[0];
+        let ripple = (RIPPLE_NM + RIPPLE_PART * x[3]) * (RIPPLE_ORDER * x[4]).sin();
         [
             (shaft(&x) - x[3] - friction - ripple) / m.dyno_inertia_kg_m2,
-            (FLANGED.1 - shaft(&x)) / (m.engine_inertia_kg_m2 + FLANGED.0),
+            (FLANGED_TORQUE_NM - shaft(&x)) / (m.engine_inertia_kg_m2 + FLANGED_INERTIA_KG_M2),
             x[1] - x[0],
             bandwidth * (demand_nm - x[3]),
             x[0],
@@ -110,10 +116,10 @@ fn ref_rumoca_couples_an_engine_at_the_flange_with_friction_and_ripple() {
     document.model.torque_limit_nm = Some(150.0);
     let file = modelica::bench(&document, &Names::of("Test cell 4"));
     let text = String::from_utf8(file.content.clone()).unwrap().replace("within ;\n", "");
-    let (inertia, torque) = FLANGED;
+    let (inertia, torque) = (FLANGED_INERTIA_KG_M2, FLANGED_TORQUE_NM);
     let options = format!(
         "friction_coulomb = {:?}, friction_viscous = {:?}, ripple_torque = {:?}, ripple_part = {:?}, ripple_order = {:?}",
-        FRICTION.0, FRICTION.1, RIPPLE.0, RIPPLE.1, RIPPLE.2
+        COULOMB_NM, VISCOUS_NM_S_PER_RAD, RIPPLE_NM, RIPPLE_PART, RIPPLE_ORDER
     );
     let flange = "Modelica.Mechanics.Rotational.Interfaces.Flange_a flange;";
     let models = format!(

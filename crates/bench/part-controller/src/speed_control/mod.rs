@@ -113,7 +113,7 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, context: &Context) -> S
     let of_moved = |experiment: &&Experiment| {
         let _part = step.step(format!("looking at the feed-forward in {}", experiment.file), 0);
         let found = controllers.feed_forward(experiment, best).map(|straight| {
-            let terms = feed_forward_terms(experiment, (best, straight.lags), torque_limit_nm).into();
+            let terms = feed_forward_terms(experiment, best, straight.lags, torque_limit_nm).into();
             Box::new(FeedForwardFound { straight: straight.as_ref().clone(), terms })
         });
         let (file, label) = (experiment.file.clone(), experiment.label.clone());

@@ -46,12 +46,14 @@ impl Data {
         let (from, to) = liveliest(if spread(reference) > LEAST_SPREAD { reference } else { demand }, unsaturated);
         let phase = phase_of(speed);
         let reference = held_on_the_clock_of(demand, reference);
-        Ok(Data::cut(&experiment.file, (demand, &reference, speed), &phase, (from, to)))
+        Ok(Data::cut(&experiment.file, demand, &reference, speed, &phase, (from, to)))
     }
 
     fn cut(
         file: &str,
-        (demand, reference, speed): (&Signal, &Signal, &Signal),
+        demand: &Signal,
+        reference: &Signal,
+        speed: &Signal,
         phase_rad: &[f64],
         (from, to): (f64, f64),
     ) -> Self {
@@ -69,7 +71,7 @@ impl Data {
 
     /// The part of this stretch from `from` to `to`.
     pub(super) fn part(&self, window: (f64, f64)) -> Self {
-        Data::cut(&self.stretch.file, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
+        Data::cut(&self.stretch.file, &self.demand, &self.reference, &self.speed, &self.phase_rad, window)
     }
 
     /// The middle of this stretch, of at most so many samples of T_d*.
@@ -125,8 +127,8 @@ impl Data {
     }
 
     pub(super) fn model(&self, lags: DemandLags, free: &dyn Fn(usize) -> bool) -> InverseController {
-        let clocked = (&self.demand, &self.reference, self.further.as_slice());
-        InverseController::new(clocked, (&self.speed, &self.phase_rad), lags, free)
+        let (demand, reference, speed) = (&self.demand, &self.reference, &self.speed);
+        InverseController::new(demand, reference, &self.further, speed, &self.phase_rad, lags, free)
     }
 }
 

@@ -7,9 +7,11 @@ use signal::Signal;
 const ASSUMED_GATE_DOUBT: f64 = 0.1;
 /// Relative standard uncertainty of a gate that the bench file states.
 const STATED_GATE_DOUBT: f64 = 0.01;
-/// An encoder that is read each time has a gate of one sample. One of more than so many samples, and of more than so
-/// many s, which by this many standard errors is no accident, is that of a mean or a filter behind the encoder.
-const LONGEST_GATE: (f64, f64) = (2.5, 2.5e-3);
+/// An encoder that is read each time has a gate of one sample. One of more than so many samples, ...
+const LONGEST_GATE_SAMPLES: f64 = 2.5;
+/// ... and of more than so many s, ...
+const LONGEST_GATE_S: f64 = 2.5e-3;
+/// ... which by this many standard errors is no accident, is that of a mean or a filter behind the encoder.
 const CERTAIN: f64 = 4.0;
 /// The fit has seen the encoder if its residual is at least this part of the noise floor of the logged speed; otherwise
 /// the controller reads the very samples that are logged, and the fit says nothing of their errors.
@@ -59,7 +61,7 @@ impl Encoder {
     /// Tells whether N_d, with a sample time in s, is smoother than any encoder makes it, beside what the controller
     /// sees.
     pub fn is_behind_a_filter(&self, sample_time_s: f64) -> bool {
-        let longest_s = f64::max(LONGEST_GATE.0 * sample_time_s, LONGEST_GATE.1);
+        let longest_s = f64::max(LONGEST_GATE_SAMPLES * sample_time_s, LONGEST_GATE_S);
         self.gate_s - CERTAIN * self.gate_standard_error_s > longest_s
     }
 

@@ -7,14 +7,14 @@ use faer::Mat;
 use ident::covariance::at_least_white;
 use ident::{Minimum, ResidualModel, least_squares};
 use rig::align::split_window;
-use rig::estimation::{EstimateError, ReadOut, transformed};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, ReadOut, transformed};
 use rig::results::{DelayPlace, DemandLags, Estimate, FeedForward, Quantity};
 use rig::{Experiment, Role};
 use signal::Signal;
 
 use super::data::{Data, LEAST_SPREAD, ident_error, spread};
 use super::demand_lags::{Candidate, Reading, is_same, scan};
-use super::fit::{BATCHES, ESTIMATION_SHARE, SpeedControllerFit, run, validate};
+use super::fit::{BATCHES, SpeedControllerFit, run, validate};
 use super::inverse;
 
 /// Parameters estimated here.
@@ -23,8 +23,10 @@ const OWN: [usize; 5] = [inverse::FIRST_ERROR, inverse::COSINE, inverse::SINE, i
 const KNOWN: [usize; 3] = [inverse::P, inverse::Q, inverse::LEAD];
 /// Excess χ² below which lags cannot be excluded: chance exceeds it once in 10⁶.
 const DECISIVE: f64 = 24.0;
-/// Gains that come out here this many standard errors, and by this share, from the controller's contradict it.
-const CONTRADICTED: (f64, f64) = (8.0, 0.05);
+/// Gains that come out here this many standard errors, ...
+const CONTRADICTED_STANDARD_ERRORS: f64 = 8.0;
+/// ... and by this share, from the controller's contradict it.
+const CONTRADICTED_SHARE: f64 = 0.05;
 
 /// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), and where the controller's
 /// delay acts on N_d*.
@@ -120,7 +122,7 @@ fn check_gains(data: &Data, lags: DemandLags, controller: &SpeedControllerFit) -
     for own in here.parameters {
         let Some(known) = controller.result.estimate.parameter(own.quantity) else { continue };
         let (apart, error) = ((own.value - known.value).abs(), own.standard_error.hypot(known.standard_error));
-        if apart > CONTRADICTED.0 * error && apart > CONTRADICTED.1 * known.value.abs() {
+        if apart > CONTRADICTED_STANDARD_ERRORS * error && apart > CONTRADICTED_SHARE * known.value.abs() {
             return Err(EstimateError::Contradiction {
                 file: data.stretch.file.clone(),
                 quantity: own.quantity,

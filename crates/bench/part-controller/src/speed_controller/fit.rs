@@ -5,7 +5,7 @@ use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use rig::align::split_window;
-use rig::estimation::{EstimateError, ReadOut, noise_floor, timing_floor_s, transformed};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, ReadOut, noise_floor, timing_floor_s, transformed};
 use rig::results::{DemandLags, Estimate, Parameter, Quantity, ResidualTest, SpeedController, Trace, Validation};
 use rig::{Experiment, Role};
 use signal::Signal;
@@ -16,8 +16,6 @@ use super::encoder::Encoder;
 use super::inverse::{self, COUNT};
 use super::lag::lagged;
 
-/// Share of a recording that is estimated from; the rest judges.
-pub(super) const ESTIMATION_SHARE: f64 = 0.7;
 /// Stretches the robust covariance is built from.
 pub(super) const BATCHES: usize = 30;
 /// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what

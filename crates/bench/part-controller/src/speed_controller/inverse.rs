@@ -63,8 +63,11 @@ impl InverseController {
     /// of `speed`. `further` are terms of the feed-forward beside N_d* and its change; their coefficients, Nm, are the
     /// parameters from [`COUNT`] on.
     pub(super) fn new(
-        (demand, reference, further): (&Signal, &Signal, &[Signal]),
-        (speed, phase_rad): (&Signal, &[f64]),
+        demand: &Signal,
+        reference: &Signal,
+        further: &[Signal],
+        speed: &Signal,
+        phase_rad: &[f64],
         lags: DemandLags,
         free: &dyn Fn(usize) -> bool,
     ) -> Self {

@@ -8,6 +8,7 @@
 //! Åström & Hägglund, *Advanced PID Control*, 2006, §3.5 (integrator windup).
 
 use std::ops::Range;
+use std::ops::RangeInclusive;
 
 use faer::Mat;
 use ident::distributions::f_tail;
@@ -39,8 +40,10 @@ const FEWEST_QUIET: usize = 10;
 const AT_STAKE: f64 = 5.0;
 /// Laws that are tested together.
 const LAWS: f64 = 3.0;
-/// Tracking times tried, s: from, to, and how many, in equal ratios.
-const TRACKING_S: (f64, f64, usize) = (1e-3, 10.0, 121);
+/// Tracking times tried, s, in equal ratios.
+const TRACKING_S: RangeInclusive<f64> = 1e-3..=10.0;
+/// So many are tried.
+const TRACKING_TIMES: usize = 121;
 
 /// Behaviour of the integrator while T_d* is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -200,9 +203,9 @@ impl Judge {
         let simple = [AntiWindup::None, AntiWindup::Clamping, AntiWindup::ConditionalIntegration];
         let mut tests: Vec<LawTest> = simple.iter().map(|law| self.test(*law, &of_law(*law), 0)).collect();
         if tests.iter().all(|test| test.adjusted_p_value < LEVEL) {
-            let (from, to, steps) = TRACKING_S;
-            let tracking = |i: usize| from * (to / from).powf(i as f64 / (steps - 1) as f64);
-            let best = (0..steps)
+            let (from, to) = TRACKING_S.into_inner();
+            let tracking = |i: usize| from * (to / from).powf(i as f64 / (TRACKING_TIMES - 1) as f64);
+            let best = (0..TRACKING_TIMES)
                 .map(|i| AntiWindup::BackCalculation { tracking_s: tracking(i) })
                 .map(|law| (law, of_law(law)))
                 .min_by(|a, b| root_mean_square(&a.1).total_cmp(&root_mean_square(&b.1)));

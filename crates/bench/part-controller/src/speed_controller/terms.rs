@@ -15,7 +15,7 @@ use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, holm, interval, student_t_quantile};
 use numerics::linalg;
 use rig::Experiment;
-use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use rig::estimation::{EstimateError, INTERVAL_LEVEL, ReadOut, timing_floor_s, transformed};
 use rig::results::{DemandLags, Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
 use signal::Signal;
@@ -38,8 +38,6 @@ const SHORT: f64 = 0.1;
 const MOST_TERMS: usize = 2;
 /// Speeds at which the static map is estimated.
 const KNOTS: usize = 7;
-/// Level of intervals.
-const INTERVAL_LEVEL: f64 = 0.95;
 
 /// A term that may be added to PI and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -208,7 +206,8 @@ pub fn structure(
 /// Those of [`super::estimate_feed_forward`].
 pub fn feed_forward_terms(
     experiment: &Experiment,
-    (controller, lags): (&SpeedControllerFit, DemandLags),
+    controller: &SpeedControllerFit,
+    lags: DemandLags,
     torque_limit_nm: Option<f64>,
 ) -> Result<FeedForwardTerms, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;

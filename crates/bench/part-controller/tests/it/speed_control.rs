@@ -39,7 +39,7 @@ fn bent(hidden: &Hidden, plan: &ExperimentPlan) -> FeedForwardTerms {
     let fit = estimate(&bs, Some(LIMIT_NM)).unwrap();
     let moved = hidden.rewrite(&recorded(&parameters, plan, 4));
     let lags = estimate_feed_forward(&moved, None, &fit, Some(LIMIT_NM)).unwrap().lags;
-    feed_forward_terms(&moved, (&fit, lags), Some(LIMIT_NM)).unwrap()
+    feed_forward_terms(&moved, &fit, lags, Some(LIMIT_NM)).unwrap()
 }
 
 fn levels() -> ExperimentPlan {
@@ -229,7 +229,7 @@ fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {
         let beside = structure(&bs, &fit, Some(LIMIT_NM)).unwrap();
         let moved = record(&ExperimentPlan::levels_n_nt(1200.0, 20.0));
         let lags = estimate_feed_forward(&moved, None, &fit, Some(LIMIT_NM)).unwrap().lags;
-        let bent = feed_forward_terms(&moved, (&fit, lags), Some(LIMIT_NM)).unwrap();
+        let bent = feed_forward_terms(&moved, &fit, lags, Some(LIMIT_NM)).unwrap();
         let verdicts = |rounds: &[part_controller::speed_controller::Round]| -> Vec<(Term, f64, Verdict)> {
             rounds[0].tests.iter().map(|t| (t.term, t.adjusted_p_value, t.verdict)).collect()
         };

@@ -25,9 +25,10 @@ use crate::source::Values;
 /// Windows overlap by a half. Neighbours under a Hann window have a correlation of 1/6, which makes the variance of a
 /// mean so many times larger.
 const OVERLAP: f64 = 4.0 / 3.0;
-/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, and than
-/// another cylinder in the place of the first.
-const CLEAR: (f64, f64) = (10.0, 4.6);
+/// How much more probable, as a logarithm, the best angle of a recording must be than no pulses at all, ...
+const CLEAR_OF_NO_PULSES: f64 = 10.0;
+/// ... and than another cylinder in the place of the first.
+const CLEAR_OF_ANOTHER_CYLINDER: f64 = 4.6;
 /// Angles tried for each of the harmonics.
 const ANGLES_EACH: usize = 16;
 /// Halvings of the step in which the best angle is looked for.
@@ -64,7 +65,7 @@ impl<const N: usize> Default for Sums<N> {
 }
 
 impl<const N: usize> Sums<N> {
-    fn add(&mut self, regressors: [f64; N], (value, variance): (Complex64, f64)) {
+    fn add(&mut self, regressors: [f64; N], value: Complex64, variance: f64) {
         for i in 0..N {
             for j in 0..N {
                 self.information[i][j] += regressors[i] * regressors[j] / variance;
@@ -215,7 +216,7 @@ impl Recording {
                 let [engine, dyno] = wave.of_encoders_nm.map(|one| one / SQRT_2);
                 let by_ignition = BY_IGNITION * of_class.scales[1] * missing_nm;
                 let all = [of_none, of_torque, of_speed, engine, dyno, by_ignition];
-                sums[*place].add(all, (wave.torque_nm, wave.variance));
+                sums[*place].add(all, wave.torque_nm, wave.variance);
             }
         }
         let weakened = sums.iter().map(|sums| match sums.scatter() {
@@ -281,7 +282,7 @@ impl Joined {
         let best = climb(&evidence, first, step);
         let others = (1..cylinders).map(|k| climb(&evidence, best + TAU * k as f64 / cylinders as f64, step));
         let next = others.map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        (evidence(best) > CLEAR.0).then(|| (best, evidence(best) - next > CLEAR.1))
+        (evidence(best) > CLEAR_OF_NO_PULSES).then(|| (best, evidence(best) - next > CLEAR_OF_ANOTHER_CYLINDER))
     }
 
     /// The pulses of masses with these values, on top of those of the class. `at` are the mean torque and speed of the
@@ -289,7 +290,8 @@ impl Joined {
     pub(super) fn pulses(
         &self,
         prior: &EnginePulses,
-        (values, friction_nm): (&Values, f64),
+        values: &Values,
+        friction_nm: f64,
         at: (f64, f64),
     ) -> Vec<PulseHarmonic> {
         let class = Class::of(prior);

@@ -27,7 +27,7 @@ use signal::{Complex64, Signal};
 use crate::source::{TwoMasses, Values};
 use fit::{Class, Joined, Recording};
 use friction::Friction;
-use windows::{Record, Seen, firings_counted};
+use windows::{Late, Record, Seen, firings_counted};
 
 /// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing
 /// order alone.
@@ -60,7 +60,7 @@ pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) 
     let places: Vec<usize> = looked_for(cylinders, prior.harmonics.len()).collect();
     let orders: Vec<f64> = places.iter().map(|place| prior.harmonics[*place].order).collect();
     let friction = Friction::of(parts.bench, || largest_torque_nm(&all));
-    let looks = parallel::map(&all, |experiment| seen(experiment, parts, (&values, friction), &orders));
+    let looks = parallel::map(&all, |experiment| seen(experiment, parts, &values, friction, &orders));
     let mut reasons = Vec::new();
     let mut seen: Vec<(Recording, Vec<Seen>)> = Vec::new();
     for (experiment, look) in all.iter().zip(looks) {
@@ -80,7 +80,7 @@ pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) 
     let windows: Vec<&Seen> = with_pulses().flat_map(|(_, windows)| windows).collect();
     let mean = |of: fn(&Seen) -> f64| windows.iter().copied().map(of).sum::<f64>() / windows.len().max(1) as f64;
     let at = (mean(|seen| seen.torque_nm), mean(|seen| seen.speed_rad_s));
-    let harmonics = joined.pulses(&prior, (&values, friction.deviation_nm(at.1)), at);
+    let harmonics = joined.pulses(&prior, &values, friction.deviation_nm(at.1), at);
     if !harmonics.get(cylinders - 1).is_some_and(|firing| firing.is_estimated) {
         return Err(reasons);
     }
@@ -112,19 +112,20 @@ fn looked_for(cylinders: usize, count: usize) -> impl Iterator<Item = usize> {
 fn seen(
     experiment: &Experiment,
     parts: &Parts<'_>,
-    (values, friction): (&Values, Friction),
+    values: &Values,
+    friction: Friction,
     orders: &[f64],
 ) -> Result<Vec<Seen>, EstimateError> {
     believable(experiment)?;
     let engine_speed = needed(experiment, Role::EngineSpeed)?;
-    let encoder = (parts.controllers.best().map(|fit| fit.encoder), stated_gate(parts.bench));
-    let dyno = Prepared::new(experiment, parts.torque_controls.best(), encoder)?;
+    let encoder = parts.controllers.best().map(|fit| fit.encoder);
+    let dyno = Prepared::new(experiment, parts.torque_controls.best(), encoder, stated_gate(parts.bench))?;
     let gate_s = dyno.encoder.gate_s;
     let torque = every(&dyno.torque, (dyno.speed.sample_time_s / dyno.torque.sample_time_s).round() as usize);
     let record = Record {
-        dyno_speed: (&dyno.speed, 0.5 * gate_s),
-        engine_speed: (engine_speed, 0.5 * gate_s + values.engine_late_s),
-        torque: (torque.as_ref().unwrap_or(&dyno.torque), values.torque_late_s),
+        dyno_speed: Late { signal: &dyno.speed, late_s: 0.5 * gate_s },
+        engine_speed: Late { signal: engine_speed, late_s: 0.5 * gate_s + values.engine_late_s },
+        torque: Late { signal: torque.as_ref().unwrap_or(&dyno.torque), late_s: values.torque_late_s },
         friction,
         gate_s,
     };

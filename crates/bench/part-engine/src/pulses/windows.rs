@@ -72,11 +72,17 @@ pub(super) struct Wave {
     pub(super) of_encoders_nm: [f64; 2],
 }
 
+/// A signal, and how late its stamps are, s.
+pub(super) struct Late<'a> {
+    pub(super) signal: &'a Signal,
+    pub(super) late_s: f64,
+}
+
 /// Signals of a recording, each with the time by which its values are late.
 pub(super) struct Record<'a> {
-    pub(super) dyno_speed: (&'a Signal, f64),
-    pub(super) engine_speed: (&'a Signal, f64),
-    pub(super) torque: (&'a Signal, f64),
+    pub(super) dyno_speed: Late<'a>,
+    pub(super) engine_speed: Late<'a>,
+    pub(super) torque: Late<'a>,
     /// Of the dynamometer's bearings.
     pub(super) friction: Friction,
     /// Time over which the encoders average, s.
@@ -86,7 +92,7 @@ pub(super) struct Record<'a> {
 impl Record<'_> {
     /// All windows, which overlap by a half. `orders` are multiples of the crank's speed.
     pub(super) fn seen(&self, orders: &[f64], values: &Values) -> Vec<Seen> {
-        let crank = Crank::of(self.dyno_speed);
+        let crank = Crank::of(&self.dyno_speed);
         let turned = crank.angle_rad.last().copied().unwrap_or(0.0);
         let count = (2.0 * turned / (TAU * TURNS)).floor() as usize;
         let middle = |k: usize| (k as f64 + 1.0) * 0.5 * TAU * TURNS;
@@ -97,15 +103,15 @@ impl Record<'_> {
 
     fn of_window(&self, window: &Window<'_>, orders: &[f64], values: &Values) -> Option<Seen> {
         let Moments { speed_rad_s, torque_nm, twist_rad } = self.moments(window, values)?;
-        let dyno = window.waves(self.dyno_speed, orders)?;
-        let engine = window.waves(self.engine_speed, orders)?;
+        let dyno = window.waves(&self.dyno_speed, orders)?;
+        let engine = window.waves(&self.engine_speed, orders)?;
         // A T_d of too few samples shows nothing at these orders.
-        let torque = window.waves(self.torque, orders).unwrap_or_else(|| vec![None; orders.len()]);
+        let torque = window.waves(&self.torque, orders).unwrap_or_else(|| vec![None; orders.len()]);
         // The engine's crank is ahead of the dynamometer's by the twist.
         let ahead = |k: usize| Complex64::cis(-orders[k] * twist_rad);
         let wave = |k: usize| {
             let of = [engine[k]?, dyno[k]?, torque[k].unwrap_or((Complex64::default(), f64::INFINITY))];
-            let wave = self.torque_of(of, (orders[k], speed_rad_s), values);
+            let wave = self.torque_of(of, orders[k], speed_rad_s, values);
             Some(Wave { torque_nm: wave.torque_nm * ahead(k), ..wave })
         };
         let swing = |k: usize| {
@@ -122,7 +128,8 @@ impl Record<'_> {
     fn torque_of(
         &self,
         [engine, dyno, torque]: [(Complex64, f64); 3],
-        (order, speed_rad_s): (f64, f64),
+        order: f64,
+        speed_rad_s: f64,
         v: &Values,
     ) -> Wave {
         let omega = order * speed_rad_s;
@@ -153,8 +160,8 @@ impl Record<'_> {
 
     /// Mean speed and torque of the engine, and the mean twist of the shaft.
     fn moments(&self, window: &Window<'_>, v: &Values) -> Option<Moments> {
-        let (speeds, torques) = (window.samples(self.dyno_speed), window.samples(self.torque));
-        let engine_speeds = window.samples(self.engine_speed);
+        let (speeds, torques) = (window.samples(&self.dyno_speed), window.samples(&self.torque));
+        let engine_speeds = window.samples(&self.engine_speed);
         let mean = |samples: &[Sample]| {
             let weights: f64 = samples.iter().map(Sample::weight).sum();
             (weights > 0.0).then(|| samples.iter().map(|s| s.weight() * s.value).sum::<f64>() / weights)
@@ -218,7 +225,8 @@ struct Crank {
 }
 
 impl Crank {
-    fn of((speed, late_s): (&Signal, f64)) -> Self {
+    fn of(speed: &Late<'_>) -> Self {
+        let Late { signal: speed, late_s } = *speed;
         let mut turned = 0.0;
         let steps = speed.samples.windows(2).map(|pair| {
             turned += 0.5 * (pair[0] + pair[1]) * speed.sample_time_s;
@@ -269,7 +277,8 @@ impl Sample {
 }
 
 impl Window<'_> {
-    fn samples(&self, (signal, late_s): (&Signal, f64)) -> Vec<Sample> {
+    fn samples(&self, signal: &Late<'_>) -> Vec<Sample> {
+        let Late { signal, late_s } = *signal;
         let index = |time_s: f64| ((time_s + late_s - signal.start_s) / signal.sample_time_s).ceil().max(0.0) as usize;
         let sample = |k: usize| {
             let angle_rad = self.crank.at(signal.time_s(k) - late_s);
@@ -281,7 +290,7 @@ impl Window<'_> {
     }
 
     /// Complex amplitude and variance of its parts at each order that is separated; `None` of too few samples.
-    fn waves(&self, signal: (&Signal, f64), orders: &[f64]) -> Option<Vec<Option<(Complex64, f64)>>> {
+    fn waves(&self, signal: &Late<'_>, orders: &[f64]) -> Option<Vec<Option<(Complex64, f64)>>> {
         let samples = self.samples(signal);
         let (rows, columns) = (samples.len(), 2 * orders.len() + DRIFT);
         if (rows as f64) < SAMPLES_EACH * columns as f64 {

@@ -21,8 +21,6 @@ const FOLLOWED: f64 = 1.5;
 const ADDED: f64 = 0.5;
 /// Images that the torque control makes less than this share of show its bandwidth.
 const DAMPED: f64 = 0.95;
-/// Torques, which follow their demand.
-const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 /// Lines of two signals this many bins apart are one.
 const ONE_LINE: f64 = 2.0;
 /// An order is separated from another by a signal in which it is this many times as strong.
@@ -114,7 +112,7 @@ impl<'a> Naming<'a> {
     /// How strongly the torque of the drive swings at a frequency, as far as a signal shows it: that of the shaft less
     /// than that of the air gap, where the drive's ripple is.
     fn swing_at(&self, frequency_hz: f64, one: &Shown) -> f64 {
-        let is_it = |shown: &&Shown| TORQUES.contains(&one.role) && shown.role == Role::AirGapTorque;
+        let is_it = |shown: &&Shown| Role::TORQUES.contains(&one.role) && shown.role == Role::AirGapTorque;
         let in_the_air_gap = self.all.iter().find(is_it).map_or(0.0, |shown| shown.lines.strength_at(frequency_hz));
         in_the_air_gap.max(one.lines.strength_at(frequency_hz))
     }
@@ -122,7 +120,7 @@ impl<'a> Naming<'a> {
     /// Part of a torque's line that the demand of torque itself holds, where that is enough for it: its cause and
     /// amplitude.
     fn asked_for(&self, found: &Found, one: &Shown) -> Option<(Reference, f64)> {
-        let is_torque = self.demand == Role::DynoTorqueDemand && TORQUES.contains(&one.role);
+        let is_torque = self.demand == Role::DynoTorqueDemand && Role::TORQUES.contains(&one.role);
         let demand = self.all.iter().find(|shown| is_torque && shown.role == self.demand)?;
         let rate_hz = 1.0 / one.signal.sample_time_s;
         let is_here = |line: &&Found| {
@@ -262,7 +260,7 @@ fn mains_hz(all: &[Shown]) -> Option<f64> {
         // not.
         let is_weak = |r: &Reference| is_sideband(r) || matches!(r.cause, Cause::Mains { .. });
         let is_covered = |line: &Found| !line.causes.iter().all(is_weak);
-        let lines = all.iter().filter(|one| TORQUES.contains(&one.role)).flat_map(|one| &one.lines.found);
+        let lines = all.iter().filter(|one| Role::TORQUES.contains(&one.role)).flat_map(|one| &one.lines.found);
         let sizes = lines.filter(|line| line.causes.iter().any(is_it) && !is_covered(line));
         sizes.map(|line| line.amplitude).fold(0.0, f64::max)
     };

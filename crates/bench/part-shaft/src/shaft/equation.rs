@@ -109,7 +109,7 @@ impl Equation for ShaftEquation {
             Some(Term::LossFactor | Term::SecondMass | Term::DualMass) | None => [ZERO; ORDERS],
         };
         if let Some(slopes) = slopes {
-            self.add_slopes(s, theta, polynomials, (&corrections, &springs), slopes);
+            self.add_slopes(s, theta, polynomials, &corrections, &springs, slopes);
         }
     }
 }
@@ -120,7 +120,8 @@ impl ShaftEquation {
         s: Complex64,
         theta: &[f64],
         polynomials: &[[Complex64; ORDERS]],
-        (corrections, springs): (&Corrections, &Springs),
+        corrections: &Corrections,
+        springs: &Springs,
         slopes: &mut Vec<Slope>,
     ) {
         let Corrections { speed, engine, speed_by_gate, torque_by_lag, .. } = *corrections;

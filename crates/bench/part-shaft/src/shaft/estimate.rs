@@ -7,7 +7,7 @@ use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use part_torque::torque_control::standard_deviation;
 use rig::Role;
 use rig::align::split_window;
-use rig::estimation::{EstimateError, ReadOut, transformed};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, ReadOut, transformed};
 use rig::results::{Estimate, Parameter, Quantity, ResidualSpectrum, Shaft, SharedError, Stretch};
 use signal::Signal;
 
@@ -22,8 +22,6 @@ use crate::shaft::places;
 use crate::shaft::places::COUNT;
 use crate::shaft::term::Term;
 
-/// Share of the recording that is estimated from; the rest judges.
-const ESTIMATION_SHARE: f64 = 0.7;
 /// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the
 /// model that happens once in e^20 bins.
 const OUTLIER: f64 = 20.0;
@@ -37,7 +35,7 @@ const LEVEL_REACH_HZ: f64 = 2.5;
 /// hundred bins about each frequency.
 const RAISED: f64 = 2.0;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
-const ECCENTRICITY: f64 = 1e-3;
+pub(crate) const ECCENTRICITY: f64 = 1e-3;
 /// A second mass is determined by the first term of a series that holds up to its resonance; one below 40 Hz is no
 /// small change.
 const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
@@ -49,7 +47,7 @@ const FLYWHEELS: [(f64, f64); 8] =
 /// Damping of both springs there, as a part of the critical.
 const START_DAMPING: f64 = 0.05;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
-const SLOWEST_RAD_S: f64 = 30.0;
+pub(crate) const SLOWEST_RAD_S: f64 = 30.0;
 /// Errors of the model of the signals, such as ripple beside its lines and pulses beside their multiples: standard
 /// uncertainties, as parts of the values. From virtual benches over the whole class (seeds that the deep check does not
 /// use).
@@ -233,16 +231,16 @@ pub fn estimate_with_inertias(
     let unknowns = if inputs.inertia_kg_m2.is_some() { Unknowns::ShaftAndInertia } else { Unknowns::Shaft };
     let solution = Solution::of(inputs, &stretch, unknowns)?;
     let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
-    let shaft = (&*solution.fit.fit.parameters, &solution.fit.covariance);
+    let (theta, covariance) = (&solution.fit.fit.parameters, &solution.fit.covariance);
     let firing_s = if firings_per_turn > 0.0 { 1.0 / (firings_per_turn * turns_per_s) } else { WITHOUT_FIRING_S };
-    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, shaft)
+    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, theta, covariance)
         .map_err(|source| EstimateError::Ident { file: inputs.file.to_owned(), source })?;
     Ok(solution.with_engine_inertia(&stretch, &engine))
 }
 
 /// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its
 /// friction, does so within about this time, s.
-const WITHOUT_FIRING_S: f64 = 1e-5;
+pub(crate) const WITHOUT_FIRING_S: f64 = 1e-5;
 
 /// Unknowns that a fit is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]

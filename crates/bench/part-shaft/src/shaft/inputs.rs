@@ -6,7 +6,7 @@ use rig::results::Stretch;
 use signal::Signal;
 
 /// Largest skew looked for, s.
-pub(super) const LARGEST_SKEW_S: f64 = 0.02;
+pub(crate) const LARGEST_SKEW_S: f64 = 0.02;
 /// Shortest usable recording, s.
 const SHORTEST_S: f64 = 4.0;
 

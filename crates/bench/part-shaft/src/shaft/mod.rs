@@ -22,12 +22,15 @@ mod springs;
 mod term;
 mod terms;
 
-pub(crate) use estimate::model_errors;
+pub(crate) use estimate::{ECCENTRICITY, SLOWEST_RAD_S, WITHOUT_FIRING_S, model_errors};
 pub use estimate::{
     estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
     gain_by_exchange, test_terms,
 };
+pub(crate) use inputs::LARGEST_SKEW_S;
 pub use inputs::{ShaftInputs, TorqueDelay};
 pub use part_torque::air_gap_torque::NoisyTorque;
+pub(crate) use places::{DYNO, ENGINE, TORQUE};
+pub(crate) use spectra::{CLEAN_PART, HIGHEST_HZ};
 pub use term::{Term, Weight};
 pub use terms::{Beyond, TermTest};

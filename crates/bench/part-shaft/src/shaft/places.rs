@@ -27,8 +27,8 @@ pub(super) const LAG: usize = 14;
 pub(super) const COMPUTED_LAG: usize = 15;
 pub(super) const COUNT: usize = 16;
 /// Places of the signals: N_d, N_e, torque.
-pub(super) const DYNO: usize = 0;
-pub(super) const ENGINE: usize = 1;
-pub(super) const TORQUE: usize = 2;
+pub(crate) const DYNO: usize = 0;
+pub(crate) const ENGINE: usize = 1;
+pub(crate) const TORQUE: usize = 2;
 /// Wave that a term of the shaft multiplies where it is not linear; it is there with such a term alone.
 pub(super) const TERM_WAVE: usize = 3;

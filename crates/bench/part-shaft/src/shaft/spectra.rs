@@ -15,9 +15,9 @@ use super::places::{DYNO_TURN, ENGINE_TURN};
 /// Lowest frequency used, Hz: below it the recording holds too few periods.
 pub(super) const LOWEST_HZ: f64 = 1.0;
 /// Highest frequency used, Hz: above it the equation weighs encoder noise more than motion.
-pub(super) const HIGHEST_HZ: f64 = 110.0;
+pub(crate) const HIGHEST_HZ: f64 = 110.0;
 /// Part of the slowest sample rate that is free of folding.
-const CLEAN_PART: f64 = 0.44;
+pub(crate) const CLEAN_PART: f64 = 0.44;
 /// Half-width of the band left out of the traces about the rotational frequency, Hz: the encoders' once-a-turn error.
 const TURN_MARGIN_HZ: f64 = 3.0;
 /// How far about a line that the torque's record does not show the frequencies are left out, Hz.

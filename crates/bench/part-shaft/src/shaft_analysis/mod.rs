@@ -84,7 +84,7 @@ fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
     let (file, label) = (experiment.file.clone(), experiment.label.clone());
     let inertia = shaft.estimated().and_then(|shaft| shaft.estimate.parameter(Quantity::DynoInertia));
     let inertia_contradiction =
-        inertia.and_then(|found| bench.dynamometer_inertia().contradicted_by((found.value, found.standard_error)));
+        inertia.and_then(|found| bench.dynamometer_inertia().contradicted_by(found.value, found.standard_error));
     ShaftRecording { file, label, shaft, inertia_contradiction, bands, beyond, dual_mass, routes, inertias }
 }
 

@@ -25,7 +25,7 @@ use ident::{
 };
 use lti::{LtiError, StateSpace};
 use numerics::linalg::FullyPivotedLu;
-use rig::estimation::{EstimateError, timing_floor_s};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, timing_floor_s};
 use rig::results::{Estimate, Quantity, Stretch, Trace, Validation};
 use serde::Serialize;
 use signal::{Complex64, Sos};
@@ -33,21 +33,19 @@ use units::RPM_RAD_S;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{Timing, estimate_of, flange_torque};
-use crate::shaft::ShaftInputs;
+use crate::shaft::{ECCENTRICITY, ShaftInputs};
 
-/// Share of the recording that is estimated from; the rest judges.
-const ESTIMATION_SHARE: f64 = 0.7;
 /// About how far the samples are apart that the model is fitted to, s.
 const SAMPLE_TIME_S: f64 = 2e-3;
 /// Band of the signals: lowest frequency, Hz, and the highest as a part of the sample rate.
 const LOWEST_HZ: f64 = 0.7;
 const HIGHEST_PART: f64 = 0.2;
-/// Orders of the band's edges.
-const EDGE_ORDERS: (usize, usize) = (2, 8);
+/// Order of the band's lower edge.
+const LOWER_EDGE_ORDER: usize = 2;
+/// Order of the band's upper edge.
+const UPPER_EDGE_ORDER: usize = 8;
 /// Time for which the band-pass remembers its start, s.
 const SETTLING_S: f64 = 1.5;
-/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
-const ECCENTRICITY: f64 = 1e-3;
 /// Largest skew looked for in a round, s, and rounds in which signals are dated anew.
 const LARGEST_SKEW_S: f64 = 5e-3;
 const ROUNDS: usize = 6;
@@ -249,8 +247,8 @@ impl Record {
             });
         }
         let highest_hz = HIGHEST_PART / sample_time_s;
-        let low = Sos::butterworth_highpass(EDGE_ORDERS.0, LOWEST_HZ, fast_s).map_err(of)?;
-        let high = Sos::butterworth_lowpass(EDGE_ORDERS.1, highest_hz, fast_s).map_err(of)?;
+        let low = Sos::butterworth_highpass(LOWER_EDGE_ORDER, LOWEST_HZ, fast_s).map_err(of)?;
+        let high = Sos::butterworth_lowpass(UPPER_EDGE_ORDER, highest_hz, fast_s).map_err(of)?;
         let through = |x: &[f64]| {
             let x = low.filter(x, &mut low.state_at_level(x[0]));
             let x = high.filter(&x, &mut high.state_at_rest());

@@ -7,6 +7,7 @@ use ident::uncertainty::{Ellipse, UncertainRoot};
 use ident::{Arx, Criteria, Fit, IdentError, NonlinearOptions, OutputError};
 use lti::polynomial::{add, multiply};
 use lti::{Complex64, LtiError, PolynomialModel};
+use rig::estimation::INTERVAL_LEVEL;
 use rig::results::{Parameter, Quantity};
 use serde::Serialize;
 
@@ -23,8 +24,6 @@ const NO_LOOP: f64 = 1e-6;
 
 /// Where a black box is asked for delay and gain, Hz: within what a demand held 10 ms excites, above slow drifts.
 pub const ASKED_HZ: f64 = 10.0;
-/// Level of the intervals of coefficients.
-const INTERVAL_LEVEL: f64 = 0.95;
 
 /// Kind of noise that a black box models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -201,7 +200,7 @@ impl Way {
 
 impl Structure {
     /// Every structure of a family and an input.
-    pub(super) fn all((family, input): (Family, Input), tried: OrdersTried) -> Vec<Structure> {
+    pub(super) fn all(family: Family, input: Input, tried: OrdersTried) -> Vec<Structure> {
         let OrdersTried { highest, longest_delay } = tried;
         let orders = (1..=highest).flat_map(|poles| (1..=highest).map(move |nb| (poles, nb)));
         orders
@@ -213,7 +212,8 @@ impl Structure {
         &self,
         record: &Record,
         range: std::ops::Range<usize>,
-        (search, starts): (NonlinearOptions, Vec<Vec<f64>>),
+        search: NonlinearOptions,
+        starts: Vec<Vec<f64>>,
     ) -> Result<Fit<PolynomialModel>, IdentError> {
         let data = record.data(self.input, range)?;
         let output_error = || OutputError::new(self.nb, self.poles, self.nk).with_search(search).starting_at(starts);
@@ -240,7 +240,7 @@ impl Structure {
     /// Estimates it from the first stretch, the search begun at the best of these starts, and simulates the second;
     /// with its coefficients. None where the data do not determine it.
     pub(super) fn scan(&self, record: &Record, starts: Vec<Vec<f64>>) -> Option<(Scanned, Vec<f64>)> {
-        let fit = self.fit(record, record.first(), (ROUGHLY, starts)).ok()?;
+        let fit = self.fit(record, record.first(), ROUGHLY, starts).ok()?;
         let (closed, follows) = self.follows(&fit.model);
         let percent = |modelled: &[f64]| {
             let error = rms(&record.errors(modelled, record.second()));
@@ -263,7 +263,7 @@ impl Structure {
 
     /// Estimates it from all but the held-out part.
     pub(super) fn estimate(&self, record: &Record, chosen_by: Vec<ChosenBy>) -> Option<BlackBox> {
-        let fit = self.fit(record, record.estimation(), (NonlinearOptions::default(), Vec::new())).ok()?;
+        let fit = self.fit(record, record.estimation(), NonlinearOptions::default(), Vec::new()).ok()?;
         let (closed, follows) = self.follows(&fit.model);
         let freedom = fit.degrees_of_freedom;
         let named = fit.model.coefficient_names().into_iter().zip(fit.parameters()).zip(fit.standard_errors());

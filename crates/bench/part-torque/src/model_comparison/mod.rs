@@ -34,7 +34,7 @@ pub use orders::Input;
 pub use orders::OrdersTried;
 pub use paired::PairedTest;
 use record::{Record, rms};
-pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, visibility};
+pub use visibility::{RECORDING_S, Visibility, VisibilityCase, visibility};
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.
 pub const LEVEL: f64 = 0.99;
@@ -317,7 +317,8 @@ fn responses(record: &Record, records: &[Record], recordings: &[ComparedRecordin
 /// All models on the held-out part of a recording.
 fn judge_all(record: &Record, responses: &[Response]) -> Vec<Judgement> {
     let bar = record.errors(&record.one_sample_late(), record.held_out());
-    let judge = |(model, response): &Response| judgement(record, &bar, *model, response.as_deref());
+    let judge =
+        |((model, excited), response): &Response| judgement(record, &bar, *model, *excited, response.as_deref());
     let mut judgements: Vec<Judgement> = responses.iter().map(judge).collect();
     raise(&mut judgements);
     judgements
@@ -345,12 +346,7 @@ fn shown_of(record: &Record, responses: &[Response], judged: &[Judgement]) -> Sh
     }
 }
 
-fn judgement(
-    record: &Record,
-    bar: &[f64],
-    (model, estimated_on): (Model, Excited),
-    modelled: Option<&[f64]>,
-) -> Judgement {
+fn judgement(record: &Record, bar: &[f64], model: Model, estimated_on: Excited, modelled: Option<&[f64]>) -> Judgement {
     let errors = modelled.map(|modelled| record.errors(modelled, record.held_out()));
     let rms_nm = errors.as_ref().map(|errors| rms(errors));
     Judgement {

@@ -23,7 +23,7 @@ const BEST: usize = 2;
 pub(super) fn scan(record: &Record, orders: OrdersTried, context: &Context) -> Vec<Scanned> {
     let families = [Family::Arx, Family::OutputError];
     let pairs = families.into_iter().flat_map(|family| [Input::Demand, Input::Error].map(|input| (family, input)));
-    let all: Vec<Structure> = pairs.flat_map(|pair| Structure::all(pair, orders)).collect();
+    let all: Vec<Structure> = pairs.flat_map(|(family, input)| Structure::all(family, input, orders)).collect();
     let mut scan = Scan { record, known: HashMap::new() };
     let step = context.step(format!("trying orders on {}", record.file), all.len() as u64);
     let mut advance = |structures: usize| step.advance(structures as u64);

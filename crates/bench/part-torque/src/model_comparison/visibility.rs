@@ -1,5 +1,7 @@
 //! At which rate and with which demand the rest of the torque control becomes visible.
 
+use std::ops::RangeInclusive;
+
 use ident::distributions::normal_quantile;
 use rig::random::Source;
 use serde::Serialize;
@@ -19,10 +21,12 @@ pub const RECORDING_S: f64 = 60.0;
 const COMPUTED_S: f64 = 4.0;
 /// The demand's own raster, s.
 const UPDATE_S: f64 = 1e-3;
-/// Level of the test of κ = 0, and the probability with which it is to find the loop.
-pub const LEVEL_AND_POWER: (f64, f64) = (0.99, 0.95);
+/// Level of the test of κ = 0.
+const LEVEL: f64 = 0.99;
+/// Probability with which the test is to find the loop.
+const POWER: f64 = 0.95;
 /// κ between which the least that is found is searched, and steps of the search: each halves the ratio that is left.
-const TERMS: (f64, f64) = (0.01, 2.0);
+const TERMS: RangeInclusive<f64> = 0.01..=2.0;
 const STEPS: usize = 7;
 /// Seed of the demands.
 const SEED: u64 = 1;
@@ -78,8 +82,7 @@ impl Visibility {
     pub(super) fn of(record: &Record) -> Option<Self> {
         let model = &record.control.model;
         let noise_nm = model.residual.standard_deviation_nm;
-        let visible =
-            || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
+        let visible = || visibility((model.delay_s, model.lag_rad_s), rms(&record.demand), noise_nm, CRITICALLY_DAMPED);
         record.control.has_lag().then(visible)
     }
 }
@@ -87,25 +90,24 @@ impl Visibility {
 /// Power of other rates and holds to show delay and lag `control` (s, rad/s), and a loop of second order with both and
 /// this κ. The demand and the noise are white, with these standard deviations, Nm.
 #[must_use]
-pub fn visibility(control: (f64, f64), (demand_nm, noise_nm): (f64, f64), term: f64) -> Visibility {
+pub fn visibility(control: (f64, f64), demand_nm: f64, noise_nm: f64, term: f64) -> Visibility {
     let pairs = RATES_HZ.iter().flat_map(|rate_hz| HOLDS_S.iter().map(move |hold_s| (*rate_hz, *hold_s)));
     let truth = SecondOrder { delay_s: control.0, lag_rad_s: control.1, term };
-    let cases = pairs.map(|pair| case(truth, pair, (demand_nm, noise_nm))).collect();
+    let cases = pairs.map(|(rate_hz, hold_s)| case(truth, rate_hz, hold_s, demand_nm, noise_nm)).collect();
     Visibility { control, demand_nm, noise_nm, recording_s: RECORDING_S, term, cases }
 }
 
 /// Computed for a demand of standard deviation one, noise of one, and the shorter recording.
-fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm): (f64, f64)) -> VisibilityCase {
+fn case(truth: SecondOrder, rate_hz: f64, hold_s: f64, demand_nm: f64, noise_nm: f64) -> VisibilityCase {
     let held = white_demand(hold_s);
     let times_s: Vec<f64> = (0..(COMPUTED_S * rate_hz) as usize).map(|i| i as f64 / rate_hz).collect();
     // What the samples do not tell has no bound.
     let (delay_s, lag_rad_s) =
-        lag_errors(&held, &times_s, (truth.delay_s, truth.lag_rad_s)).unwrap_or((f64::INFINITY, f64::INFINITY));
+        lag_errors(&held, &times_s, truth.delay_s, truth.lag_rad_s).unwrap_or((f64::INFINITY, f64::INFINITY));
     let term = term_error(&held, &times_s, truth).unwrap_or(f64::INFINITY);
     let distance = |term: f64| distance_from_lag(&held, &times_s, SecondOrder { term, ..truth }).unwrap_or(0.0);
     let scale = (COMPUTED_S / RECORDING_S).sqrt() * noise_nm / demand_nm;
-    let (level, power) = LEVEL_AND_POWER;
-    let wanted = scale * (normal_quantile(0.5 + 0.5 * level) + normal_quantile(power));
+    let wanted = scale * (normal_quantile(0.5 + 0.5 * LEVEL) + normal_quantile(POWER));
     let short_of = wanted / distance(truth.term);
     VisibilityCase {
         rate_hz,
@@ -121,7 +123,7 @@ fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm)
 
 /// The least κ that is found, to a few per cent.
 fn least_term(is_seen: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = TERMS;
+    let (mut low, mut high) = TERMS.into_inner();
     if !is_seen(high) {
         return f64::INFINITY;
     }

@@ -1,5 +1,7 @@
 //! The load cell: a further delay and a second-order resonance behind the torque control.
 
+use std::ops::RangeInclusive;
+
 use faer::{Mat, MatMut, mat};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
 use lti::StateSpace;
@@ -22,8 +24,10 @@ const STARTS: usize = 3;
 const FINER: usize = 16;
 /// As much of a recording is used, s.
 const MOST_S: f64 = 120.0;
-const NATURAL_RAD_S: (f64, f64) = (30.0, 3000.0);
-const DAMPING: (f64, f64) = (0.01, 0.95);
+/// Natural frequencies of a load cell, rad/s.
+const NATURAL_RAD_S: RangeInclusive<f64> = 30.0..=3000.0;
+/// Damping ratios of a load cell.
+const DAMPING: RangeInclusive<f64> = 0.01..=0.95;
 
 /// Findings on the load cell.
 pub(super) struct LoadCell {
@@ -262,8 +266,8 @@ pub(super) fn fit(
     let observed = Observed::new(cell, &usable, 0..cell.len());
     let bounds = [
         Bounds::new(0.0, LONGEST_S),
-        Bounds::new(NATURAL_RAD_S.0, NATURAL_RAD_S.1),
-        Bounds::new(DAMPING.0, DAMPING.1),
+        Bounds::new(*NATURAL_RAD_S.start(), *NATURAL_RAD_S.end()),
+        Bounds::new(*DAMPING.start(), *DAMPING.end()),
         Bounds::NONE,
         Bounds::NONE,
     ];

@@ -4,6 +4,8 @@ mod filter;
 mod load_cell;
 mod routes;
 
+use std::ops::RangeInclusive;
+
 use ident::distributions::interval;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::results::{DelayRoute, Parameter, Quantity, SignalDelay, Timing};
@@ -16,18 +18,18 @@ use self::load_cell::LoadCell;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
 use crate::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
 
-/// The signals whose delay is wanted.
-const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 /// Band of the phase slope of signals that follow T_d itself, Hz.
-const FOLLOWING_HZ: (f64, f64) = (0.5, 20.0);
+const FOLLOWING_HZ: RangeInclusive<f64> = 0.5..=20.0;
 /// Band in which a torque flange is compared with T_d + J_d dω_d/dt, Hz.
-const FLANGE_HZ: (f64, f64) = (1.0, 40.0);
+const FLANGE_HZ: RangeInclusive<f64> = 1.0..=40.0;
 /// Band in which the dynamometer's own inertia takes nearly all of T_d, Hz.
-const INERTIA_HZ: (f64, f64) = (50.0, 90.0);
+const INERTIA_HZ: RangeInclusive<f64> = 50.0..=90.0;
 /// A delay less certain than this, s, is not known.
 const KNOWN_S: f64 = 2e-3;
-/// Possible errors of phase slope and correlation peak: both take lag and ringing for delay, each in its own way, s.
-const OFF_S: (f64, f64) = (3e-4, 1.5e-3);
+/// Possible error of the phase slope: it takes lag and ringing for delay in its own way, s.
+const PHASE_SLOPE_OFF_S: f64 = 3e-4;
+/// Possible error of the correlation peak: it does so too, in another way, s.
+const PEAK_OFF_S: f64 = 1.5e-3;
 /// Level of the routes' intervals.
 const LEVEL: f64 = 0.95;
 /// Below this mean coherence the phase against the bend says nothing.
@@ -66,7 +68,7 @@ pub fn estimate(
     })?;
     let demand = usable_signal(experiment, Role::DynoTorqueDemand)?;
     let bench = Bench { experiment, demand, torque_control, inertia_kg_m2: dynamometer_inertia_kg_m2 };
-    let present = TORQUES.into_iter().filter(|role| experiment.signal(*role).is_some());
+    let present = Role::TORQUES.into_iter().filter(|role| experiment.signal(*role).is_some());
     Ok(Timing { delays: present.map(|role| bench.delay_of(role)).collect::<Result<_, _>>()? })
 }
 
@@ -95,12 +97,12 @@ impl Bench<'_> {
             interval_s: Some(p.interval),
             systematic_s: 0.0,
         });
-        let free = [("phase slope", slope, OFF_S.0), ("correlation peak", peak, OFF_S.1)];
+        let free = [("phase slope", slope, PHASE_SLOPE_OFF_S), ("correlation peak", peak, PEAK_OFF_S)];
         let free = free.into_iter().filter_map(|(name, measured, off)| Some(route(name, measured?, off)));
         Ok(SignalDelay {
             role,
             against_demand: parametric
-                .or_else(|| slope.map(|m| parameter(Quantity::DelayAgainstDemand, m.off_by(OFF_S.0)))),
+                .or_else(|| slope.map(|m| parameter(Quantity::DelayAgainstDemand, m.off_by(PHASE_SLOPE_OFF_S)))),
             against_speed_bend: self.against_bend(role, cell.as_ref(), average.as_ref()),
             routes: of_model.into_iter().chain(free).collect(),
             moving_average_length: average.as_ref().and_then(ShaftFilter::moving_average_length),
@@ -141,7 +143,7 @@ impl Bench<'_> {
         let hold_s = 0.5 * self.demand.sample_time_s;
         let (demand, moved) = on_one_raster(self.demand, signal)?;
         // The samples lead the held demand by half a sample, which is not the signal's delay.
-        let slope = phase_slope(&demand, &moved, FOLLOWING_HZ, Curvature::Cubic)?;
+        let slope = phase_slope(&demand, &moved, FOLLOWING_HZ.into_inner(), Curvature::Cubic)?;
         let slope = slope.map(|m| Measured { delay_s: m.delay_s - hold_s, ..m });
         let peak = correlation_peak(&demand, &moved)?.map(|m| Measured { delay_s: m.delay_s - hold_s, ..m });
         Ok((slope, peak))
@@ -174,7 +176,7 @@ impl Bench<'_> {
         let torque = self.torque_control?.model.air_gap_torque(self.demand);
         let bend = self.acceleration_torque()?.map(|v| -v);
         let (torque, bend) = on_one_raster(&torque, &bend).ok()?;
-        let later = phase_slope(&torque, &bend, INERTIA_HZ, Curvature::Hyperbolic).ok().flatten()?;
+        let later = phase_slope(&torque, &bend, INERTIA_HZ.into_inner(), Curvature::Hyperbolic).ok().flatten()?;
         (later.coherence >= COHERENT).then_some(Measured { delay_s: -later.delay_s, ..later })
     }
 
@@ -206,7 +208,7 @@ impl Bench<'_> {
         let (mut shaft, torque) = on_one_raster(&self.acceleration_torque()?, &torque).ok()?;
         shaft.samples.iter_mut().zip(&torque.samples).for_each(|(s, t)| *s += t);
         let (shaft, flange) = on_one_raster(&shaft, self.experiment.signal(role)?).ok()?;
-        let later = phase_slope(&shaft, &flange, FLANGE_HZ, Curvature::Cubic).ok().flatten()?;
+        let later = phase_slope(&shaft, &flange, FLANGE_HZ.into_inner(), Curvature::Cubic).ok().flatten()?;
         (later.coherence >= COHERENT).then_some(later)
     }
 }

@@ -1,5 +1,7 @@
 //! Where delays and lags are looked for.
 
+use std::ops::RangeInclusive;
+
 /// The longest delay looked for, s.
 pub(super) const LONGEST_DELAY_S: f64 = 0.02;
 
@@ -7,4 +9,4 @@ pub(super) const LONGEST_DELAY_S: f64 = 0.02;
 pub(super) const EARLIEST_S: f64 = 0.005;
 
 /// Range of the lag, rad/s.
-pub(super) const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
+pub(super) const LAG_RAD_S: RangeInclusive<f64> = 20.0..=2e4;

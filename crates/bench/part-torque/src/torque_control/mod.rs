@@ -19,7 +19,7 @@ mod validation;
 use faer::Mat;
 use ident::distributions::interval;
 use ident::{Bounds, IdentError, Minimum};
-use rig::estimation::{EstimateError, liveliest_part, timing_floor_s};
+use rig::estimation::{ESTIMATION_SHARE, EstimateError, liveliest_part, timing_floor_s};
 use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
@@ -41,8 +41,6 @@ pub(super) use search::robust_covariance;
 pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
 pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
 
-/// Part of the recording that is estimated from; the rest is held out.
-const ESTIMATION_SHARE: f64 = 0.7;
 /// Shortest usable recording, s.
 const SHORTEST_S: f64 = 4.0;
 /// A demand that varies less than this (standard deviation) excites nothing, Nm.
@@ -88,7 +86,7 @@ impl TorqueControlFit {
     pub fn has_lag(&self) -> bool {
         let lag = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
         let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
-        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.model.lag_rad_s)
+        is_known && (1.01 * LAG_RAD_S.start()..0.99 * LAG_RAD_S.end()).contains(&self.model.lag_rad_s)
     }
 }
 
@@ -165,7 +163,8 @@ pub fn estimate_unseparated(
         experiment,
         &lagged,
         &delay_and_lag_validation,
-        (demand.sample_time_s, torque.sample_time_s),
+        demand.sample_time_s,
+        torque.sample_time_s,
     ));
     if lagged.is_gain_contradicted(torque.sample_time_s) {
         delay_and_lag.add_moves(&lagged.moves_with_gain());
@@ -206,7 +205,7 @@ pub fn second_order(
     let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.model.without_ripple(*y, *t)).collect();
     let observed = Observed { values: smooth, ..seen };
     let held = HeldDemand::new(demand, torque_limit_nm);
-    second_order::test(&held, &observed, (fit.model.delay_s, fit.model.lag_rad_s))
+    second_order::test(&held, &observed, fit.model.delay_s, fit.model.lag_rad_s)
         .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
 }
 
@@ -280,7 +279,7 @@ struct Lagged {
 }
 
 fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Result<Lagged, IdentError> {
-    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
+    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(*LAG_RAD_S.start(), *LAG_RAD_S.end())];
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
     let reach_s = BESIDE * held.sample_time_s();
@@ -378,7 +377,7 @@ impl Lagged {
     /// Quantity that ended at the slow limit of the search, where no drive is.
     fn slow_limit(&self) -> Option<Quantity> {
         let [delay, lag] = [0, 1].map(|at| self.fit.at_bound[at]);
-        if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.0 {
+        if lag && self.model.lag_rad_s < 2.0 * LAG_RAD_S.start() {
             return Some(Quantity::TorqueControlBandwidth);
         }
         (delay && self.model.delay_s > 0.5 * LONGEST_DELAY_S).then_some(Quantity::TorqueControlDelay)
@@ -421,7 +420,8 @@ fn doubts(
     experiment: &Experiment,
     lagged: &Lagged,
     validation: &rig::results::Validation,
-    (demand_sample_time_s, torque_sample_time_s): (f64, f64),
+    demand_sample_time_s: f64,
+    torque_sample_time_s: f64,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let submodel = Part::TorqueControl;

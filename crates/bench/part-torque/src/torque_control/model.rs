@@ -55,7 +55,7 @@ pub struct AirGapTorqueModel {
 impl AirGapTorqueModel {
     /// The model of a torque control that is known, with the lines of a ripple that has no size yet: a recording gives
     /// it ([`AirGapTorqueModel::refit_ripple`]).
-    pub fn known((delay_s, lag_rad_s): (f64, f64), ripple_hz: &[f64], torque_limit_nm: Option<f64>) -> Self {
+    pub fn known(delay_s: f64, lag_rad_s: f64, ripple_hz: &[f64], torque_limit_nm: Option<f64>) -> Self {
         let line =
             |frequency_hz: &f64| RippleLine { frequency_hz: *frequency_hz, additive_nm: [0.0; 2], relative: [0.0; 2] };
         AirGapTorqueModel {

@@ -16,8 +16,10 @@ const STARTS: usize = 3;
 const ROUNDING: f64 = 1e-9;
 /// Shortest batch for the covariance, s; long against the memory of the residuals.
 const BATCH_S: f64 = 0.5;
-/// Most and fewest batches.
-const BATCHES: (usize, usize) = (8, 40);
+/// Fewest batches.
+const FEWEST_BATCHES: usize = 8;
+/// Most batches.
+const MOST_BATCHES: usize = 40;
 
 /// Fits response, offset and as many ripple lines as the data show; the gain stays one.
 ///
@@ -211,5 +213,5 @@ const LEAST_ERRORS: f64 = 0.02;
 
 /// Into how many batches so many samples are cut for a covariance robust to what is left in them.
 pub fn batches(samples: usize, sample_time_s: f64) -> usize {
-    ((samples as f64 * sample_time_s / BATCH_S) as usize).clamp(BATCHES.0, BATCHES.1)
+    ((samples as f64 * sample_time_s / BATCH_S) as usize).clamp(FEWEST_BATCHES, MOST_BATCHES)
 }

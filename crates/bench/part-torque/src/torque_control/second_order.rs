@@ -4,6 +4,8 @@
 //! from a delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ
 //! has no standard error at zero, and tests of it compare whole fits.
 
+use std::ops::RangeInclusive;
+
 use faer::Mat;
 use ident::distributions::f_tail;
 use ident::{Bounds, IdentError, Minimum, least_squares};
@@ -20,7 +22,7 @@ use crate::torque_control::bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 /// κ of a critically damped loop, two equal lags.
 pub const CRITICALLY_DAMPED: f64 = 0.25;
 /// Range of κ: below, the second pole is so fast that it is a delay.
-const TERM: (f64, f64) = (0.01, 2.0);
+const TERM: RangeInclusive<f64> = 0.01..=2.0;
 /// κ from which it is looked for.
 const STARTS: [f64; 3] = [0.05, 0.25, 0.6];
 /// Two poles nearer to each other than this part of their size are taken apart by it: for equal ones there is no sum of
@@ -126,7 +128,8 @@ pub struct SecondOrderTest {
 pub(super) fn test(
     held: &HeldDemand,
     observed: &Observed,
-    (delay_s, lag_rad_s): (f64, f64),
+    delay_s: f64,
+    lag_rad_s: f64,
 ) -> Result<SecondOrderTest, IdentError> {
     let lag = fit_with_lines(
         &mut RippledModel::new(DelayAndLag::new(held), observed),
@@ -134,10 +137,10 @@ pub(super) fn test(
         &response_bounds(),
         &[],
     )?;
-    let damped = with_term(held, observed, &lag, (CRITICALLY_DAMPED, CRITICALLY_DAMPED), CRITICALLY_DAMPED)?;
+    let damped = with_term(held, observed, &lag, CRITICALLY_DAMPED, Bounds::new(CRITICALLY_DAMPED, CRITICALLY_DAMPED))?;
     let mut best = damped.clone();
     for start in STARTS {
-        let found = with_term(held, observed, &lag, TERM, start)?;
+        let found = with_term(held, observed, &lag, start, Bounds::new(*TERM.start(), *TERM.end()))?;
         best = if found.cost < best.cost { found } else { best };
     }
     let freedom = observed.len() as f64 - 4.0;
@@ -154,18 +157,18 @@ pub(super) fn test(
 }
 
 fn response_bounds() -> Vec<Bounds> {
-    vec![Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)]
+    vec![Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(*LAG_RAD_S.start(), *LAG_RAD_S.end())]
 }
 
 fn with_term(
     held: &HeldDemand,
     observed: &Observed,
     lag: &Minimum,
-    (low, high): (f64, f64),
     start: f64,
+    term: Bounds,
 ) -> Result<Minimum, IdentError> {
     let mut bounds = response_bounds();
-    bounds.push(Bounds::new(low, high));
+    bounds.push(term);
     let start = [lag.parameters[0], lag.parameters[1], start];
     fit_with_lines(&mut RippledModel::new(DelayAndSecondOrder(held), observed), &start, &bounds, &[])
 }
@@ -180,7 +183,8 @@ fn with_term(
 pub(crate) fn lag_errors(
     held: &HeldDemand,
     times_s: &[f64],
-    (delay_s, lag_rad_s): (f64, f64),
+    delay_s: f64,
+    lag_rad_s: f64,
 ) -> Result<(f64, f64), IdentError> {
     let errors = standard_errors(&mut DelayAndLag::new(held), times_s, &[delay_s, lag_rad_s])?;
     Ok((errors[0], errors[1]))
@@ -262,7 +266,7 @@ mod tests {
             let truth = SecondOrder { delay_s: 1.3e-3, lag_rad_s: 500.0, term };
             let torque = truth.torque_at(&held, &times());
             let observed = Observed::of_samples(&times(), torque, 4e-3);
-            let found = super::test(&held, &observed, (1.3e-3, 500.0)).unwrap();
+            let found = super::test(&held, &observed, 1.3e-3, 500.0).unwrap();
             assert!((found.term - term).abs() < 1e-3 && (found.lag_rad_s - 500.0).abs() < 0.5, "{found:?}");
             assert!(found.lag_p_value < 1e-6);
         }

@@ -22,9 +22,6 @@ use shaft::Known;
 pub use shaft::{OnceATurn, RebuiltShaft};
 pub use trust::{Trust, TrustCheck};
 
-/// Torques whose signals this is about.
-const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
-
 /// Findings of recordings on the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueSignals {
@@ -78,14 +75,15 @@ impl TorqueSignals {
 /// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]
 pub fn torque_signals(
-    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    controllers: &SpeedControllers<'_>,
+    torque_controls: &TorqueControls<'_>,
     bench: &BenchFile,
     context: &Context,
 ) -> TorqueSignals {
     let step = context.step("looking at the torques", torque_controls.experiments.len() as u64);
     let look = |experiment: &&Experiment| {
         let _part = step.step(format!("looking at the torques of {}", experiment.file), 0);
-        of_recording(experiment, (controllers, torque_controls), bench)
+        of_recording(experiment, controllers, torque_controls, bench)
     };
     // Chosen before the recordings are shared out.
     let _ = torque_controls.chosen();
@@ -98,7 +96,8 @@ pub fn torque_signals(
 /// The chosen torque control serves where a recording does not give it itself.
 fn of_recording(
     experiment: &Experiment,
-    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    controllers: &SpeedControllers<'_>,
+    torque_controls: &TorqueControls<'_>,
     bench: &BenchFile,
 ) -> TorqueRecording {
     if let Err(error) = believable(experiment) {
@@ -144,7 +143,7 @@ fn missing(experiment: &Experiment, role: Role) -> Reason {
 }
 
 fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Outcome<Vec<SignalDelay>> {
-    if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
+    if !Role::TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
         return Outcome::because(missing(experiment, Role::AirGapTorque));
     }
     timing::estimate(&[experiment], control, bench.dynamometer_inertia_kg_m2).map(|timing| timing.delays).into()

@@ -9,7 +9,7 @@ const CLEARLY: f64 = 4.0;
 /// explains the difference.
 ///
 /// A mean square over a window W of noise of the band b has the relative standard deviation 1/√(bW).
-pub(super) fn beyond_noise(apart: &[f64], noise_variance: f64, (step_s, band_hz): (f64, f64)) -> Vec<f64> {
+pub(super) fn beyond_noise(apart: &[f64], noise_variance: f64, step_s: f64, band_hz: f64) -> Vec<f64> {
     let half = (0.5 * WINDOW_S / step_s).round() as usize;
     let mut sums = vec![0.0];
     apart.iter().for_each(|x| sums.push(sums[sums.len() - 1] + x * x));
@@ -32,9 +32,9 @@ mod tests {
     fn exact_what_noise_explains_is_nothing_and_a_sine_is_its_root_mean_square() {
         let mut random = Random::new(1);
         let noise: Vec<f64> = (0..6000).map(|_| 0.3 * random.normal()).collect();
-        assert!(beyond_noise(&noise, 0.09, (1e-3, 120.0)).iter().all(|beyond| *beyond == 0.0));
+        assert!(beyond_noise(&noise, 0.09, 1e-3, 120.0).iter().all(|beyond| *beyond == 0.0));
         let sine: Vec<f64> = noise.iter().zip(0..).map(|(x, k)| x + 5.0 * (0.1 * f64::from(k)).sin()).collect();
-        let beyond = beyond_noise(&sine, 0.09, (1e-3, 120.0));
+        let beyond = beyond_noise(&sine, 0.09, 1e-3, 120.0);
         assert!(beyond.iter().all(|beyond| (beyond - 5.0 / 2f64.sqrt()).abs() < 0.15), "{:?}", &beyond[..3]);
     }
 }

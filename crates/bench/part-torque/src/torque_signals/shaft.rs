@@ -83,10 +83,10 @@ pub(super) struct Known<'a> {
 /// N_d or T_d,calc is missing or too short; noise levels that cannot be found.
 pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<RebuiltShaft, EstimateError> {
     let Prepared { speed, encoder, torque, source } =
-        Prepared::new(experiment, known.torque_control, (known.encoder, known.stated_gate_s))?;
+        Prepared::new(experiment, known.torque_control, known.encoder, known.stated_gate_s)?;
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
     let stamps = Stamps { first_s: speed.start_s, step_s: speed.sample_time_s, count: speed.len() };
-    let clock = Clock::new(&experiment.file, stamps, (&torque, 0.0), encoder.gate_s)?;
+    let clock = Clock::new(&experiment.file, stamps, &torque, 0.0, encoder.gate_s)?;
     let lines_hz = firing_lines(experiment, known.engine, &speed, HIGHEST_LINE * speed.nyquist_hz());
     let observed = observations(&clock, &speed, lines_hz);
     let mechanics = dynamometer(known.inertia_kg_m2);
@@ -107,7 +107,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     let apart: Vec<f64> = zero_phase_nm.iter().zip(&in_band).map(|(filter, smoother)| filter - smoother).collect();
     let noise_nm = known.inertia_kg_m2 * observed.noise_rad_s[0] * slope_noise(&speed, encoder.gate_s);
     let band_hz = BAND_HZ.min(speed.nyquist_hz());
-    let apart = routes::beyond_noise(&apart, noise_nm * noise_nm, (speed.sample_time_s, band_hz));
+    let apart = routes::beyond_noise(&apart, noise_nm * noise_nm, speed.sample_time_s, band_hz);
     let mean = speed.mean().unwrap_or(0.0);
     Ok(RebuiltShaft {
         start_s: clock.start_s,

@@ -11,17 +11,20 @@ use signal::Signal;
 const BLOCK_S: f64 = 0.5;
 /// About as late as a load cell is, s.
 const EDGE_S: f64 = 0.012;
-/// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and
-/// as a part of the mean.
-const AT_REST: (f64, f64) = (5.0, 0.05);
+/// A block in which the mean of T_d,calc moves from one half to the other by more than this, Nm, ...
+const AT_REST_NM: f64 = 5.0;
+/// ... and by more than this part of the mean, is not near rest.
+const AT_REST_PART: f64 = 0.05;
 /// Fewest blocks.
 const FEWEST: usize = 12;
 /// The mean torques show a gain where they differ by more than this, Nm.
 const APART_NM: f64 = 5.0;
 /// A drift is looked for over at least this, s.
 const LASTING_S: f64 = 60.0;
-/// An error of gain, 1, and of offset, Nm, up to which T_d,calc can be trusted.
-const TOLERATED: (f64, f64) = (0.01, 1.0);
+/// An error of gain up to which T_d,calc can be trusted.
+const TOLERATED_GAIN: f64 = 0.01;
+/// An error of offset up to which T_d,calc can be trusted, Nm.
+const TOLERATED_OFFSET_NM: f64 = 1.0;
 
 /// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how
 /// much T_d,calc rises from end to end over the length: what a load cell that is late by τ has not seen yet.
@@ -119,9 +122,9 @@ fn verdict(offset: &Parameter, gain: Option<&Parameter>) -> Trust {
     let within = |p: &Parameter, most: f64| p.interval.0 > -most && p.interval.1 < most;
     let beyond = |p: &Parameter, most: f64| p.interval.0 > most || p.interval.1 < -most;
     match gain {
-        _ if beyond(offset, TOLERATED.1) => Trust::Off,
-        Some(gain) if beyond(gain, TOLERATED.0) => Trust::Off,
-        Some(gain) if within(gain, TOLERATED.0) && within(offset, TOLERATED.1) => Trust::Trusted,
+        _ if beyond(offset, TOLERATED_OFFSET_NM) => Trust::Off,
+        Some(gain) if beyond(gain, TOLERATED_GAIN) => Trust::Off,
+        Some(gain) if within(gain, TOLERATED_GAIN) && within(offset, TOLERATED_OFFSET_NM) => Trust::Trusted,
         _ => Trust::Undecided,
     }
 }
@@ -144,7 +147,7 @@ fn blocks(experiment: &Experiment) -> Vec<Block> {
         let half = 0.5 * (start + end);
         let moved = mean(calculated, half, end)? - mean(calculated, start, half)?;
         let measured_nm = mean(measured, start, end)?;
-        let most = AT_REST.0.max(AT_REST.1 * measured_nm.abs());
+        let most = AT_REST_NM.max(AT_REST_PART * measured_nm.abs());
         let is_near_rest = [moved, jump(start)?, jump(end)?].iter().all(|change| change.abs() < most);
         let block = Block {
             measured_nm,

@@ -19,8 +19,10 @@ use crate::torque_smoother::observations::Observations;
 const STARTS: [f64; 5] = [9.0, 13.0, 17.0, 21.0, 25.0];
 /// The same of the error of T_d, Nm²/Hz.
 const TORQUE_START: f64 = 1e-4;
-/// Amplitude of a line, Nm, and its damping ratio, where the search starts.
-const LINE: (f64, f64) = (5.0, 0.01);
+/// Amplitude of a line where the search starts, Nm.
+const START_LINE_NM: f64 = 5.0;
+/// Damping ratio of a line where the search starts.
+const START_LINE_DAMPING: f64 = 0.01;
 /// Largest correlation of innovations that is taken at its word: the standard deviations are ten times as large.
 const LARGEST_CORRELATION: f64 = 0.98;
 /// Range of every logarithm; a damping ratio stays below one.
@@ -73,12 +75,12 @@ impl TorqueSmoother<'_> {
         let lines = &self.observed.lines_hz;
         let mut all = vec![wandering, TORQUE_START.ln()];
         if !lines.is_empty() {
-            all.push(LINE.1.ln());
+            all.push(START_LINE_DAMPING.ln());
         }
         // A damped oscillator of density q holds the power q/(2 ζω) in each of its two states.
         let line = |(k, hz): (usize, &f64)| {
-            let amplitude = LINE.0 / (k + 1) as f64;
-            (amplitude.powi(2) * LINE.1 * TAU * hz).ln()
+            let amplitude = START_LINE_NM / (k + 1) as f64;
+            (amplitude.powi(2) * START_LINE_DAMPING * TAU * hz).ln()
         };
         all.extend(lines.iter().enumerate().map(line));
         all.extend(self.observed.noise_rad_s.iter().skip(1).map(|_| 0.0));

@@ -35,8 +35,10 @@ pub use observations::Observations;
 const LINES: usize = 4;
 /// Deviation of the speed, of its mean, beyond which firing is at no frequency that could be modelled.
 const STEADY: f64 = 0.02;
-/// Standard deviations at the start: the torque sought, Nm; its slope, Nm/s.
-const START: (f64, f64) = (300.0, 1e4);
+/// Standard deviation of the torque sought at the start, Nm.
+const START_NM: f64 = 300.0;
+/// Standard deviation of its slope at the start, Nm/s.
+const START_NM_PER_S: f64 = 1e4;
 
 /// How speeds answer T_d and the torque that is sought: dx/dt = A x + b T_d + e T.
 #[derive(Debug, Clone)]
@@ -82,12 +84,7 @@ impl Clock {
     ///
     /// # Errors
     /// Stamps and T_d share too little.
-    pub fn new(
-        file: &str,
-        stamps: Stamps,
-        (torque, late_s): (&Signal, f64),
-        gate_s: f64,
-    ) -> Result<Self, EstimateError> {
+    pub fn new(file: &str, stamps: Stamps, torque: &Signal, late_s: f64, gate_s: f64) -> Result<Self, EstimateError> {
         let step = stamps.step_s;
         let row_s = |i: usize| stamps.first_s + i as f64 * step + 0.5 * (step - gate_s);
         let is_inside = |i: &usize| {
@@ -232,8 +229,8 @@ impl TorqueSmoother<'_> {
         let deviation = |i: usize| match i {
             i if i < means => mechanics.start[mechanics.measured[i]],
             i if i < wandering => mechanics.start[i - means],
-            i if i == wandering + 1 => START.1,
-            _ => START.0,
+            i if i == wandering + 1 => START_NM_PER_S,
+            _ => START_NM,
         };
         let mean = |i: usize| match i {
             i if i < means => 0.0,

@@ -39,7 +39,8 @@ impl Prepared {
     pub fn new(
         experiment: &Experiment,
         torque_control: Option<&TorqueControlFit>,
-        (encoder, stated_gate_s): (Option<Encoder>, Option<f64>),
+        encoder: Option<Encoder>,
+        stated_gate_s: Option<f64>,
     ) -> Result<Self, EstimateError> {
         let measured = needed(experiment, Role::DynoSpeed)?;
         let calculated = needed(experiment, Role::AirGapTorque)?;

@@ -8,7 +8,9 @@ use signal::Signal;
 use bench_testkit::torque_bench::{Noise, TRUTH, Truth, lagged, rippled, white_noise};
 
 const INERTIA: f64 = 0.6;
-const CELL: (f64, f64, f64) = (8e-3, 471.24, 0.25);
+const CELL_DELAY_S: f64 = 8e-3;
+const CELL_NATURAL_RAD_S: f64 = 471.24;
+const CELL_DAMPING: f64 = 0.25;
 
 /// Adds a load cell, a free-spinning dynamometer's N_d, and the system's shaft torque with its average over 16 samples.
 fn with_all_torques(truth: Truth) -> Experiment {
@@ -41,7 +43,7 @@ fn with_all_torques(truth: Truth) -> Experiment {
 
 /// Delay and resonance by small steps of the midpoint rule.
 fn load_cell(torque: &[f64], step_s: f64) -> Vec<f64> {
-    let (delay, w, z) = CELL;
+    let (delay, w, z) = (CELL_DELAY_S, CELL_NATURAL_RAD_S, CELL_DAMPING);
     let late = (delay / step_s).round() as usize;
     let slope = |x: f64, v: f64, u: f64| w * w * (u - x) - 2.0 * z * w * v;
     let (mut x, mut v) = (torque[0], 0.0);
@@ -76,13 +78,13 @@ fn stat_every_torque_is_as_late_as_it_was_made() {
     // Nothing but inertia, and no gate: T_d and the bend coincide.
     assert!(calc.against_speed_bend.as_ref().unwrap().value.abs() < 1e-4, "{:?}", calc.against_speed_bend);
     let cell = of(&found, Role::LoadCellTorque);
-    let behind = CELL.0 + 2.0 * CELL.2 / CELL.1;
+    let behind = CELL_DELAY_S + 2.0 * CELL_DAMPING / CELL_NATURAL_RAD_S;
     assert!((cell.against_demand.as_ref().unwrap().value - total - behind).abs() < 5e-5);
     let dynamics = cell.dynamics.as_ref().unwrap();
-    assert!((dynamics.parameters[0].value - CELL.0).abs() < 5e-5, "{dynamics:?}");
+    assert!((dynamics.parameters[0].value - CELL_DELAY_S).abs() < 5e-5, "{dynamics:?}");
     // The product of ripple and torque is not filtered by the cell in the model: a bias of about one per cent.
-    assert!((dynamics.parameters[1].value / CELL.1 - 1.0).abs() < 1.5e-2, "{dynamics:?}");
-    assert!((dynamics.parameters[2].value - CELL.2).abs() < 1.5e-2, "{dynamics:?}");
+    assert!((dynamics.parameters[1].value / CELL_NATURAL_RAD_S - 1.0).abs() < 1.5e-2, "{dynamics:?}");
+    assert!((dynamics.parameters[2].value - CELL_DAMPING).abs() < 1.5e-2, "{dynamics:?}");
     for signal in [calc, cell] {
         let parametric = signal.against_demand.as_ref().unwrap().value;
         assert_eq!(signal.routes.len(), 3);
@@ -97,7 +99,7 @@ fn stat_every_torque_is_as_late_as_it_was_made() {
 fn stat_load_cell_behind_a_drive_without_ripple() {
     let found = delays(Truth { noise_nm: 0.1, ripple_hz: None, ..TRUTH });
     let dynamics = of(&found, Role::LoadCellTorque).dynamics.as_ref().unwrap();
-    for (p, truth) in dynamics.parameters.iter().zip([CELL.0, CELL.1, CELL.2]) {
+    for (p, truth) in dynamics.parameters.iter().zip([CELL_DELAY_S, CELL_NATURAL_RAD_S, CELL_DAMPING]) {
         assert!((p.value - truth).abs() < 4.0 * p.standard_error + 1e-4 * truth, "{p:?}");
     }
 }

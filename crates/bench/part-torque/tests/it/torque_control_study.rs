@@ -206,7 +206,7 @@ fn stat_current_control_is_separated_from_a_lag_where_that_was_predicted() {
     };
     for (rate_hz, distances, runs) in [(250.0, vec![4.5, 2.6, 0.5], 12), (1000.0, vec![2.6], 8)] {
         let own = test(rate_hz, 0.02, 1);
-        let predicted = visibility((own.delay_s, own.lag_rad_s), (12.0, 1.0), own.term);
+        let predicted = visibility((own.delay_s, own.lag_rad_s), 12.0, 1.0, own.term);
         let case = predicted.cases.iter().find(|c| c.rate_hz == rate_hz && c.hold_s == 10e-3).unwrap();
         // 0.7 of the recording are estimated from; 4.22 standard errors are seen in 95 of 100.
         let of_one_nm = 4.221 * (0.7 * DURATION_S / case.needed_s).sqrt();
@@ -233,7 +233,7 @@ fn normal_tail(x: f64) -> f64 {
 #[test]
 fn exact_visibility_scales_with_demand_and_grows_with_the_rate() {
     let control = (1.25e-3, 565.0);
-    let (one, two) = (visibility(control, (10.0, 0.15), 0.25), visibility(control, (20.0, 0.15), 0.25));
+    let (one, two) = (visibility(control, 10.0, 0.15, 0.25), visibility(control, 20.0, 0.15, 0.25));
     for (a, b) in one.cases.iter().zip(&two.cases) {
         assert!((a.lag_rad_s / b.lag_rad_s - 2.0).abs() < 1e-9 && (a.needed_s / b.needed_s - 4.0).abs() < 1e-9);
     }

@@ -28,8 +28,8 @@ fn of(experiment: &Experiment) -> TorqueSignals {
 fn of_all(experiments: &[&Experiment]) -> TorqueSignals {
     let bench = default_bench();
     let limit = bench.limits.torque_nm;
-    let parts = (&SpeedControllers::of(experiments, limit), &TorqueControls::of(experiments, limit));
-    torque_signals(parts, &bench, &work::Context::new())
+    let (controllers, controls) = (SpeedControllers::of(experiments, limit), TorqueControls::of(experiments, limit));
+    torque_signals(&controllers, &controls, &bench, &work::Context::new())
 }
 
 /// Root mean square error of smoother and filter, and how often the smoother's 95 % band holds the truth, without the

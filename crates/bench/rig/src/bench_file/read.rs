@@ -233,11 +233,11 @@ fn with_closest_unit(text: &str, error: &UnitError) -> Option<String> {
 fn read_inertia(bench: &Section<'_, '_>, key: &str, example: &str, faults: &mut Faults<'_>) -> Option<f64> {
     let place = bench.require(key, example, faults)?;
     let value = read_value(bench, key, place, Quantity::Inertia, example, faults)?;
-    let plausible = PLAUSIBLE_INERTIA_KG_M2;
-    if (plausible.0..=plausible.1).contains(&value) {
+    if PLAUSIBLE_INERTIA_KG_M2.contains(&value) {
         return Some(value);
     }
     let looks_like = crate::bench_file::stated::plausible_inertia_units(value);
+    let plausible = PLAUSIBLE_INERTIA_KG_M2.into_inner();
     let kind = FaultKind::ImplausibleInertia { value_kg_m2: value, plausible, looks_like };
     faults.add(place.offset, bench.path_of(key), kind);
     None
@@ -309,7 +309,7 @@ fn read_overload(section: &Section<'_, '_>, continuous_nm: Option<f64>, faults: 
         let kind = FaultKind::OutOfRange { value, low: continuous_nm, high: f64::INFINITY, remedy };
         faults.add(place?.offset, section.path_of("overload_torque"), kind);
     }
-    DriveHeat::of_overload(continuous_nm, (value, time_s?))
+    DriveHeat::of_overload(continuous_nm, value, time_s?)
 }
 
 fn read_shaft(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ShaftPrior {

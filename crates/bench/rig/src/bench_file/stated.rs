@@ -1,6 +1,7 @@
 //! Statements of a bench file.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use units;
 
@@ -121,10 +122,10 @@ impl DriveHeat {
     /// ```
     /// use rig::bench_file::DriveHeat;
     /// // 200 Nm for ever, √2 times as much for 60 s: (T/T_c)² (1 − e^{−60/τ}) = 1.
-    /// let heat = DriveHeat::of_overload(200.0, (200.0 * 2.0_f64.sqrt(), 60.0)).unwrap();
+    /// let heat = DriveHeat::of_overload(200.0, 200.0 * 2.0_f64.sqrt(), 60.0).unwrap();
     /// assert!((heat.time_constant_s - 60.0 / 2.0_f64.ln()).abs() < 1e-9);
     /// ```
-    pub fn of_overload(continuous_torque_nm: f64, (torque_nm, time_s): (f64, f64)) -> Option<Self> {
+    pub fn of_overload(continuous_torque_nm: f64, torque_nm: f64, time_s: f64) -> Option<Self> {
         let time_constant_s = -time_s / (-(continuous_torque_nm / torque_nm).powi(2)).ln_1p();
         (torque_nm > continuous_torque_nm).then_some(DriveHeat { continuous_torque_nm, time_constant_s })
     }
@@ -227,13 +228,12 @@ pub(super) fn names_same_file(file: &str, stated: &str) -> bool {
 }
 
 /// The smallest and the largest inertia of a bench that is believed, kg m².
-pub(super) const PLAUSIBLE_INERTIA_KG_M2: (f64, f64) = (0.001, 100.0);
+pub(super) const PLAUSIBLE_INERTIA_KG_M2: RangeInclusive<f64> = 0.001..=100.0;
 
 /// Inertia units in which `value`, written without one or with the wrong one, would be plausible.
 pub(super) fn plausible_inertia_units(value: f64) -> Vec<String> {
-    let (low, high) = PLAUSIBLE_INERTIA_KG_M2;
     let candidates = ["kg cm²", "g m²"].into_iter().filter_map(|spelling| units::parse_unit(spelling).ok());
-    let fitting = candidates.filter(|unit| (low..=high).contains(&unit.to_si(value)));
+    let fitting = candidates.filter(|unit| PLAUSIBLE_INERTIA_KG_M2.contains(&unit.to_si(value)));
     fitting.map(|unit| unit.spelling.to_owned()).collect()
 }
 

@@ -9,8 +9,10 @@ use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, SliderCrank, require, require_not_negative};
 
-/// Points of a firing interval from which its Fourier series is made, and for each of its harmonics, at the least.
-const PHASES: (usize, usize) = (32, 4);
+/// Points of a firing interval from which its Fourier series is made, at the least, ...
+const FEWEST_PHASES: usize = 32;
+/// ... and for each of its harmonics.
+const PHASES_EACH: usize = 4;
 
 /// One harmonic of the firing order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -155,7 +157,7 @@ impl EngineParameters {
             return Cow::Borrowed(&self.cycle_harmonics);
         }
         let cylinders = self.cylinder_factors.len();
-        let phases = PHASES.0.max(PHASES.1 * self.firing_harmonics.len());
+        let phases = FEWEST_PHASES.max(PHASES_EACH * self.firing_harmonics.len());
         let points = phases * cylinders;
         let torques: Vec<f64> = (0..points).map(|k| self.relative(k, phases)).collect();
         let harmonic = |m: usize| {

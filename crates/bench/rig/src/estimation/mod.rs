@@ -7,6 +7,6 @@ mod stretch;
 
 pub use crate::error::{EstimateError, Unsuitable};
 pub use once::{Chosen, OncePerRecording, first, once};
-pub use parameter::{ReadOut, transformed};
+pub use parameter::{INTERVAL_LEVEL, ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};
-pub use stretch::{liveliest, liveliest_part, longest_unsaturated, need};
+pub use stretch::{ESTIMATION_SHARE, liveliest, liveliest_part, longest_unsaturated, need};

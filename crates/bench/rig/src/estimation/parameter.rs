@@ -7,7 +7,7 @@ use ident::distributions::interval;
 use crate::results::{Estimate, Parameter, Quantity, Stretch};
 
 /// Level of every parameter's interval.
-const INTERVAL_LEVEL: f64 = 0.95;
+pub const INTERVAL_LEVEL: f64 = 0.95;
 
 /// A quantity as a function of a fit's internal parameters, in SI.
 pub type ReadOut<'a> = (Quantity, &'a dyn Fn(&[f64]) -> f64);

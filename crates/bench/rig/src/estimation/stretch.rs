@@ -9,6 +9,9 @@ use crate::align::{common_window, cut, window_of};
 use crate::estimation::EstimateError;
 use crate::{Experiment, Role};
 
+/// Share of a recording that is estimated from; the rest judges.
+pub const ESTIMATION_SHARE: f64 = 0.7;
+
 /// Within this part of the limit a torque counts as limited.
 const AT_LIMIT: f64 = 0.995;
 /// Longest part of a recording that a part is estimated from, s: of it noise already leaves K, the gains and the delays

@@ -12,17 +12,23 @@ use crate::role::Role;
 
 /// Correlation of the changes of T_d* with those of N_d from one mean over 0.1 s to the next. On recordings of ten
 /// simulated benches at a constant N_d* it is 0.61 and more in speed control, and 0.10 and less in torque control.
-const ANSWERS: (f64, f64) = (0.3, 0.45);
+const ANSWERS: f64 = 0.45;
+/// T_d* does not answer below this correlation.
+const NO_ANSWER: f64 = 0.3;
+/// Means over this are compared, s.
 const ANSWERS_WITHIN_S: f64 = 0.1;
-/// The same from one sample to the next, T_d* up to so many samples later: 0.27 and more in speed control, 0.17 and
-/// less in torque control. A controller of the shaft torque answers to what moves N_d, and not to the noise of N_d.
-const ANSWERS_TO_NOISE: (f64, usize) = (0.22, 6);
+/// The same correlation from one sample to the next: 0.27 and more in speed control, 0.17 and less in torque control. A
+/// controller of the shaft torque answers to what moves N_d, and not to the noise of N_d.
+const ANSWERS_TO_NOISE: f64 = 0.22;
+/// T_d* answers to the noise of N_d up to so many samples later.
+const LATEST_ANSWER: usize = 6;
 /// A T_d* that is set rests for this share of its samples; one that a controller computes from a measured speed never
 /// rests, but where it is recorded in coarse steps.
 const RESTS: f64 = 0.5;
-/// Correlation of the speeds, and relative difference of their means, from which on the engine turns with the
-/// dynamometer.
-const TURNS_WITH: (f64, f64) = (0.9, 0.02);
+/// Correlation of the speeds from which on the engine turns with the dynamometer.
+const TURNS_WITH_CORRELATION: f64 = 0.9;
+/// The engine turns with the dynamometer where their means differ by less than this share.
+const TURNS_WITH_WITHIN: f64 = 0.02;
 /// An inertia this many times J_d is not that of the dynamometer alone.
 const LARGER: f64 = 1.2;
 /// Means over this are compared to see what T_d moves, s.
@@ -75,8 +81,8 @@ fn answers(experiment: &Experiment) -> Option<Answer> {
     let samples = &experiment.signal(Role::DynoTorqueDemand)?.samples;
     let resting = samples.windows(2).filter(|pair| pair[0] == pair[1]).count();
     match related {
-        related if related > ANSWERS.1 && answers_to_noise(experiment)? => Some(Answer::ToSpeed),
-        related if related < ANSWERS.0 && resting as f64 > RESTS * samples.len() as f64 => Some(Answer::Rests),
+        related if related > ANSWERS && answers_to_noise(experiment)? => Some(Answer::ToSpeed),
+        related if related < NO_ANSWER && resting as f64 > RESTS * samples.len() as f64 => Some(Answer::Rests),
         _ => None,
     }
 }
@@ -90,9 +96,8 @@ fn answers_to_noise(experiment: &Experiment) -> Option<bool> {
     let changes = |signal: &Signal| signal.samples.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
     let (of_speed, of_demand) = (changes(&speed), changes(&demand));
     let is_one_raster = (speed.sample_time_s / demand.sample_time_s - 1.0).abs() < 1e-3;
-    let (least, latest) = ANSWERS_TO_NOISE;
     let after = |lag: usize| correlation(&of_speed, of_demand.get(lag..)?);
-    Some(is_one_raster && (0..=latest).any(|lag| after(lag).is_some_and(|related| related > least)))
+    Some(is_one_raster && (0..=LATEST_ANSWER).any(|lag| after(lag).is_some_and(|related| related > ANSWERS_TO_NOISE)))
 }
 
 /// Tells whether the engine's speed follows that of the dynamometer.
@@ -101,9 +106,9 @@ fn turns_with(experiment: &Experiment) -> bool {
     let compared = || {
         let [dyno, engine] = blocks(experiment, roles, BLOCK_S)?;
         let (dyno_mean, engine_mean) = (mean(&dyno)?, mean(&engine)?);
-        let alike = (engine_mean / dyno_mean - 1.0).abs() < TURNS_WITH.1;
-        let moves = dyno.iter().any(|w| (w - dyno_mean).abs() > TURNS_WITH.1 * dyno_mean.abs());
-        Some(alike && (!moves || correlation(&dyno, &engine)? > TURNS_WITH.0))
+        let alike = (engine_mean / dyno_mean - 1.0).abs() < TURNS_WITH_WITHIN;
+        let moves = dyno.iter().any(|w| (w - dyno_mean).abs() > TURNS_WITH_WITHIN * dyno_mean.abs());
+        Some(alike && (!moves || correlation(&dyno, &engine)? > TURNS_WITH_CORRELATION))
     };
     compared().unwrap_or(false)
 }

@@ -8,9 +8,10 @@ use crate::experiment::{ControlMode, Experiment};
 use crate::prepare::log::Log;
 use crate::role::Role;
 
-/// Relative difference of mean speeds above which they disagree: of N_e, since what both ends of a shaft turn is
-/// counted, and of N_d*.
-const SPEED_TOLERANCES: (f64, f64) = (0.005, 0.02);
+/// Relative difference of mean speeds above which N_e disagrees: what both ends of a shaft turn is counted.
+const ENGINE_SPEED_TOLERANCE: f64 = 0.005;
+/// The same of N_d*.
+const SPEED_DEMAND_TOLERANCE: f64 = 0.02;
 /// Mean speed below which no ratio is formed, rad/s.
 const STANDSTILL_RAD_S: f64 = 1.0;
 /// A demand this close to the limit, as a share of it, is at the limit.
@@ -75,7 +76,7 @@ fn compare_speeds(experiment: &Experiment, bench_file: &BenchFile, role: Role, l
     let Some((start_s, end_s)) = common_window(experiment, &[Role::DynoSpeed, role]) else { return };
     let mean = |role| experiment.signal(role).and_then(|signal| cut(signal, start_s, end_s).mean());
     let (Some(dyno), Some(other)) = (mean(Role::DynoSpeed), mean(role)) else { return };
-    let tolerance = if role == Role::EngineSpeed { SPEED_TOLERANCES.0 } else { SPEED_TOLERANCES.1 };
+    let tolerance = if role == Role::EngineSpeed { ENGINE_SPEED_TOLERANCE } else { SPEED_DEMAND_TOLERANCE };
     if dyno.abs() < STANDSTILL_RAD_S || (other / dyno - 1.0).abs() <= tolerance {
         return;
     }

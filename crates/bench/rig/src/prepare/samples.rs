@@ -18,9 +18,10 @@ const FAST_RAD_S: f64 = 700.0;
 const BEYOND_LIMIT: f64 = 2.0;
 /// Steps of a measured speed beyond this are coarse, rad/s: 0.3 rpm. In steps of 1 rpm, k was estimated 30 % wrong.
 const COARSE_RAD_S: f64 = 0.03;
-/// N_d is slow beyond the first, s: every 2 ms, the skew of T_d,calc was estimated 3 ms wrong and K by 1.3 %. Beyond
-/// the second its stamps are in ms.
-const SLOW_S: (f64, f64) = (0.0015, 0.2);
+/// N_d is slow beyond this, s: every 2 ms, the skew of T_d,calc was estimated 3 ms wrong and K by 1.3 %.
+const SLOW_S: f64 = 0.0015;
+/// The stamps of N_d are in ms beyond this, s.
+const STAMPS_IN_MS_S: f64 = 0.2;
 /// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
 const CLIPPED_SHARE: f64 = 0.005;
 
@@ -62,8 +63,8 @@ fn note_steps(source: &Source<'_>, signal: &Signal, log: &mut Log) {
         log.channel(Severity::Warning, source.channel, None, finding);
     }
     let sample_time_s = signal.sample_time_s;
-    if source.role == Role::DynoSpeed && sample_time_s > SLOW_S.0 {
-        let is_in_ms = sample_time_s > SLOW_S.1;
+    if source.role == Role::DynoSpeed && sample_time_s > SLOW_S {
+        let is_in_ms = sample_time_s > STAMPS_IN_MS_S;
         let severity = if is_in_ms { Severity::Error } else { Severity::Warning };
         log.channel(severity, source.channel, None, Finding::SlowRaster { sample_time_s, is_in_ms });
     }

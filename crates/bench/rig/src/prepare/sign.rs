@@ -4,6 +4,8 @@
 //! follows a torque that brakes with a positive sign. A speed controller moreover brakes when the dynamometer is too
 //! fast: in control mode NT T_d follows ω_d itself when the disturbance comes from the engine.
 
+use std::ops::RangeInclusive;
+
 use signal::Signal;
 use signal::derivative::central_difference;
 use signal::resample::{Interpolation, interpolate_at};
@@ -18,7 +20,7 @@ use crate::prepare::log::Log;
 use crate::role::Role;
 
 /// Frequencies below every shaft's resonance and above thermal and reference drifts, Hz.
-const BAND_HZ: (f64, f64) = (0.5, 4.0);
+const BAND_HZ: RangeInclusive<f64> = 0.5..=4.0;
 /// Length of the averaged segments, s.
 const SEGMENT_S: f64 = 4.0;
 /// Correlation beyond which the sign is certain.
@@ -71,13 +73,13 @@ fn braking_correlation(experiment: &Experiment, role: Role) -> Option<f64> {
 /// Σ Re S_xy / √(Σ S_xx Σ S_yy) over the band; `None` if the record is too short to hold it or does not move there.
 fn correlation_in_band(x: &Signal, y: &[f64]) -> Option<f64> {
     let segment = ((SEGMENT_S / x.sample_time_s) as usize).min(x.len());
-    if (segment as f64) * x.sample_time_s * BAND_HZ.0 < 1.0 {
+    if (segment as f64) * x.sample_time_s * BAND_HZ.start() < 1.0 {
         return None;
     }
     let spectrum = cross_spectrum(&x.samples, y, x.sample_time_s, Welch::half_overlapping(segment)).ok()?;
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for (i, frequency) in spectrum.freq_hz.iter().enumerate() {
-        if (BAND_HZ.0..=BAND_HZ.1).contains(frequency) {
+        if BAND_HZ.contains(frequency) {
             xx += spectrum.pxx[i];
             yy += spectrum.pyy[i];
             xy += spectrum.pxy[i].re;

@@ -16,23 +16,27 @@ use crate::role::Role;
 const BLOCK_S: f64 = 1.0;
 /// Blocks that a comparison needs.
 const FEWEST_BLOCKS: usize = 5;
-/// Torques change enough to show a gain where the means of either have this standard deviation, Nm; else where one is
-/// so large, Nm.
-const ENOUGH_NM: (f64, f64) = (2.0, 10.0);
+/// Torques change enough to show a gain where the means of either have this standard deviation, Nm.
+const ENOUGH_CHANGE_NM: f64 = 2.0;
+/// Torques are large enough to show a gain where one is so large, Nm.
+const ENOUGH_SIZE_NM: f64 = 10.0;
 /// The means of two torques with another correlation than this have nothing in common but noise.
 const RELATED: f64 = 0.9;
-/// Gains that differ by more than this disagree, and offsets by more than so many Nm and this part of the torque. On 40
-/// recordings of ten simulated benches gains differ by 1.2 %, offsets by 0.05 Nm; a torque of a real drive is true to
-/// some per cent.
+/// Gains that differ by more than this disagree. On 40 recordings of ten simulated benches gains differ by 1.2 %,
+/// offsets by 0.05 Nm; a torque of a real drive is true to some per cent.
 const GAIN: f64 = 0.05;
-const OFFSET: (f64, f64) = (2.0, 0.03);
+/// Offsets disagree beyond so many Nm ...
+const OFFSET_NM: f64 = 2.0;
+/// ... and this part of the torque.
+const OFFSET_PART: f64 = 0.03;
 /// Where only the means show it, what differs by less than this is an offset.
 const OF_THE_MEANS: f64 = 0.25;
 /// A gain this close to that of a unit is explained by it.
 const EXPLAINED: f64 = 0.03;
-/// By how many times what folds to rest on a raster two torques may differ: T_d* is free of it, the load cell shows it
-/// another way than T_d,calc.
-const FOLDED: (f64, f64) = (1.0, 2.0);
+/// By how many times what folds to rest on a raster two torques may differ: T_d* is free of it.
+const FOLDED_TIMES: f64 = 1.0;
+/// The same of the load cell, which shows it another way than T_d,calc.
+const FOLDED_TIMES_OF_CELL: f64 = 2.0;
 /// Up to this part of half its sample rate N_d shows what folds to rest.
 const SHOWN_BY_SPEED: f64 = 0.9;
 /// Part of the limit at which a demand is at it.
@@ -51,9 +55,9 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
         if wrong_sign(experiment, role).is_some() {
             continue;
         }
-        let times = if role == Role::LoadCellTorque { FOLDED.1 } else { FOLDED.0 };
+        let times = if role == Role::LoadCellTorque { FOLDED_TIMES_OF_CELL } else { FOLDED_TIMES };
         let folded_nm = times * folded_to_rest_nm(experiment, bench_file.dynamometer_inertia_kg_m2);
-        let Some((gain, offset_nm)) = disagreement(experiment, role, (limit_nm, folded_nm)) else { continue };
+        let Some((gain, offset_nm)) = disagreement(experiment, role, limit_nm, folded_nm) else { continue };
         let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
         let looks_like = likely_unit(role, gain, limit_nm);
         let finding = Finding::TorquesDisagree { role, gain, offset_nm, looks_like };
@@ -89,7 +93,7 @@ fn amplitude_at(signal: &Signal, frequency_hz: f64) -> f64 {
 
 /// Gain and offset of a torque against T_d,calc, if they are not one and zero. They may differ by what folds to rest
 /// besides.
-fn disagreement(experiment: &Experiment, role: Role, (limit_nm, folded_nm): (Option<f64>, f64)) -> Option<(f64, f64)> {
+fn disagreement(experiment: &Experiment, role: Role, limit_nm: Option<f64>, folded_nm: f64) -> Option<(f64, f64)> {
     let window = common_window(experiment, &[role, Role::AirGapTorque])?;
     let (of, calc) = (experiment.signal(role)?, experiment.signal(Role::AirGapTorque)?);
     let at_limit = |block: &[f64]| limit_nm.is_some_and(|nm| block.iter().any(|x| x.abs() >= AT_LIMIT * nm));
@@ -116,16 +120,16 @@ fn disagreement(experiment: &Experiment, role: Role, (limit_nm, folded_nm): (Opt
     let correlation = ab / (aa * bb).sqrt();
     let by_changes = if correlation.abs() > RELATED { (aa / bb).sqrt().copysign(ab) } else { ab / bb };
     let (changes, size) = (aa.max(bb).sqrt(), mean_a.abs().max(mean_b.abs()));
-    let gain = match (changes > ENOUGH_NM.0, size > ENOUGH_NM.1) {
+    let gain = match (changes > ENOUGH_CHANGE_NM, size > ENOUGH_SIZE_NM) {
         (true, _) => by_changes,
         (false, true) if (mean_a / mean_b - 1.0).abs() > OF_THE_MEANS => mean_a / mean_b,
         (false, true) => 1.0,
         (false, false) => return None,
     };
     // Ripple in proportion to the torque folds to a gain.
-    let is_gain_off = (gain - 1.0).abs() > GAIN + folded_nm / size.max(ENOUGH_NM.1);
+    let is_gain_off = (gain - 1.0).abs() > GAIN + folded_nm / size.max(ENOUGH_SIZE_NM);
     let offset_nm = if is_gain_off { mean_a - gain * mean_b } else { mean_a - mean_b };
-    let is_off = offset_nm.abs() > OFFSET.0 + OFFSET.1 * mean_b.abs() + folded_nm;
+    let is_off = offset_nm.abs() > OFFSET_NM + OFFSET_PART * mean_b.abs() + folded_nm;
     (is_gain_off || is_off).then_some((gain, offset_nm))
 }
 

@@ -93,9 +93,12 @@ fn truth(quantity: Quantity) -> Option<f64> {
     })
 }
 
-/// A value is clearly wrong beyond so many half widths of its interval, and so large a part of itself; times beyond so
-/// many s.
-const WRONG: (f64, f64, f64) = (1.6, 0.01, 6e-5);
+/// A value is clearly wrong beyond so many half widths of its interval, ...
+const WRONG_HALF_WIDTHS: f64 = 1.6;
+/// ... and beyond so large a part of itself, ...
+const WRONG_PART: f64 = 0.01;
+/// ... or, of a time, beyond so many s.
+const WRONG_S: f64 = 6e-5;
 
 /// Values of a study that miss the truth.
 fn misses(study: &Study) -> Vec<String> {
@@ -110,9 +113,9 @@ fn misses(study: &Study) -> Vec<String> {
         let truth = truth(found.quantity)?;
         let error = (found.value - truth).abs();
         let half_width = 0.5 * (found.interval.1 - found.interval.0);
-        let least = if found.quantity.notation().unit == "s" { WRONG.2 } else { WRONG.1 * truth.abs() };
+        let least = if found.quantity.notation().unit == "s" { WRONG_S } else { WRONG_PART * truth.abs() };
         let words = format!("{} {:.4e} ± {half_width:.1e} for {truth:.4e}", found.quantity.symbol(), found.value);
-        (error > WRONG.0 * half_width && error > least).then_some(words)
+        (error > WRONG_HALF_WIDTHS * half_width && error > least).then_some(words)
     });
     wrong.collect()
 }

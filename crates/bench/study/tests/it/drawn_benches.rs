@@ -19,7 +19,8 @@ use bench_testkit::benches::{bench_file, in_parallel};
 use bench_testkit::recordings::BENCH_A;
 
 /// Standard deviation of the stated inertias about the true ones.
-const INERTIA_ERRORS: (f64, f64) = (0.008, 0.015);
+const DYNO_INERTIA_ERROR: f64 = 0.008;
+const ENGINE_INERTIA_ERROR: f64 = 0.015;
 
 /// A bench drawn over the class, and what its user states of it.
 struct Drawn {
@@ -38,8 +39,8 @@ impl Drawn {
         let mut stated = |inertia: f64, error: f64| inertia * (1.0 + error * random.normal());
         let mechanics = &parameters.mechanics;
         let (dyno, engine) = (
-            stated(mechanics.dyno_inertia_kg_m2, INERTIA_ERRORS.0),
-            stated(mechanics.engine_inertia_kg_m2, INERTIA_ERRORS.1),
+            stated(mechanics.dyno_inertia_kg_m2, DYNO_INERTIA_ERROR),
+            stated(mechanics.engine_inertia_kg_m2, ENGINE_INERTIA_ERROR),
         );
         let mut file = bench_file(&dyno.to_string(), &engine.to_string(), "400 Nm", BENCH_A);
         file.cylinders = parameters.engine.cylinder_factors.len() as u32;

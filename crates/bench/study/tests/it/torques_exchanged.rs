@@ -13,11 +13,12 @@ use virtual_bench::simulate;
 use crate::study::{source, studied};
 
 /// Places of both channels in the names of a bench.
-const TORQUES: (usize, usize) = (3, 4);
+const TORQUE_DEMAND: usize = 3;
+const TORQUE_CALCULATED: usize = 4;
 
 fn mixed_up() -> [&'static str; 7] {
     let mut names = BENCH_A;
-    names.swap(TORQUES.0, TORQUES.1);
+    names.swap(TORQUE_DEMAND, TORQUE_CALCULATED);
     names
 }
 

@@ -71,7 +71,8 @@ impl Machine {
         &self,
         state: &Electrical,
         voltage_v: Complex64,
-        (frame_rad_s, speed_rad_s): (f64, f64),
+        frame_rad_s: f64,
+        speed_rad_s: f64,
         step_s: f64,
     ) -> Electrical {
         let [[a, b], [c, d]] = self.equations(frame_rad_s, speed_rad_s);

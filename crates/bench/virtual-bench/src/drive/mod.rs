@@ -58,7 +58,8 @@ impl Drive {
         parameters: &DriveParameters,
         torque_nm: f64,
         speed_rad_s: f64,
-        (update_s, steps_per_update): (f64, usize),
+        update_s: f64,
+        steps_per_update: usize,
     ) -> Self {
         let step_s = update_s / steps_per_update as f64;
         let fidelity = match &parameters.machine {
@@ -124,8 +125,8 @@ impl MachineDrive {
         self.step_in_sample = (self.step_in_sample + 1) % self.steps_per_sample;
         let middle_rad_s = 1.5 * speed_rad_s - 0.5 * self.last_speed_rad_s;
         self.last_speed_rad_s = speed_rad_s;
-        let speeds = (self.control.frame_rad_s, middle_rad_s);
-        self.state = self.machine.advance(&self.state, self.voltage_v, speeds, end_s - start_s);
+        let (frame_rad_s, step_s) = (self.control.frame_rad_s, end_s - start_s);
+        self.state = self.machine.advance(&self.state, self.voltage_v, frame_rad_s, middle_rad_s, step_s);
         self.machine.braking_nm(&self.state)
     }
 }

@@ -8,8 +8,10 @@ use rig::bench_parameters::{EngineParameters, SliderCrank};
 const POINTS_A_TURN: usize = 3600;
 /// Pressure of the surroundings, Pa.
 const AMBIENT_PA: f64 = 1e5;
-/// Shape of Wiebe's function.
-const WIEBE: (f64, f64) = (5.0, 2.0);
+/// Factor of Wiebe's function: e^−5 is not burnt at its end.
+const WIEBE_FACTOR: f64 = 5.0;
+/// Form factor of Wiebe's function.
+const WIEBE_FORM: f64 = 2.0;
 
 /// Terms of a cylinder at an angle after its firing top dead centre. Its torque is `still_nm` + p_im · `charge_m3` + q
 /// · `burnt_m3`; `lever_m` is dx/dϑ and `bend_m` d²x/dϑ² of its piston.
@@ -101,7 +103,7 @@ fn at(crank: &SliderCrank, angle_rad: f64, cycle_rad: f64) -> Angle {
 /// Part of the charge that is burnt, 0 … 1 (Wiebe).
 fn burnt(crank: &SliderCrank, from_firing_rad: f64) -> f64 {
     let progress = (from_firing_rad + crank.burn_start_rad) / crank.burn_duration_rad;
-    if progress <= 0.0 { 0.0 } else { 1.0 - (-WIEBE.0 * progress.powf(WIEBE.1 + 1.0)).exp() }
+    if progress <= 0.0 { 0.0 } else { 1.0 - (-WIEBE_FACTOR * progress.powf(WIEBE_FORM + 1.0)).exp() }
 }
 
 /// Pressure of the charge for a torque, Pa: straight from that of the idling engine to ambient at full torque.

@@ -30,7 +30,8 @@ impl Engine {
         combustion: Combustion,
         seed: u64,
         angle_rad: f64,
-        (level_nm, speed_rad_s): (f64, f64),
+        level_nm: f64,
+        speed_rad_s: f64,
     ) -> Self {
         match &parameters.slider_crank {
             Some(crank) if combustion != Combustion::Stopped => {
@@ -41,7 +42,8 @@ impl Engine {
                 combustion,
                 seed,
                 angle_rad,
-                (level_nm, speed_rad_s),
+                level_nm,
+                speed_rad_s,
             ))),
         }
     }

@@ -32,7 +32,8 @@ impl Pulsation {
         combustion: Combustion,
         seed: u64,
         angle_rad: f64,
-        (level_nm, speed_rad_s): (f64, f64),
+        level_nm: f64,
+        speed_rad_s: f64,
     ) -> Self {
         let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
         let size = if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation };

@@ -110,7 +110,7 @@ impl CrankEngine {
     }
 
     /// T_e at an angle and a speed with a torque on the crankshaft, Nm.
-    fn torque_nm(&self, train: &Train, (angle_rad, speed_rad_s, on_nm): (f64, f64, f64)) -> f64 {
+    fn torque_nm(&self, train: &Train, angle_rad: f64, speed_rad_s: f64, on_nm: f64) -> f64 {
         let (mut gas_nm, mut mass, mut bend) = (-self.friction_nm, 0.0, 0.0);
         for cylinder in &self.cylinders {
             let angle: Angle = self.cycle.at(angle_rad - cylinder.firing_rad);
@@ -126,7 +126,7 @@ impl CrankEngine {
 
     /// Torque now, Nm.
     pub(super) fn now_nm(&self, train: &Train) -> f64 {
-        self.torque_nm(train, (train.engine_angle_rad(), train.engine_speed_rad_s(), train.torque_on_engine_nm()))
+        self.torque_nm(train, train.engine_angle_rad(), train.engine_speed_rad_s(), train.torque_on_engine_nm())
     }
 
     /// The torque over the next step, its end foreseen with angle and speed to second order; see
@@ -137,7 +137,8 @@ impl CrankEngine {
         let start_nm = self.now_nm(train);
         let acceleration = train.engine_acceleration_rad_s2(start_nm);
         let turned_rad = (speed + 0.5 * acceleration * step_s) * step_s;
-        let end = (angle_rad + turned_rad, speed + acceleration * step_s, train.torque_on_engine_nm());
-        EngineStep { start_nm, end_nm: self.torque_nm(train, end), firing: None }
+        let (end_rad, end_rad_s) = (angle_rad + turned_rad, speed + acceleration * step_s);
+        let end_nm = self.torque_nm(train, end_rad, end_rad_s, train.torque_on_engine_nm());
+        EngineStep { start_nm, end_nm, firing: None }
     }
 }

@@ -33,13 +33,15 @@ impl Encoder {
     pub(super) fn new(
         parameters: &SensorParameters,
         eccentricity: f64,
-        (streams, seed): (EncoderStreams, u64),
-        motion: (f64, f64),
+        streams: EncoderStreams,
+        seed: u64,
+        angle_rad: f64,
+        speed_rad_s: f64,
     ) -> Self {
         let random = |source: Source| source.stream(seed);
         let pulses = parameters.pulses.as_ref().map(|pulses| {
-            let randoms = (random(streams.slits), random(streams.edges));
-            Pulses::new(pulses, (parameters.gate_s, eccentricity), randoms, motion)
+            let (pattern, edges) = (random(streams.slits), random(streams.edges));
+            Pulses::new(pulses, parameters.gate_s, eccentricity, pattern, edges, angle_rad, speed_rad_s)
         });
         Self {
             gate_s: parameters.gate_s,

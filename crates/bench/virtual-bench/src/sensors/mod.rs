@@ -73,9 +73,10 @@ impl Sensors {
     ) -> Result<Self, VirtualBenchError> {
         let sensors = &parameters.sensors;
         let rotation = |angle_rad, speed_rad_s| Rotation::new(sensors.gate_s, step_s, angle_rad, speed_rad_s);
-        let encoder = |eccentricity, streams, motion| Encoder::new(sensors, eccentricity, (streams, seed), motion);
-        let inertia = parameters.mechanics.dyno_inertia_kg_m2;
         let speed = train.dyno_speed_rad_s();
+        let encoder =
+            |eccentricity, streams, angle_rad| Encoder::new(sensors, eccentricity, streams, seed, angle_rad, speed);
+        let inertia = parameters.mechanics.dyno_inertia_kg_m2;
         let cell = SensorDynamics {
             delay_s: sensors.cell_delay_s,
             resonance_hz: sensors.cell_resonance_hz,
@@ -84,8 +85,8 @@ impl Sensors {
         Ok(Self {
             dyno_rotation: rotation(train.dyno_angle_rad(), speed),
             engine_rotation: rotation(train.engine_angle_rad(), train.engine_speed_rad_s()),
-            dyno_encoder: encoder(sensors.dyno_eccentricity, DYNO_STREAMS, (train.dyno_angle_rad(), speed)),
-            engine_encoder: encoder(sensors.engine_eccentricity, ENGINE_STREAMS, (train.engine_angle_rad(), speed)),
+            dyno_encoder: encoder(sensors.dyno_eccentricity, DYNO_STREAMS, train.dyno_angle_rad()),
+            engine_encoder: encoder(sensors.engine_eccentricity, ENGINE_STREAMS, train.engine_angle_rad()),
             calc_noise_nm: sensors.calc_noise_nm,
             calc_random: Source::CalcTorque.stream(seed),
             cell: TorqueSensor::new(cell, step_s, air_gap_nm)?,

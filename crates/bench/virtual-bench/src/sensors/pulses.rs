@@ -39,9 +39,12 @@ impl Pulses {
     /// The encoder of a shaft end that has turned at a constant speed.
     pub(super) fn new(
         parameters: &PulseParameters,
-        (gate_s, eccentricity): (f64, f64),
-        (mut pattern, random): (Stream, Stream),
-        (angle_rad, speed_rad_s): (f64, f64),
+        gate_s: f64,
+        eccentricity: f64,
+        mut pattern: Stream,
+        random: Stream,
+        angle_rad: f64,
+        speed_rad_s: f64,
     ) -> Self {
         let pitch_rad = TAU / f64::from(parameters.slits);
         let gates = ((gate_s / UPDATE_S).round() as usize).max(1);

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::cubic;
 
 /// Part of a step below which a time counts as a whole number of steps.
-const WHOLE: f64 = 1e-6;
+pub(super) const WHOLE: f64 = 1e-6;
 
 /// Angle and speed of one shaft end over the last gate, on the fine grid of the simulation.
 #[derive(Debug, Clone)]

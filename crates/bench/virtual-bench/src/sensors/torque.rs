@@ -6,10 +6,8 @@ use std::f64::consts::TAU;
 use faer::mat;
 use lti::StateSpace;
 
+use super::rotation::WHOLE;
 use crate::error::VirtualBenchError;
-
-/// Part of a step below which a time counts as a whole number of steps.
-const WHOLE: f64 = 1e-6;
 
 /// Dynamics of a torque sensor before noise and rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,12 +1,14 @@
 //! Where T_d → T_shaft has its largest gain.
 
+use std::ops::RangeInclusive;
+
 use numerics::search::global_maximum;
 use rig::bench_parameters::MechanicsParameters;
 
 use super::assembly::Assembly;
 
 /// Frequencies between which it is looked for, Hz.
-const RANGE_HZ: (f64, f64) = (1.0, 200.0);
+const RANGE_HZ: RangeInclusive<f64> = 1.0..=200.0;
 /// Frequencies tried first.
 const TRIED: usize = 2000;
 
@@ -14,5 +16,5 @@ const TRIED: usize = 2000;
 pub(crate) fn resonance_hz(parameters: &MechanicsParameters) -> f64 {
     let assembly = Assembly::new(parameters, true);
     let gain = |log_hz: f64| assembly.shaft_gain(log_hz.exp());
-    global_maximum((RANGE_HZ.0.ln(), RANGE_HZ.1.ln()), TRIED, gain).exp()
+    global_maximum((RANGE_HZ.start().ln(), RANGE_HZ.end().ln()), TRIED, gain).exp()
 }

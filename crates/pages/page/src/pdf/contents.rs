@@ -18,7 +18,7 @@ impl Layout<'_> {
         let label = self.structure.node(Role::P, place.node);
         let mut all = self.paragraph(&Prose::verbatim("Contents"), bold(BODY), label, place.room);
         for (heading, id, title) in sections {
-            all.push(self.contents_entry(*heading, (id, title), list, place));
+            all.push(self.contents_entry(*heading, id, title, list, place));
         }
         if let Some(first) = all.first_mut() {
             first.before = 2.0 * GAP;
@@ -27,7 +27,7 @@ impl Layout<'_> {
         all
     }
 
-    fn contents_entry(&mut self, heading: usize, (id, title): (&str, &str), list: usize, place: Place) -> Strip {
+    fn contents_entry(&mut self, heading: usize, id: &str, title: &str, list: usize, place: Place) -> Strip {
         let item = self.structure.node(Role::TOCI, list);
         let node = self.structure.node(Role::Link, item);
         let style = body();

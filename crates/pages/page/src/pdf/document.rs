@@ -157,7 +157,7 @@ fn write_resources(
         let used = &parts.ink.used[face as usize];
         if used.glyphs.num_gids() > 1 {
             let font = references.next();
-            write_font(pdf, (face, font), used, parts.fonts, &mut || references.next())?;
+            write_font(pdf, face, font, used, parts.fonts, &mut || references.next())?;
             fonts.push((face, font));
         }
     }
@@ -242,7 +242,7 @@ fn write_structure(pdf: &mut Pdf, parts: &Parts<'_, '_>, shared: &Shared, refere
     tree.finish();
     root.parent_tree_next_key(key);
     root.finish();
-    parts.structure.write(pdf, (shared.tree, shared.elements), &shared.each_page);
+    parts.structure.write(pdf, shared.tree, shared.elements, &shared.each_page);
 }
 
 /// A bookmark, and those below it.

@@ -28,7 +28,8 @@ const LOWERED: f32 = 0.6;
 /// The lowest panel in which a course is still seen, pixels.
 const LOWEST_PANEL: f32 = 45.0;
 /// Pixels of the sign before a name in the legend.
-const KEY: (f32, f32) = (18.0, 14.0);
+const KEY_WIDTH: f32 = 18.0;
+const KEY_HEIGHT: f32 = 14.0;
 const ABOVE: f32 = 12.0;
 
 impl Layout<'_> {
@@ -49,16 +50,16 @@ impl Layout<'_> {
         let caption = self.structure.node(Role::Caption, node);
         let below = self.paragraph(&text(&figure.caption), small(), caption, place.room);
         let taken = ABOVE + height(&above) + height(&below) + GAP;
-        lower(&mut figure, (self.column, taken), scale);
+        lower(&mut figure, self.column, taken, scale);
         let drawing = svg::Drawing { whole, drawn: &figure, packed: &[], number: self.figures };
         let drawing = svg::on_paper(drawing, f64::from(place.room / scale));
         let tree = self.reader.figure(&drawing, &figure.title)?;
-        let shown = self.shown(&tree, node, (place.room, taken + GAP));
+        let shown = self.shown(&tree, node, place.room, taken + GAP);
         Ok(together(above, shown, below))
     }
 
     /// A drawing as wide as there is room, or as high.
-    fn shown(&self, tree: &Rc<usvg::Tree>, node: Node, (room, taken): (f32, f32)) -> Strip {
+    fn shown(&self, tree: &Rc<usvg::Tree>, node: Node, room: f32, taken: f32) -> Strip {
         let size = tree.size();
         let most = (self.column - taken).max(LEAST * self.column);
         let scale = (room / size.width()).min(most / size.height());
@@ -72,7 +73,7 @@ impl Layout<'_> {
     fn legend(&mut self, figure: &Figure, place: Place) -> Result<Vec<Strip>, PdfError> {
         let entries = svg::legend_entries(figure);
         let style = Style { colour: SOFT, size: SMALL, ..body() };
-        let (width, height) = (0.62 * KEY.0, 0.62 * KEY.1);
+        let (width, height) = (0.62 * KEY_WIDTH, 0.62 * KEY_HEIGHT);
         let node = self.structure.node(Role::P, place.node);
         let mut rows: Vec<Strip> = Vec::new();
         let mut x = 0.0;
@@ -126,7 +127,8 @@ impl Layout<'_> {
     /// A drawing that is no plot.
     pub(super) fn drawing(
         &mut self,
-        (svg, description): (&str, &str),
+        svg: &str,
+        description: &str,
         caption: &Prose,
         place: Place,
     ) -> Result<Vec<Strip>, PdfError> {
@@ -134,7 +136,7 @@ impl Layout<'_> {
         let node = self.structure.described(Role::Figure, place.node, description);
         let of_caption = self.structure.node(Role::Caption, node);
         let below = self.paragraph(caption, small(), of_caption, place.room);
-        let shown = self.shown(&tree, node, (place.room, height(&below) + 2.0 * GAP));
+        let shown = self.shown(&tree, node, place.room, height(&below) + 2.0 * GAP);
         Ok(together(Vec::new(), shown, below))
     }
 }
@@ -153,7 +155,7 @@ fn together(above: Vec<Strip>, shown: Strip, below: Vec<Strip>) -> Vec<Strip> {
 
 /// Lowers the panels of a figure that is a little higher than half of a page, so that two are on one, or than most of a
 /// page, so that a heading and a few lines have room above it. `taken` is the height of the text around the drawing.
-fn lower(figure: &mut Figure, (column, taken): (f32, f32), scale: f32) {
+fn lower(figure: &mut Figure, column: f32, taken: f32, scale: f32) {
     let all: u32 = figure.panels.iter().map(|panel| panel.height).sum();
     let around = svg::around_panels(figure) as f32;
     let factor = |part: f32| ((part * column - taken) / scale - around) / all.max(1) as f32;

@@ -15,7 +15,8 @@ const IDENTITY: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), orde
 /// Writes a font with the glyphs that are used.
 pub(super) fn write_font(
     pdf: &mut Pdf,
-    (face, id): (Face, Ref),
+    face: Face,
+    id: Ref,
     used: &Used,
     fonts: &Fonts,
     new_reference: &mut dyn FnMut() -> Ref,
@@ -36,14 +37,14 @@ pub(super) fn write_font(
     let widths = used.glyphs.remapped_gids().map(|glyph| fonts.glyph_width(face, glyph));
     font.widths().consecutive(0, widths);
     font.finish();
-    write_descriptor(pdf, face, (name, descriptor, file))?;
+    write_descriptor(pdf, face, name, descriptor, file)?;
     pdf.stream(characters, &deflated(&text_of_glyphs(used))).filter(Filter::FlateDecode);
     let length = i32::try_from(subset.len()).unwrap_or(i32::MAX);
     pdf.stream(file, &deflated(&subset)).filter(Filter::FlateDecode).pair(Name(b"Length1"), length);
     Ok(())
 }
 
-fn write_descriptor(pdf: &mut Pdf, face: Face, (name, id, file): (Name<'_>, Ref, Ref)) -> Result<(), PdfError> {
+fn write_descriptor(pdf: &mut Pdf, face: Face, name: Name<'_>, id: Ref, file: Ref) -> Result<(), PdfError> {
     let font = FontRef::new(face.data()).map_err(|error| PdfError::Font(error.to_string()))?;
     let metrics = font.metrics(Size::new(1000.0), LocationRef::default());
     let bounds = metrics.bounds.unwrap_or_default();

@@ -35,7 +35,7 @@ impl<'f> Ink<'f> {
     }
 
     /// Shows one glyph of a font of size 1.
-    pub(super) fn show_glyph(&mut self, content: &mut Content, (face, glyph): (Face, u16), text: &str) {
+    pub(super) fn show_glyph(&mut self, content: &mut Content, face: Face, glyph: u16, text: &str) {
         let (face, glyph) = if glyph == 0 { self.fonts.glyph(Face::Regular, '\u{fffd}') } else { (face, glyph) };
         let number = self.used[face as usize].number(glyph, text);
         content.set_font(Name(face.key()), 1.0).show(Str(&number.to_be_bytes()));

@@ -130,10 +130,10 @@ impl Layout<'_> {
             Block::Cards { items } => self.cards(items, place),
             Block::Figure(figure) => self.figure(figure, place)?,
             Block::Row { figures } => self.row(figures, place)?,
-            Block::Drawing { svg, description, caption } => self.drawing((svg, description), caption, place)?,
+            Block::Drawing { svg, description, caption } => self.drawing(svg, description, caption, place)?,
             Block::Finding(_) => self.findings(std::slice::from_ref(block), place),
             Block::Callout { tone, kicker, title, blocks } => {
-                return self.callout(*tone, (kicker, title), blocks, place);
+                return self.callout(*tone, kicker, title, blocks, place);
             }
             Block::Preformatted { text } => self.preformatted(text, place),
             Block::Fold { summary, blocks } => return self.fold(summary, blocks, place),
@@ -262,7 +262,7 @@ impl Layout<'_> {
     }
 
     /// The lines of a cell.
-    pub(super) fn cell_lines(&self, text: &Prose, style: Style, (x, room): (f32, f32), node: Node) -> Vec<CellLine> {
+    pub(super) fn cell_lines(&self, text: &Prose, style: Style, x: f32, room: f32, node: Node) -> Vec<CellLine> {
         let lines = self.setter.lines(text, style, room);
         lines.into_iter().map(|line| CellLine { line, x, style, node, before: 0.0 }).collect()
     }
@@ -273,8 +273,8 @@ impl Layout<'_> {
         for item in items {
             let (mark, text) = self.item(list);
             let cells = vec![
-                self.cell_lines(&Prose::verbatim("•"), body(), (2.0, ITEM), mark),
-                self.cell_lines(item, body(), (ITEM, place.room - ITEM), text),
+                self.cell_lines(&Prose::verbatim("•"), body(), 2.0, ITEM, mark),
+                self.cell_lines(item, body(), ITEM, place.room - ITEM, text),
             ];
             all.extend(self.entry(cells, [mark, text], if all.is_empty() { GAP } else { 3.0 }));
         }
@@ -305,8 +305,8 @@ impl Layout<'_> {
             let (label, text) = self.item(list);
             let left = terms + PADDING;
             let cells = vec![
-                self.cell_lines(term, bold(BODY), (0.0, terms), label),
-                self.cell_lines(meaning, body(), (left, place.room - left), text),
+                self.cell_lines(term, bold(BODY), 0.0, terms, label),
+                self.cell_lines(meaning, body(), left, place.room - left, text),
             ];
             all.extend(self.entry(cells, [label, text], if all.is_empty() { GAP } else { 3.0 }));
         }
@@ -332,11 +332,11 @@ impl Layout<'_> {
                 [(found.text.clone(), body())].into_iter().chain(found.remedy.iter().map(strong)).chain(places)
             {
                 let node = self.structure.node(Role::P, text);
-                let mut more = self.cell_lines(&words, style, (left, place.room - left), node);
+                let mut more = self.cell_lines(&words, style, left, place.room - left, node);
                 more.iter_mut().take(1).for_each(|first| first.before = 1.5);
                 lines.extend(more);
             }
-            let cells = vec![self.cell_lines(&tag, body(), (0.5, left - PADDING + 1.0), label), lines];
+            let cells = vec![self.cell_lines(&tag, body(), 0.5, left - PADDING + 1.0, label), lines];
             all.extend(self.entry(cells, [label, text], GAP));
         }
         all
@@ -392,7 +392,8 @@ impl Layout<'_> {
     fn callout(
         &mut self,
         tone: Tone,
-        (kicker, title): (&str, &str),
+        kicker: &str,
+        title: &str,
         blocks: &[Block],
         place: Place,
     ) -> Result<Vec<Strip>, PdfError> {

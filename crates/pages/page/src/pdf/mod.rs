@@ -40,7 +40,8 @@ use vector::Reader;
 /// Fewer sections need no list of contents.
 const CONTENTS: usize = 4;
 /// The largest logo, points.
-const LOGO: (f32, f32) = (120.0, 48.0);
+const LOGO_WIDTH: f32 = 120.0;
+const LOGO_HEIGHT: f32 = 48.0;
 /// Scales at which a page is tried that is to be on one sheet of paper.
 const SCALES: [f32; 8] = [1.0, 0.93, 0.86, 0.8, 0.72, 0.64, 0.57, 0.5];
 /// A distance from the edge of the paper to the texts there, whatever the scale.
@@ -55,10 +56,10 @@ pub fn pdf(page: &Page, options: &PdfOptions) -> Result<Vec<u8>, PdfError> {
     let fonts = Fonts::new()?;
     let sections = section_ids(&page.blocks);
     let scales = if options.on_one_page { &SCALES[..] } else { &SCALES[..1] };
-    let mut found = laid_out(page, Format::new(options.paper, scales[0]), (&fonts, &sections))?;
+    let mut found = laid_out(page, Format::new(options.paper, scales[0]), &fonts, &sections)?;
     for scale in &scales[1..] {
         if found.sheets.len() > 1 {
-            found = laid_out(page, Format::new(options.paper, *scale), (&fonts, &sections))?;
+            found = laid_out(page, Format::new(options.paper, *scale), &fonts, &sections)?;
         }
     }
     write(page, options, found, &fonts)
@@ -87,7 +88,8 @@ struct LaidOut<'l> {
 fn laid_out<'l>(
     page: &Page,
     format: Format,
-    (fonts, sections): (&'l Fonts, &'l BTreeSet<String>),
+    fonts: &'l Fonts,
+    sections: &'l BTreeSet<String>,
 ) -> Result<LaidOut<'l>, PdfError> {
     let mut layout = Layout {
         setter: Setter::new(fonts, sections),
@@ -113,7 +115,7 @@ fn write(page: &Page, options: &PdfOptions, found: LaidOut<'_>, fonts: &Fonts) -
     let mut painter =
         Painter { ink: &mut ink, structure: &mut structure, format, heading_pages: &heading_pages, fonts };
     let paint = |(number, sheet): (usize, &Sheet)| {
-        let edges = edges((number, sheets.len()), page, options, (&setter, format));
+        let edges = edges(number, sheets.len(), page, options, &setter, format);
         painter.page(number, sheet, &edges, &mut || references.next())
     };
     let painted: Vec<Painted> = sheets.iter().enumerate().map(paint).collect();
@@ -181,7 +183,7 @@ fn masthead(page: &Page, layout: &mut Layout<'_>, place: Place) -> Vec<Strip> {
     let Some(logo) = &page.logo else { return layout.title(&page.title, &page.subtitle, place) };
     let picture = Rc::new(logo.picture().clone());
     let (width, height) = (picture.width as f32, picture.height as f32);
-    let scale = (LOGO.0 / width).min(LOGO.1 / height);
+    let scale = (LOGO_WIDTH / width).min(LOGO_HEIGHT / height);
     let (width, height) = (scale * width, scale * height);
     let left = place.room - width;
     let strips = layout.title(&page.title, &page.subtitle, Place { room: left - 16.0, ..place });
@@ -207,12 +209,7 @@ fn spots(sheets: &[Sheet], count: usize, format: Format) -> Vec<Spot> {
 }
 
 /// The running head, the program, and the number of the page.
-fn edges(
-    (number, count): (usize, usize),
-    page: &Page,
-    options: &PdfOptions,
-    (setter, format): (&Setter<'_>, Format),
-) -> Edges {
+fn edges(number: usize, count: usize, page: &Page, options: &PdfOptions, setter: &Setter<'_>, format: Format) -> Edges {
     let style = Style::new(Face::Regular, 7.4, SOFT);
     let (left, right) = (format.margin_side, format.width - format.margin_side);
     let (head, foot) = (HEAD / format.scale, format.height - FOOT / format.scale);

@@ -125,7 +125,7 @@ impl Structure {
     }
 
     /// Writes the nodes that have been placed. `first` is the reference of the root, and those of the others follow.
-    pub(super) fn write(&self, pdf: &mut Pdf, (tree, first): (Ref, Ref), pages: &[Ref]) {
+    pub(super) fn write(&self, pdf: &mut Pdf, tree: Ref, first: Ref, pages: &[Ref]) {
         for (number, element) in self.0.iter().enumerate().filter(|(_, element)| element.is_placed) {
             let mut writer = pdf.struct_element(reference(first, number));
             writer.kind(element.role);

@@ -130,7 +130,7 @@ impl Layout<'_> {
         let most = 0.8 * self.column - repeated.as_ref().map_or(0.0, |head| head.height);
         let mut rows = Vec::new();
         for row in &table.rows {
-            let mut strips = self.table_row(row, (columns, table), body, most);
+            let mut strips = self.table_row(row, columns, table, body, most);
             if let Some(last) = strips.last_mut() {
                 let width = place.room.min(columns.places.last().map_or(0.0, |(x, width)| x + width));
                 rule(last, width, 0.4, LINE);
@@ -158,7 +158,7 @@ impl Layout<'_> {
                 true => self.structure.node(Role::TD, row),
                 false => self.structure.heading_cell(row, TableHeaderScope::Column),
             };
-            cells.push(aligned(self.cell_lines(&column.heading, style, (*x, *width), cell), *width, column.align));
+            cells.push(aligned(self.cell_lines(&column.heading, style, *x, *width, cell), *width, column.align));
             nodes.push(cell);
         }
         let mut head = Strip::of_stack(self.side_by_side(cells, &nodes, self.column));
@@ -170,7 +170,7 @@ impl Layout<'_> {
     }
 
     /// A row and its remarks.
-    fn table_row(&mut self, row: &Row, (columns, table): (&Columns, &Table), body: Node, most: f32) -> Vec<Strip> {
+    fn table_row(&mut self, row: &Row, columns: &Columns, table: &Table, body: Node, most: f32) -> Vec<Strip> {
         let node = self.structure.node(Role::TR, body);
         let mut nodes = Vec::new();
         let mut cells = Vec::new();
@@ -181,7 +181,7 @@ impl Layout<'_> {
                 true => self.structure.heading_cell(node, TableHeaderScope::Row),
                 false => self.structure.node(Role::TD, node),
             };
-            let lines = self.cell_lines(&words(cell), look(cell, columns.size), (*x, *width), of_cell);
+            let lines = self.cell_lines(&words(cell), look(cell, columns.size), *x, *width, of_cell);
             cells.push(aligned(lines, *width, column.align));
             nodes.push(of_cell);
         }

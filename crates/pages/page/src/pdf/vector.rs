@@ -37,16 +37,16 @@ impl Reader {
 
     /// A figure, or a part of one: colours and sizes are in its attributes.
     pub(super) fn figure(&self, svg: &str, what: &str) -> Result<Rc<usvg::Tree>, PdfError> {
-        self.read(svg, what, ("", ""))
+        self.read(svg, what, "", "")
     }
 
     /// A drawing of a page: the SVG element in a piece of HTML, with its style sheet.
     pub(super) fn drawing(&self, html: &str, what: &str) -> Result<Rc<usvg::Tree>, PdfError> {
         let style = format!("<style>{}</style>", self.style);
-        self.read(html, what, (" class=\"diagram\"", &style))
+        self.read(html, what, " class=\"diagram\"", &style)
     }
 
-    fn read(&self, text: &str, what: &str, (class, style): (&str, &str)) -> Result<Rc<usvg::Tree>, PdfError> {
+    fn read(&self, text: &str, what: &str, class: &str, style: &str) -> Result<Rc<usvg::Tree>, PdfError> {
         let failed = |reason: &str| PdfError::Drawing { what: what.to_owned(), reason: reason.to_owned() };
         let element = text.find("<svg").zip(text.rfind("</svg>")).and_then(|(start, end)| text.get(start + 4..end + 6));
         let parts = element.and_then(|element| element.split_once('>'));
@@ -253,7 +253,7 @@ fn glyphs(span: &usvg::layout::Span, mode: TextRenderingMode, pen: &mut Pen<'_, 
         // Glyphs are in units of the font; those of a font of size 1 are in a PDF.
         let of_size_one = glyph.outline_transform().pre_scale(UNITS_PER_EM, UNITS_PER_EM);
         pen.content.set_text_matrix(matrix(of_size_one));
-        pen.ink.show_glyph(pen.content, (face, number), &glyph.text);
+        pen.ink.show_glyph(pen.content, face, number, &glyph.text);
     }
     pen.content.set_text_rendering_mode(TextRenderingMode::Fill).end_text();
 }

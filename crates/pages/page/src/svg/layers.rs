@@ -200,7 +200,7 @@ fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Fram
             }
         }
         Layer::Stems { style, x, y, .. } => stems(out, &values(x, y.len()), y, *style, frame),
-        Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
+        Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, *style, *marker, frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
             let (d, unit) = match frame.in_page {
@@ -292,7 +292,7 @@ fn stems(out: &mut String, x: &[f64], y: &[Rounded], style: Style, frame: &Frame
 }
 
 /// Markers keep their size when another part of the panel is shown, so each is a path of its own.
-fn markers(out: &mut String, x: &[Rounded], y: &[Rounded], (style, marker): (Style, Marker), frame: &Frame) {
+fn markers(out: &mut String, x: &[Rounded], y: &[Rounded], style: Style, marker: Marker, frame: &Frame) {
     for (px, py) in x.iter().zip(y).filter_map(|(x, y)| place(x.0, y.0, frame)) {
         let at = format!("data-at=\"{px:.2} {py:.2}\" transform=\"translate({px:.2} {py:.2})\"");
         path(out, &shape(marker, 0.0, 0.0), style, 1.7, &at);

@@ -103,7 +103,7 @@ impl Lines {
     }
 
     fn item(&mut self, mark: &str, tone: Tone, text: &str) {
-        self.all.extend(item((mark, tone), text, self.screen));
+        self.all.extend(item(mark, tone, text, self.screen));
     }
 
     fn finding(&mut self, Finding { tone, severity, text, remedy, places }: &Finding) {
@@ -132,7 +132,7 @@ impl Lines {
 }
 
 /// A text broken into lines, indented, after a mark such as `warning:`.
-fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
+fn item(mark: &str, tone: Tone, text: &str, screen: Screen) -> Vec<String> {
     let mut lines = wrap(&safe(&format!("{mark} {text}")), screen.width.saturating_sub(2 * INDENT)).into_iter();
     let first = lines.next().unwrap_or_default();
     let rest = first.strip_prefix(mark).unwrap_or(&first);

@@ -22,10 +22,10 @@ pub(super) fn table_lines(table: &Table, indent: usize, screen: Screen) -> Vec<S
     let Some(widths) = fitted(table, room, screen.is_narrow) else { return stacked(table, indent, screen) };
     let mut lines = Vec::new();
     if table.has_headings() {
-        push_row(table, &headings(table), (&widths, indent, screen), &mut lines);
+        push_row(table, &headings(table), &widths, indent, screen, &mut lines);
     }
     for Row { cells, notes } in &table.rows {
-        push_row(table, cells, (&widths, indent, screen), &mut lines);
+        push_row(table, cells, &widths, indent, screen, &mut lines);
         push_notes(notes, indent, screen, &mut lines);
     }
     lines
@@ -70,12 +70,7 @@ fn of_columns(table: &Table, measure: impl Fn(&str) -> usize) -> Vec<usize> {
     table.columns.iter().enumerate().map(of_column).collect()
 }
 
-fn push_row(
-    table: &Table,
-    cells: &[Cell],
-    (widths, indent, screen): (&[usize], usize, Screen),
-    lines: &mut Vec<String>,
-) {
+fn push_row(table: &Table, cells: &[Cell], widths: &[usize], indent: usize, screen: Screen, lines: &mut Vec<String>) {
     let texts: Vec<Vec<String>> =
         cells.iter().zip(widths).map(|(cell, width)| wrap(&safe(&cell.plain()), *width)).collect();
     let height = texts.iter().map(Vec::len).max().unwrap_or(0);
@@ -99,20 +94,20 @@ fn stacked(table: &Table, indent: usize, screen: Screen) -> Vec<String> {
     for Row { cells, notes } in &table.rows {
         let mut filled = cells.iter().zip(&table.columns).filter(|(cell, _)| !cell.plain().is_empty());
         if let Some((first, _)) = filled.next() {
-            push_text(&safe(&first.plain()), first.tone, (indent, screen), &mut lines);
+            push_text(&safe(&first.plain()), first.tone, indent, screen, &mut lines);
         }
         for (cell, column) in filled {
             let heading = column.heading.plain();
             let between = if heading.is_empty() { "" } else { ": " };
             let text = safe(&format!("{heading}{between}{}", cell.plain()));
-            push_text(&text, cell.tone, (indent + NOTE_INDENT, screen), &mut lines);
+            push_text(&text, cell.tone, indent + NOTE_INDENT, screen, &mut lines);
         }
         push_notes(notes, indent, screen, &mut lines);
     }
     lines
 }
 
-fn push_text(text: &str, tone: Tone, (indent, screen): (usize, Screen), lines: &mut Vec<String>) {
+fn push_text(text: &str, tone: Tone, indent: usize, screen: Screen, lines: &mut Vec<String>) {
     for part in wrap(text, screen.width.saturating_sub(indent)) {
         lines.push(format!("{}{}", " ".repeat(indent), screen.painted(tone, &part)).trim_end().to_owned());
     }

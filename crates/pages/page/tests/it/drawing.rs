@@ -25,7 +25,7 @@ fn regress_symbols_have_indices_and_file_names_have_none() {
 }
 
 #[test]
-fn names_are_left_as_they_are_where_a_figure_has_no_symbols() {
+fn snap_names_are_left_as_they_are_where_a_figure_has_no_symbols() {
     let figure = one("T_demand → N_dyno", Axis::time(), Axis::linear("N_dyno", "rpm"), vec![line(&[1.0, 2.0])]);
     let text = svg(&[figure.with_plain_text()]);
     assert!(text.contains(">T_demand → N_dyno</text>") && text.contains(">N_dyno [rpm]</text>"), "{text}");
@@ -45,7 +45,7 @@ fn regress_a_band_that_reaches_down_to_nothing_is_drawn_on_a_logarithmic_axis() 
 }
 
 #[test]
-fn a_band_widens_a_logarithmic_axis_by_little() {
+fn snap_a_band_widens_a_logarithmic_axis_by_little() {
     let x = || Abscissa::Values(rounded(&[1.0, 2.0]));
     let band = |low: f64| Layer::Band {
         name: "band".into(),
@@ -60,7 +60,7 @@ fn a_band_widens_a_logarithmic_axis_by_little() {
 }
 
 #[test]
-fn degrees_are_marked_at_parts_of_a_turn() {
+fn snap_degrees_are_marked_at_parts_of_a_turn() {
     let text = svg(&[one("", Axis::time(), Axis::angle("phase"), vec![line(&[170.0, -350.0])])]);
     for mark in ["−360", "−180", "0", "180"] {
         assert!(text.contains(&format!(">{mark}<")), "{mark}: {text}");
@@ -71,7 +71,7 @@ fn degrees_are_marked_at_parts_of_a_turn() {
 }
 
 #[test]
-fn lines_denser_than_pixels_are_thin_and_let_through_what_they_cover() {
+fn snap_lines_denser_than_pixels_are_thin_and_let_through_what_they_cover() {
     let drawn = |points: usize| {
         let y: Vec<f64> = (0..points).map(|n| (n % 7) as f64).collect();
         svg(&[one("", Axis::time(), Axis::linear("y", ""), vec![line(&y)])])
@@ -82,7 +82,7 @@ fn lines_denser_than_pixels_are_thin_and_let_through_what_they_cover() {
 }
 
 #[test]
-fn captions_stand_below_in_lines() {
+fn snap_captions_stand_below_in_lines() {
     let words = "word ".repeat(60);
     let figure = one("", Axis::time(), Axis::linear("y", ""), vec![line(&[1.0, 2.0])]).with_caption(words.trim());
     let text = svg(&[figure]);
@@ -91,7 +91,7 @@ fn captions_stand_below_in_lines() {
 }
 
 #[test]
-fn a_smooth_curve_of_many_points_keeps_its_dashes() {
+fn snap_a_smooth_curve_of_many_points_keeps_its_dashes() {
     let x: Vec<f64> = (0..3000).map(f64::from).collect();
     let drawn = |y: &dyn Fn(f64) -> f64| {
         let y: Vec<f64> = x.iter().map(|x| y(*x)).collect();
@@ -193,7 +193,7 @@ fn exact_what_is_drawn_of_a_residual_is_the_difference_of_what_is_drawn_of_its_s
 }
 
 #[test]
-fn a_start_transient_does_not_set_the_scale_and_is_counted() {
+fn snap_a_start_transient_does_not_set_the_scale_and_is_counted() {
     let mut values: Vec<f64> = (0..2000).map(|n| f64::from(n % 10)).collect();
     values[..12].fill(900.0);
     let drawn = |values: &[f64]| svg(&[one("", Axis::time(), Axis::linear("y", ""), vec![line(values)])]);
@@ -209,7 +209,7 @@ fn a_start_transient_does_not_set_the_scale_and_is_counted() {
 }
 
 #[test]
-fn a_band_under_its_line_is_named_and_a_wide_one_is_not() {
+fn snap_a_band_under_its_line_is_named_and_a_wide_one_is_not() {
     let x = [0.0, 1.0, 2.0];
     let drawn = |half: f64| {
         let (low, high) = (rounded(&x.map(|x| x - half)), rounded(&x.map(|x| x + half)));

@@ -137,7 +137,7 @@ fn exact_colour_is_used_where_it_is_welcome() {
 }
 
 #[test]
-fn a_table_fits_the_terminal_in_columns_or_below_each_other() {
+fn snap_a_table_fits_the_terminal_in_columns_or_below_each_other() {
     let mut table = page::Table::of_text(&["Recording", "Why it was chosen", "Value"]);
     let text = "a_recording_with_a_long_name_and_a_number_4711.mf4";
     table.row([

@@ -12,10 +12,8 @@ use virtual_bench::Assumption;
 
 use super::{changes, words};
 use crate::assumptions::{assumptions, friction, prior_ranges};
+use crate::figures::COURSE_HEIGHT;
 use crate::wording::{self, number};
-
-/// Height of a panel on the page.
-const HEIGHT: u32 = 200;
 
 /// A question with its answer.
 #[derive(Debug, Clone, Copy)]
@@ -256,7 +254,7 @@ fn courses(verdict: &Verdict) -> Figure {
             Layer::trace("predicted", Style::Modelled, clock, &scaled(value, si)),
         ];
         layers.extend(marks(verdict));
-        Panel::new(Axis::linear(label, unit), HEIGHT, layers)
+        Panel::new(Axis::linear(label, unit), COURSE_HEIGHT, layers)
     };
     let bands = &verdict.bands;
     let speed = panel("speed", "rpm", RPM_RAD_S, &trace.speed_demand_rad_s, &trace.speed_rad_s, &bands.speed_rad_s);
@@ -264,9 +262,9 @@ fn courses(verdict: &Verdict) -> Figure {
     let error: Vec<f64> =
         trace.speed_rad_s.iter().zip(&trace.speed_demand_rad_s).map(|(is, wanted)| is - wanted).collect();
     let error = vec![Layer::trace("speed less its demand", Style::Residual, clock, &scaled(&error, RPM_RAD_S))];
-    let error = Panel::new(Axis::linear("error of the speed", "rpm"), HEIGHT, error);
+    let error = Panel::new(Axis::linear("error of the speed", "rpm"), COURSE_HEIGHT, error);
     let dyno = vec![Layer::trace("T_d*", Style::Modelled, clock, &trace.dyno_demand_nm)];
-    let dyno = Panel::new(Axis::linear("T_d*", "Nm"), HEIGHT, dyno);
+    let dyno = Panel::new(Axis::linear("T_d*", "Nm"), COURSE_HEIGHT, dyno);
     Figure::new("Demanded and predicted", Axis::time(), vec![speed, error, torque, dyno])
         .with_caption("The nominal bench, the band of the others, and the moments at which limits bind.")
 }

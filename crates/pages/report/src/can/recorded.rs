@@ -6,10 +6,9 @@ use serde::Serialize;
 use units::RPM_RAD_S;
 
 use super::words;
+use crate::figures::COURSE_HEIGHT;
 use crate::wording::number;
 
-/// Height of a panel on the page.
-const HEIGHT: u32 = 200;
 /// Longest time between values that may be values of an instant, s: 40 CFR 1065.202, Table 1, asks for 5 Hz.
 const SLOWEST_S: f64 = 0.2;
 
@@ -297,7 +296,7 @@ fn figure(run: &RecordedRun<'_>) -> Option<Figure> {
             Layer::curve("demanded", Style::Modelled, run.time_s, demand),
             Layer::curve("measured", Style::Measured, run.time_s, value),
         ];
-        Panel::new(Axis::linear(label, unit), HEIGHT, layers)
+        Panel::new(Axis::linear(label, unit), COURSE_HEIGHT, layers)
     };
     let speed = run.speed_rad_s.map(|(demand, value)| panel("speed", "rpm", (&rpm(demand), &rpm(value))));
     let torque = run.torque_nm.map(|both| panel("torque", "Nm", both));

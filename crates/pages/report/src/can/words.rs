@@ -9,8 +9,10 @@ use units::RPM_RAD_S;
 
 use crate::wording::number;
 
-/// Digits that a number beside its limit has at least, and at most.
-const DIGITS: (i32, i32) = (4, 12);
+/// Digits that a number beside its limit has at least.
+const FEWEST_DIGITS: i32 = 4;
+/// Digits that it has at most.
+const MOST_DIGITS: i32 = 12;
 /// Share of benches above which a miss prevents a yes on its own.
 const PREVENTS: f64 = 0.05;
 
@@ -36,7 +38,7 @@ pub fn statistic(statistic: Statistic) -> &'static str {
 
 /// A number of a requirement set with its unit.
 pub fn value_of(of: Signal, statistic: Statistic, value: f64) -> String {
-    to_digits(of, statistic, value, DIGITS.0)
+    to_digits(of, statistic, value, FEWEST_DIGITS)
 }
 
 fn to_digits(of: Signal, statistic: Statistic, value: f64, digits: i32) -> String {
@@ -53,19 +55,19 @@ fn to_digits(of: Signal, statistic: Statistic, value: f64, digits: i32) -> Strin
 pub(super) fn compared(one: &Checked) -> (String, String) {
     let text = |value: f64, digits: i32| to_digits(one.signal, one.statistic, value, digits);
     let limits = [one.low, one.high].into_iter().flatten();
-    let digits = limits.map(|limit| separating(one.value, limit, &text)).max().unwrap_or(DIGITS.0);
+    let digits = limits.map(|limit| separating(one.value, limit, &text)).max().unwrap_or(FEWEST_DIGITS);
     (text(one.value, digits), allowed_to(one.signal, one.statistic, (one.low, one.high), digits))
 }
 
 /// The fewest digits to which two numbers differ in print; the usual ones where they are equal.
 fn separating(value: f64, limit: f64, text: &dyn Fn(f64, i32) -> String) -> i32 {
     let differ = |digits: &i32| value == limit || text(value, *digits) != text(limit, *digits);
-    (DIGITS.0..=DIGITS.1).find(differ).unwrap_or(DIGITS.1)
+    (FEWEST_DIGITS..=MOST_DIGITS).find(differ).unwrap_or(MOST_DIGITS)
 }
 
 /// Values that a limit allows.
 pub(super) fn allowed(of: Signal, statistic: Statistic, limits: (Option<f64>, Option<f64>)) -> String {
-    allowed_to(of, statistic, limits, DIGITS.0)
+    allowed_to(of, statistic, limits, FEWEST_DIGITS)
 }
 
 fn allowed_to(of: Signal, statistic: Statistic, (low, high): (Option<f64>, Option<f64>), digits: i32) -> String {
@@ -133,7 +135,7 @@ fn sensor(sensor: Sensor) -> &'static str {
 
 /// A number of a requirement of one's own.
 pub(super) fn own_value(own: &Own, value: f64) -> String {
-    own_value_to(own, value, DIGITS.0)
+    own_value_to(own, value, FEWEST_DIGITS)
 }
 
 /// A number of a requirement of one's own, to the digits that separate it from its limit.

@@ -12,7 +12,7 @@ use crate::wording::{self, number};
 
 /// PI and delay.
 pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    of_part(&study.speed_controller, ("K_p, K_i, τ", "speed controller"), |part| {
+    of_part(&study.speed_controller, "K_p, K_i, τ", "speed controller", |part| {
         let beside = analyses.and_then(beside_pi);
         let known = |quantity: &Quantity| {
             let own = part.estimate.parameter(*quantity)?;
@@ -81,7 +81,7 @@ fn beside_pi(found: &Analyses) -> Option<String> {
 
 /// k, k_a, and m, which no recording shows.
 pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
+    of_part(&study.feed_forward, "k, k_a", "feed-forward", |part| {
         let bends = analyses.and_then(|found| {
             let all = found.speed_control.feed_forward.iter();
             all.filter_map(|one| one.found.estimated()?.terms.estimated()).next().map(controller::bends)
@@ -101,7 +101,7 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
 
 /// The total delay of the torque control, and delay and lag one by one.
 pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    of_part(&study.torque_control, ("τ, a", "torque control"), |part| {
+    of_part(&study.torque_control, "τ, a", "torque control", |part| {
         let known = |quantity: &Quantity| {
             let own = part.delay_and_lag.parameter(*quantity)?;
             let validation = &part.delay_and_lag_validation;

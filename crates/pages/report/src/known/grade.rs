@@ -5,10 +5,16 @@ use study::{RecordingSummary, Study};
 
 use crate::wording::{self, number};
 
-/// Widest interval, to either side and as a part of the value, of what is known well, and of what is known roughly.
-pub(super) const WIDTHS: (f64, f64) = (0.05, 0.20);
-/// The same of a time, as a part of the fastest sample time of the recordings.
-const TIME_WIDTHS: (f64, f64) = (0.1, 0.5);
+/// Widest intervals, to either side, as parts of the value.
+pub(super) const WIDTHS: Widths = Widths { well: 0.05, roughly: 0.20 };
+/// The same of a time, as parts of the fastest sample time of the recordings.
+const TIME_WIDTHS: Widths = Widths { well: 0.1, roughly: 0.5 };
+
+/// Widest interval, to either side, of what is known well, and of what is known roughly.
+pub(super) struct Widths {
+    pub(super) well: f64,
+    pub(super) roughly: f64,
+}
 
 /// How well something is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,10 +72,10 @@ impl Grade {
     }
 
     /// By an interval, and the widths that are well and roughly.
-    pub(super) fn of_width(width: f64, (well, roughly): (f64, f64)) -> Grade {
+    pub(super) fn of_width(width: f64, widest: Widths) -> Grade {
         match width {
-            w if w <= well => Grade::Well,
-            w if w <= roughly => Grade::Roughly,
+            w if w <= widest.well => Grade::Well,
+            w if w <= widest.roughly => Grade::Roughly,
             _ => Grade::Poorly,
         }
     }
@@ -131,7 +137,8 @@ fn fastest_sample_s(study: &Study) -> f64 {
 /// The parameters of a part that was estimated, or that the part was not.
 pub(super) fn of_part<T>(
     part: &Outcome<T>,
-    (symbol, name): (&str, &str),
+    symbol: &str,
+    name: &str,
     known: impl FnOnce(&T) -> Vec<Known>,
 ) -> Vec<Known> {
     match part {

@@ -17,7 +17,7 @@ const MOVED: f64 = 0.1;
 
 /// K and B.
 pub(super) fn shaft(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    of_part(&study.shaft, ("K, B", "stiffness and damping of the shaft"), |part| {
+    of_part(&study.shaft, "K, B", "stiffness and damping of the shaft", |part| {
         [Quantity::Stiffness, Quantity::Damping]
             .iter()
             .filter_map(|quantity| one(study, analyses, part, part.estimate.parameter(*quantity)?))

@@ -13,7 +13,7 @@ const FRICTION_NM: f64 = 1.0;
 
 /// How late each torque signal is.
 pub(super) fn delays(study: &Study) -> Vec<Known> {
-    of_part(&study.timing, ("", "delays of the torque signals"), |part| {
+    of_part(&study.timing, "", "delays of the torque signals", |part| {
         part.delays.iter().filter_map(|delay| one(study, delay)).collect()
     })
 }
@@ -64,7 +64,7 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
                 why.push_str(" It does not differ significantly from zero, and is small in any case.");
             }
             let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
-            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / WIDTHS.0);
+            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / WIDTHS.well);
             let value = format!("{torque} at {}", number::rpm(middle.speed_rad_s));
             known(Grade::of_width(width, WIDTHS), value, why)
         }

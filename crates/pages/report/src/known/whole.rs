@@ -8,8 +8,10 @@ use study::Study;
 use super::grade::{Grade, Known, WIDTHS, grade};
 use crate::wording::{self, number};
 
-/// Fits of replays that are good, and that are fair, %.
-const FITS: (f64, f64) = (90.0, 70.0);
+/// Fits of replays that are good, %.
+const GOOD_FIT: f64 = 90.0;
+/// Fits of replays that are fair, %.
+const FAIR_FIT: f64 = 70.0;
 
 /// Frequency, gain and damping of the resonance.
 pub(super) fn resonance(study: &Study) -> Vec<Known> {
@@ -23,7 +25,7 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
             whole.influences.iter().find(|i| i.quantity == own.quantity).and_then(uncertain_by).into_iter().collect();
         why.push(sines.1.clone());
         why.extend(of_inertias(study));
-        let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.1);
+        let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.roughly);
         let by_width = grade(study, own);
         Known::of(own, if contradicted { by_width.contradicted() } else { by_width }, why)
     };
@@ -90,8 +92,8 @@ pub(super) fn replays(study: &Study) -> Known {
     };
     let median = number::median(&fits);
     let by_fit = match median {
-        fit if fit >= FITS.0 => Grade::Well,
-        fit if fit >= FITS.1 => Grade::Roughly,
+        fit if fit >= GOOD_FIT => Grade::Well,
+        fit if fit >= FAIR_FIT => Grade::Roughly,
         _ => Grade::Poorly,
     };
     let words = unseen.iter().map(|replay| {
@@ -102,7 +104,7 @@ pub(super) fn replays(study: &Study) -> Known {
             .collect();
         format!("Replayed on {}: {}.", replay.stretch.file, wording::join(&signals, "and"))
     });
-    let below = lowest < FITS.1;
+    let below = lowest < FAIR_FIT;
     let mut why: Vec<String> = words.collect();
     why.push("T_e, which drives the replay, is reconstructed from the same recording: a replay tests the dynamometer’s side and the shaft more than the engine’s.".to_owned());
     known(if below { by_fit.contradicted() } else { by_fit }, format!("median fit {}", number::fit(median)), why)

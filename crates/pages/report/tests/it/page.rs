@@ -175,7 +175,7 @@ fn exact_json_names_its_format_and_keeps_full_precision() {
 }
 
 #[test]
-fn a_report_states_when_and_from_what_it_was_made_and_whose_it_is() {
+fn snap_a_report_states_when_and_from_what_it_was_made_and_whose_it_is() {
     let mut study = fixture::complete();
     let page = fixture::html(&study);
     for words in
@@ -201,7 +201,7 @@ fn a_report_states_when_and_from_what_it_was_made_and_whose_it_is() {
 }
 
 #[test]
-fn the_first_section_has_the_verdict_its_range_six_numbers_a_replay_and_what_to_do() {
+fn snap_the_first_section_has_the_verdict_its_range_six_numbers_a_replay_and_what_to_do() {
     let page = fixture::html(&fixture::complete());
     let first = page.split("<section id=\"known\">").next().unwrap_or_default();
     assert_eq!(first.matches("class=\"card").count() - first.matches("class=\"cards\"").count(), 6);

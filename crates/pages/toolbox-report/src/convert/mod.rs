@@ -10,15 +10,13 @@ use lti::TransferFunction;
 use page::{Blocks, Figure, Page};
 use serde_json::{Value, json};
 
+use crate::level::LEVEL;
 use crate::models::{Model, bode};
 use ratio::{ratio_model, ratios};
 use system::{System, system};
 
 pub use clock::{Conversion, Form};
 pub use error::ConvertError;
-
-/// Confidence of the bands of the figures.
-const LEVEL: f64 = 0.95;
 
 /// A model in its new form, and as it was.
 pub struct Converted {

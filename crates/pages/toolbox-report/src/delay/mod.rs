@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 use work::Context;
 
 use crate::blocks::{finding, line};
+use crate::level::LEVEL;
 use level::DATED;
-use level::LEVEL;
 use modelled::Modelled;
 use others::Others;
 

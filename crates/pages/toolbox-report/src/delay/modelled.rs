@@ -8,9 +8,9 @@ use page::{Block, Table, Tone};
 use serde_json::{Value, json};
 use signal::distributions::normal_quantile;
 
-use super::level::LEVEL;
 use super::others::Others;
 use crate::blocks::{finding, name};
+use crate::level::LEVEL;
 use crate::words::counted;
 
 /// A share of samples that differ from the one before above this is that of an input that is not held for longer.

@@ -11,9 +11,10 @@ use page::decimal::{digits, range, significant};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
 use serde_json::{Value, json};
 
-use super::level::{DATED, LEVEL};
+use super::level::DATED;
 use crate::blocks::name;
 use crate::figures::figure;
+use crate::level::LEVEL;
 
 /// Stretches between gaps that are shorter than this, in samples, show no phase.
 const SHORTEST: usize = 20;

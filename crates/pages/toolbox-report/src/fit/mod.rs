@@ -180,7 +180,7 @@ impl Estimated {
             all.push(line(numbers.join(", ")));
         }
         if let Ok(report) = &self.verdict.residuals {
-            all.push(residuals::findings(report, (&self.document.inputs, &self.document.outputs)));
+            all.push(residuals::findings(report, &self.document.inputs, &self.document.outputs));
         }
         if let Some(reason) = self.verdict.no_residuals() {
             all.push(line(format!("no residual test: {reason}")));

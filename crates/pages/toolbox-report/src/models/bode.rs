@@ -31,8 +31,8 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
         // All on one grid, so that curves can be compared point by point, each up to where it ends.
         let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
         let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
-        for channel in channels(model) {
-            curves.push(curve(model, number, channel, &omega, level)?);
+        for (output, input) in channels(model) {
+            curves.push(curve(model, number, output, input, &omega, level)?);
         }
     }
     Ok(Curves { models, curves, x: Axis::frequency(), level })
@@ -41,7 +41,8 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
 fn curve(
     model: &Model,
     number: usize,
-    (output, input): (usize, usize),
+    output: usize,
+    input: usize,
     omega: &[f64],
     level: f64,
 ) -> Result<Curve, IdentError> {
@@ -51,13 +52,13 @@ fn curve(
     let phase = band.as_ref().map(|b| b.phase_deg(level));
     Ok(Curve {
         model: number,
-        channel: channel_name(model, (output, input)),
+        channel: channel_name(model, output, input),
         x: response.freq_hz(),
         quantities: vec![
             Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
             Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
         ],
-        summary: summary(model, (output, input), (omega, &response.response), level)?,
+        summary: summary(model, output, input, omega, &response.response, level)?,
     })
 }
 
@@ -67,8 +68,10 @@ fn decibel(gain: f64) -> f64 {
 
 fn summary(
     model: &Model,
-    (output, input): (usize, usize),
-    (omega, response): (&[f64], &[Complex64]),
+    output: usize,
+    input: usize,
+    omega: &[f64],
+    response: &[Complex64],
     level: f64,
 ) -> Result<Vec<Fact>, IdentError> {
     let features = model.features(output, input);
@@ -80,7 +83,7 @@ fn summary(
     let at_rest = features.dc_gain()?.map(|gain| (cleaned(gain.value, largest), gain.interval(level)));
     let mut facts = match &growing {
         Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
-        None => vec![gain_at_rest(model, at_rest, (output, input))],
+        None => vec![gain_at_rest(model, at_rest, output, input)],
     };
     for resonance in features.resonances(omega)? {
         let gain = &resonance.gain;
@@ -124,7 +127,7 @@ fn cleaned(gain: f64, largest: f64) -> f64 {
 }
 
 /// The gain at rest with its interval; none where the model integrates.
-fn gain_at_rest(model: &Model, gain: Option<(f64, Option<(f64, f64)>)>, (output, input): (usize, usize)) -> Fact {
+fn gain_at_rest(model: &Model, gain: Option<(f64, Option<(f64, f64)>)>, output: usize, input: usize) -> Fact {
     let unit = ratio_unit(&model.document.outputs[output].unit, &model.document.inputs[input].unit);
     match gain {
         Some((0.0, _)) => Fact::number("gain at rest", 0.0, &unit, None),

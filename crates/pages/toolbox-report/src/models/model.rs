@@ -39,7 +39,7 @@ pub(super) fn channels(model: &Model) -> impl Iterator<Item = (usize, usize)> + 
     (0..outputs).flat_map(move |output| (0..inputs).map(move |input| (output, input)))
 }
 
-pub(super) fn channel_name(model: &Model, (output, input): (usize, usize)) -> String {
+pub(super) fn channel_name(model: &Model, output: usize, input: usize) -> String {
     format!("{} → {}", model.document.inputs[input].name, model.document.outputs[output].name)
 }
 

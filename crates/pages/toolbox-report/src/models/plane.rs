@@ -24,12 +24,12 @@ pub(super) fn figures(roots: &[Roots], models: &[Model], level: f64) -> Vec<Figu
     let of_kind = |is_discrete: bool| {
         let chosen: Vec<usize> =
             (0..models.len()).filter(|n| models[*n].sample_time_s().is_some() == is_discrete).collect();
-        (!chosen.is_empty()).then(|| plane(roots, models, &chosen, (level, is_discrete)))
+        (!chosen.is_empty()).then(|| plane(roots, models, &chosen, level, is_discrete))
     };
     [of_kind(true), of_kind(false)].into_iter().flatten().collect()
 }
 
-fn plane(roots: &[Roots], models: &[Model], chosen: &[usize], (level, is_discrete): (f64, bool)) -> Figure {
+fn plane(roots: &[Roots], models: &[Model], chosen: &[usize], level: f64, is_discrete: bool) -> Figure {
     let own: Vec<&Roots> = roots.iter().filter(|set| chosen.contains(&set.model)).collect();
     let seen = |value: &Complex64| !is_discrete || value.norm() <= FURTHEST;
     let sizes = || own.iter().flat_map(|set| &set.roots).map(|root| root.value).filter(seen).map(|z| z.norm());

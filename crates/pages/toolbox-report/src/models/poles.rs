@@ -76,10 +76,10 @@ pub(crate) fn roots_of_model(document: &ModelDocument, level: f64) -> Result<Blo
 fn roots_of(model: &Model, number: usize) -> Result<Vec<Roots>, IdentError> {
     let mut poles: Vec<Roots> = Vec::new();
     let mut zeros: Vec<Roots> = Vec::new();
-    for channel in channels(model) {
-        let (own_poles, own_zeros) = roots(model, channel)?;
+    for (output, input) in channels(model) {
+        let (own_poles, own_zeros) = roots(model, output, input)?;
         for (all, is_pole, roots) in [(&mut poles, true, own_poles), (&mut zeros, false, own_zeros)] {
-            let name = channel_name(model, channel);
+            let name = channel_name(model, output, input);
             match all.iter_mut().find(|known| is_pole && are_same(&known.roots, &roots)) {
                 Some(known) => known.channels.push(name),
                 None => all.push(Roots { model: number, is_pole, channels: vec![name], roots }),
@@ -101,10 +101,7 @@ fn are_same(one: &[UncertainRoot], other: &[UncertainRoot]) -> bool {
 }
 
 /// Poles and zeros of a way; without an estimate they carry no uncertainty.
-fn roots(
-    model: &Model,
-    (output, input): (usize, usize),
-) -> Result<(Vec<UncertainRoot>, Vec<UncertainRoot>), IdentError> {
+fn roots(model: &Model, output: usize, input: usize) -> Result<(Vec<UncertainRoot>, Vec<UncertainRoot>), IdentError> {
     let without_effect =
         |error: &IdentError| matches!(error, IdentError::Lti(LtiError::ZeroPolynomial { .. } | LtiError::ZeroSystem));
     if let Some(fit) = &model.fit {
@@ -203,7 +200,7 @@ fn model_json<'a>(model: &Model, roots: impl Iterator<Item = &'a Roots>, level: 
             "time_constant_interval_s": pair(mode.time_constant_s(level), 1.0),
         })
     };
-    let all: Vec<String> = channels(model).map(|channel| channel_name(model, channel)).collect();
+    let all: Vec<String> = channels(model).map(|(output, input)| channel_name(model, output, input)).collect();
     let (mut poles, mut zeros) = (Vec::new(), Vec::new());
     for set in roots {
         let channels = if set.channels.is_empty() { &all } else { &set.channels };

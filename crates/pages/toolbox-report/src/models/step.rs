@@ -23,9 +23,9 @@ pub fn step(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
     let own: Vec<TimeGrid> = models.iter().map(grid).collect::<Result<_, _>>()?;
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
-        let grids = (own[number], shared(&models, &own, number)?);
-        for channel in channels(model) {
-            curves.push(curve(model, number, channel, grids, level)?);
+        let drawn = shared(&models, &own, number)?;
+        for (output, input) in channels(model) {
+            curves.push(curve(model, number, output, input, &own[number], &drawn, level)?);
         }
     }
     Ok(Curves { models, curves, x: Axis::time(), level })
@@ -35,14 +35,16 @@ pub fn step(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
 fn curve(
     model: &Model,
     number: usize,
-    (output, input): (usize, usize),
-    (own, grid): (TimeGrid, TimeGrid),
+    output: usize,
+    input: usize,
+    own: &TimeGrid,
+    grid: &TimeGrid,
     level: f64,
 ) -> Result<Curve, IdentError> {
     let document = &model.document;
     let (values, band) = match &model.fit {
         Some(fit) => {
-            let band = fit.step_band(output, input, &grid)?;
+            let band = fit.step_band(output, input, grid)?;
             (band.values.clone(), Some(band.intervals(level)))
         }
         None => {
@@ -55,9 +57,9 @@ fn curve(
     };
     Ok(Curve {
         model: number,
-        channel: channel_name(model, (output, input)),
+        channel: channel_name(model, output, input),
         x: grid.times(),
-        summary: summary(model, (output, input), (&own, &values), level)?,
+        summary: summary(model, output, input, own, &values, level)?,
         quantities: vec![Quantity {
             axis: Axis::linear("step response", &document.outputs[output].unit),
             values,
@@ -108,8 +110,10 @@ fn shared(models: &[Model], own: &[TimeGrid], number: usize) -> Result<TimeGrid,
 
 fn summary(
     model: &Model,
-    (output, input): (usize, usize),
-    (grid, values): (&TimeGrid, &[f64]),
+    output: usize,
+    input: usize,
+    grid: &TimeGrid,
+    values: &[f64],
     level: f64,
 ) -> Result<Vec<Fact>, IdentError> {
     let number = |name: &str, f: &Feature, unit: &str| Fact::number(name, f.value, unit, f.interval(level));

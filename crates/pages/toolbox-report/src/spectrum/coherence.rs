@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 use signal::SignalError;
 use signal::spectrum::{Welch, cross_spectrum};
 
-use super::confidence::{FALSE_ALARM, LEVEL};
+use super::confidence::FALSE_ALARM;
+use crate::level::LEVEL;
 
 /// Coherence by Welch's method. At rest and at half the sample rate nothing is known of it: they are left out.
 pub(super) struct Coherence {

@@ -8,8 +8,8 @@ use signal::Complex64;
 use signal::frf::{Estimated, FrequencyResponse, RepeatedResponse, Resonance, resonance};
 use signal::spectrum::{SpectralPeak, top_range};
 
-use super::confidence::LEVEL;
 use crate::blocks::{finding, line, name};
+use crate::level::LEVEL;
 use crate::words::counted;
 
 /// Response at the lines, with the periods that it rests on.

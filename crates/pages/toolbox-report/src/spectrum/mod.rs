@@ -15,9 +15,10 @@ use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectru
 
 use crate::blocks::{finding, heading, line, name};
 use crate::figures::figure;
+use crate::level::LEVEL;
 use crate::words::ratio_unit;
 use coherence::Coherence;
-use confidence::{FALSE_ALARM, LEVEL};
+use confidence::FALSE_ALARM;
 use excitation::Excitation;
 use lines::{Curve, Lines};
 
@@ -309,7 +310,7 @@ fn responses(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>,
                 all.extend(named(data, experiment, |output, input, name, unit| {
                     let response = &found.responses[input];
                     let lines = Lines::new(&found, response, output, experiment, data.sample_time_s(), instead_of);
-                    Ok(Spectrum { lines: Some(lines), ..one_response(response, (output, 0), name, unit) })
+                    Ok(Spectrum { lines: Some(lines), ..one_response(response, output, 0, name, unit) })
                 })?);
             }
             repeated => all.extend(unrepeated(data, experiment, &inputs, repeated.is_some(), options)?),
@@ -355,7 +356,7 @@ fn unrepeated(
         let excitation = Excitation::of(inputs[input], sample_time_s, welch)?;
         let Found { response, lobe, missed } = &whole[output];
         let known = excitation.known(&response.freq_hz, coherence.as_ref());
-        let plain = one_response(response, (0, input), name, unit);
+        let plain = one_response(response, 0, input, name, unit);
         let one = Spectrum { lobe: *lobe, coherence, leaks, missed: *missed, ..plain };
         Ok(one.only_where(known))
     })
@@ -410,7 +411,7 @@ fn response(inputs: &[&[f64]], y: &[f64], sample_time_s: f64, options: &Spectrum
     }
 }
 
-fn one_response(whole: &FrequencyResponse, (output, input): (usize, usize), channel: String, unit: String) -> Spectrum {
+fn one_response(whole: &FrequencyResponse, output: usize, input: usize, channel: String, unit: String) -> Spectrum {
     let gains = whole.response_of(output, input);
     Spectrum {
         channel,

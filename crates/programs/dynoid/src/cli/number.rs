@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn units_of_something_else_are_refused_and_named() {
+    fn regress_units_of_something_else_are_refused_and_named() {
         let refused = rpm("20 Nm").unwrap_err();
         assert!(refused.contains("Nm") && refused.contains("speed"), "{refused}");
         assert!(rpm("fast").is_err() && positive_seconds("0s").is_err() && positive_hertz("3 rpm").is_err());

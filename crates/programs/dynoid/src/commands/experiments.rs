@@ -24,11 +24,12 @@ pub(super) struct Campaign {
 
 /// All recordings at once; see [`each`].
 pub(super) fn all(
-    (given, result): (&GivenRecordings, &ResultArguments),
+    given: &GivenRecordings,
+    result: &ResultArguments,
     terminal: &mut Terminal,
 ) -> Result<Campaign, CliError> {
     let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused = each((given, result), "reading", terminal, |bench, experiment| {
+    let refused = each(given, result, "reading", terminal, |bench, experiment| {
         found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
     })?;
     let (bench, experiments) = found.ok_or_else(|| CliError::NothingToLookAt { path: given.bench.clone() })?;
@@ -38,7 +39,8 @@ pub(super) fn all(
 /// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns
 /// of, those that cannot be used. What is wrong in the others is warned of too.
 pub(super) fn each(
-    (given, result): (&GivenRecordings, &ResultArguments),
+    given: &GivenRecordings,
+    result: &ResultArguments,
     doing: &str,
     terminal: &mut Terminal,
     mut work: impl FnMut(&BenchFile, Experiment),

@@ -18,16 +18,15 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
     let mut options = FrictionOptions { inertia_kg_m2: f64::NAN, slowest_rad_s: None, torque_limit_nm: None };
     let mut stated = StatedInertia::of_dynamometer(f64::NAN, None);
     let all_named = !arguments.given.recordings.is_empty();
-    let refused =
-        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-            let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
-            options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
-            stated = bench.dynamometer_inertia();
-            // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
-            if all_named || experiment.label.is_without_shaft() {
-                used.push(experiment);
-            }
-        })?;
+    let refused = experiments::each(&arguments.given, &arguments.result, "reading", terminal, |bench, experiment| {
+        let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
+        options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
+        stated = bench.dynamometer_inertia();
+        // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
+        if all_named || experiment.label.is_without_shaft() {
+            used.push(experiment);
+        }
+    })?;
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
     let doubts = doubts(&found, stated);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));

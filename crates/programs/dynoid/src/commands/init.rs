@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     let text = match arguments.update && out.is_file() {
         true => {
             let text = std::fs::read_to_string(out).map_err(|source| CliError::read(out, source))?;
-            update::updated((out.as_path(), text.as_str()), &proposed, &files)?
+            update::updated(out.as_path(), text.as_str(), &proposed, &files)?
         }
         false => proposed,
     };

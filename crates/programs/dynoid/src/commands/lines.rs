@@ -16,7 +16,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let mut looks = Vec::new();
     let refused =
-        experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
+        experiments::each(&arguments.given, &arguments.result, "looking at", terminal, |bench, experiment| {
             looks.push(find_lines(&experiment, bench));
         })?;
     let looks = on_one_mains(looks);

@@ -11,7 +11,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
+    let Campaign { bench, experiments, refused } = experiments::all(&arguments.given, &arguments.result, terminal)?;
     let all: Vec<_> = experiments.iter().collect();
     let study = shaft_analysis(&Parts::of(&all, &bench), terminal.work());
     let page = || report::pages::shaft(&study);

@@ -81,7 +81,7 @@ impl Wanted {
 
 pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| paths::folder_of(&arguments.bench).join("study"));
-    let written = study(&arguments.bench, &out, (None, Wanted::of(arguments)), terminal)?;
+    let written = study(&arguments.bench, &out, None, Wanted::of(arguments), terminal)?;
     if arguments.json {
         terminal.json(&summary::short(&written))?;
     } else if terminal.is_quiet() {
@@ -97,7 +97,8 @@ pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result
 pub(crate) fn study(
     bench: &Path,
     out: &Path,
-    (seed, wanted): (Option<u64>, Wanted),
+    seed: Option<u64>,
+    wanted: Wanted,
     terminal: &mut Terminal,
 ) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
@@ -113,7 +114,7 @@ pub(crate) fn study(
     let origin = origin(&text);
     let (study, analyses) = studied(campaign, wanted.extent, &step).map_err(|error| no_study(bench, error))?;
     let writing = step.step("writing the report", 0);
-    let pages = Pages::of((&study, &origin), analyses.as_ref(), logo.as_ref(), wanted);
+    let pages = Pages::of(&study, &origin, analyses.as_ref(), logo.as_ref(), wanted);
     let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = document(&study, &text);
@@ -230,12 +231,7 @@ struct Pages {
 }
 
 impl Pages {
-    fn of(
-        (study, origin): (&Study, &Origin),
-        analyses: Option<&Analyses>,
-        logo: Option<&Logo>,
-        wanted: Wanted,
-    ) -> Self {
+    fn of(study: &Study, origin: &Origin, analyses: Option<&Analyses>, logo: Option<&Logo>, wanted: Wanted) -> Self {
         let with_logo = |page: Page| Page { logo: logo.cloned(), ..page };
         Pages {
             report: with_logo(report::study(study, origin)),

@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
+    let Campaign { bench, experiments, refused } = experiments::all(&arguments.given, &arguments.result, terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
     let studied = studied(&experiments, &bench, orders, terminal)?;
     let page = || report::pages::torque_control(&studied);

@@ -18,11 +18,11 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref())?;
-    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
+    let Campaign { bench, experiments, refused } = experiments::all(&arguments.given, &arguments.result, terminal)?;
     let all: Vec<&Experiment> = experiments.iter().collect();
     let limit = bench.limits.torque_nm;
-    let parts = (&SpeedControllers::of(&all, limit), &TorqueControls::of(&all, limit));
-    let signals = torque_signals(parts, &bench, terminal.work());
+    let (controllers, torque_controls) = (SpeedControllers::of(&all, limit), TorqueControls::of(&all, limit));
+    let signals = torque_signals(&controllers, &torque_controls, &bench, terminal.work());
     if let Some(out) = &arguments.out {
         write(&signals, out, terminal)?;
     }

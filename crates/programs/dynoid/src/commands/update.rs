@@ -11,7 +11,8 @@ use crate::input;
 /// The text of a bench file with the channels, recordings and labels of a proposal that it lacks; `files` are patterns
 /// with the recordings that they stand for.
 pub(super) fn updated(
-    (bench, text): (&Path, &str),
+    bench: &Path,
+    text: &str,
     proposal: &str,
     files: &[(String, Vec<PathBuf>)],
 ) -> Result<String, CliError> {

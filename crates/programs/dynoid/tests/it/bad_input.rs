@@ -7,7 +7,7 @@ use crate::support::{BENCH, Campaign, bs, channel};
 const STUDY: [&str; 2] = ["study", "bench.toml"];
 
 #[test]
-fn bench_files_that_cannot_be_read() {
+fn regress_bench_files_that_cannot_be_read() {
     let campaign = Campaign::empty();
     campaign.run(&["study", "cell.toml"]).assert_refused(3, &["cell.toml", "no such file"]);
     campaign.run(&["study", "."]).assert_refused(3, &["folder", "did you mean", "bench.toml"]);
@@ -19,14 +19,14 @@ fn bench_files_that_cannot_be_read() {
 }
 
 #[test]
-fn a_byte_order_mark_does_no_harm() {
+fn regress_a_byte_order_mark_does_no_harm() {
     let campaign = Campaign::whole();
     campaign.write("bench.toml", format!("\u{feff}{BENCH}").as_bytes());
     campaign.run(&["study", "bench.toml", "--json"]).study();
 }
 
 #[test]
-fn no_recordings() {
+fn regress_no_recordings() {
     let campaign = Campaign::empty();
     campaign.run(&STUDY).assert_refused(3, &["bench.toml", "recordings/*.mf4", "matches no file in"]);
     campaign.write("bench.toml", BENCH.replace("files = [\"recordings/*.mf4\"]", "").as_bytes());
@@ -39,14 +39,14 @@ fn no_recordings() {
 }
 
 #[test]
-fn an_inertia_in_the_wrong_unit() {
+fn regress_an_inertia_in_the_wrong_unit() {
     let campaign = Campaign::whole();
     campaign.write("bench.toml", BENCH.replace("0.6 kg m²", "6000 kg m²").as_bytes());
     campaign.run(&STUDY).assert_refused(3, &["line 6", "dynamometer_inertia", "looks like kg cm²"]);
 }
 
 #[test]
-fn a_wrong_inertia_is_doubted() {
+fn regress_a_wrong_inertia_is_doubted() {
     let campaign = Campaign::whole();
     campaign.write("bench.toml", BENCH.replace("0.6 kg m²", "1.2 kg m²").as_bytes());
     let found = campaign.findings_about("WhiteNoise_T_TN_1200.mf4");
@@ -54,7 +54,7 @@ fn a_wrong_inertia_is_doubted() {
 }
 
 #[test]
-fn a_truncated_recording_is_left_out_and_named() {
+fn regress_a_truncated_recording_is_left_out_and_named() {
     let campaign = Campaign::whole();
     let bytes = encode_mdf4(&bs()).unwrap();
     campaign.write("recordings/BS_T_NT_3000.mf4", &bytes[..bytes.len() / 2]);
@@ -63,7 +63,7 @@ fn a_truncated_recording_is_left_out_and_named() {
 }
 
 #[test]
-fn a_missing_channel_is_named_with_the_closest() {
+fn regress_a_missing_channel_is_named_with_the_closest() {
     let mut recording = bs();
     channel(&mut recording, "DynoTorqueCalc").name = "DynoTorqueCalculated".to_owned();
     let campaign = Campaign::whole().with("BS_T_NT_3000.mf4", &recording);
@@ -72,7 +72,7 @@ fn a_missing_channel_is_named_with_the_closest() {
 }
 
 #[test]
-fn a_unit_that_does_not_fit_is_named() {
+fn regress_a_unit_that_does_not_fit_is_named() {
     let mut recording = bs();
     channel(&mut recording, "DynoTorqueCalc").unit = "rpm".to_owned();
     let campaign = Campaign::whole().with("BS_T_NT_3000.mf4", &recording);
@@ -81,7 +81,7 @@ fn a_unit_that_does_not_fit_is_named() {
 }
 
 #[test]
-fn samples_that_are_no_numbers_are_counted() {
+fn regress_samples_that_are_no_numbers_are_counted() {
     let mut recording = bs();
     channel(&mut recording, "DynoSpeed").samples[500] = f64::NAN;
     let campaign = Campaign::whole().with("BS_T_NT_1200.mf4", &recording);
@@ -90,7 +90,7 @@ fn samples_that_are_no_numbers_are_counted() {
 }
 
 #[test]
-fn a_gap_is_found() {
+fn regress_a_gap_is_found() {
     let mut recording = bs();
     for raster in &mut recording.rasters {
         raster.time_s.iter_mut().filter(|time| **time >= 8.0).for_each(|time| *time += 3.0);
@@ -101,7 +101,7 @@ fn a_gap_is_found() {
 }
 
 #[test]
-fn a_command_on_one_part_warns_of_clipped_samples() {
+fn regress_a_command_on_one_part_warns_of_clipped_samples() {
     let mut recording = bs();
     channel(&mut recording, "DynoTorqueCalc").samples.iter_mut().for_each(|torque| *torque = torque.clamp(40.0, 50.0));
     let campaign = Campaign::whole().with("BS_T_NT_1200.mf4", &recording);
@@ -110,7 +110,7 @@ fn a_command_on_one_part_warns_of_clipped_samples() {
 }
 
 #[test]
-fn a_torque_of_the_wrong_sign_is_noticed() {
+fn regress_a_torque_of_the_wrong_sign_is_noticed() {
     let mut recording = bs();
     for name in ["DynoTorqueCalc", "DynoTorqueMeas"] {
         channel(&mut recording, name).samples.iter_mut().for_each(|torque| *torque = -*torque);
@@ -121,7 +121,7 @@ fn a_torque_of_the_wrong_sign_is_noticed() {
 }
 
 #[test]
-fn two_recordings_of_one_name_are_kept_apart_and_twins_are_used_once() {
+fn regress_two_recordings_of_one_name_are_kept_apart_and_twins_are_used_once() {
     let campaign = Campaign::whole();
     std::fs::create_dir(campaign.path("recordings/more")).unwrap();
     let campaign = campaign.with("more/BS_T_NT_1200.mf4", &bs());
@@ -132,7 +132,7 @@ fn two_recordings_of_one_name_are_kept_apart_and_twins_are_used_once() {
 }
 
 #[test]
-fn a_recording_without_a_label_is_left_out_and_named() {
+fn regress_a_recording_without_a_label_is_left_out_and_named() {
     let campaign = Campaign::whole().with("monday.mf4", &{
         let mut recording = bs();
         recording.comment = Some("another".to_owned());

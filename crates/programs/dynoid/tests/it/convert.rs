@@ -51,7 +51,7 @@ fn exact_conversions_are_the_same_model_delay_included() {
 }
 
 #[test]
-fn printed_json_is_the_model_file() {
+fn exact_printed_json_is_the_model_file() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 0 --poles 2 --delay 0.03 --out tf.json");
     let ran = run(&folder, "model convert tf.json --to ss --json --out c.json");
@@ -76,7 +76,7 @@ fn exact_a_noise_model_stays_with_the_state_space() {
 }
 
 #[test]
-fn what_cannot_be_converted_is_said() {
+fn regress_what_cannot_be_converted_is_said() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 0 --poles 2 --delay 0.03 --out tf.json");
     run(&folder, "model convert tf.json --to zpk --out c.json").assert_refused(2, &["--to tf"]);
@@ -90,7 +90,7 @@ fn what_cannot_be_converted_is_said() {
 }
 
 #[test]
-fn what_a_form_does_not_hold_is_said() {
+fn regress_what_a_form_does_not_hold_is_said() {
     let folder = folder();
     for (model, to, words) in [
         ("armax", "tf", "the noise model and the covariance"),
@@ -106,7 +106,7 @@ fn what_a_form_does_not_hold_is_said() {
 }
 
 #[test]
-fn both_forms_are_drawn() {
+fn snap_both_forms_are_drawn() {
     let folder = folder();
     fitted(&folder, "fit oe --out m.json");
     let line = "model convert m.json --to tf --continuous --method tustin --prewarp 0.5 --plot both.svg";

@@ -107,7 +107,7 @@ fn exact_every_pair_of_formats_keeps_values_stamps_names_and_units() {
 }
 
 #[test]
-fn what_text_has_no_place_for_is_said() {
+fn regress_what_text_has_no_place_for_is_said() {
     let mut recording = awkward();
     recording.channels[0].name = "Time".into();
     recording.channels[1].name = "two\nlines".into();
@@ -197,7 +197,7 @@ fn exact_resampling_filters_aliases_and_leaves_gaps() {
 }
 
 #[test]
-fn channels_that_fit_no_clock_are_left_out_and_named() {
+fn regress_channels_that_fit_no_clock_are_left_out_and_named() {
     let mut recording = awkward();
     recording.rasters[1].time_s[5] = 0.0;
     let folder = folder_with("a.mf4", &recording);
@@ -213,7 +213,7 @@ fn channels_that_fit_no_clock_are_left_out_and_named() {
 }
 
 #[test]
-fn several_recordings_go_into_a_folder() {
+fn exact_several_recordings_go_into_a_folder() {
     let folder = folder_with("a.mf4", &awkward());
     std::fs::write(folder.path().join("b.csv"), "time [s],x [V]\n0,1\n1,2\n").unwrap();
     std::fs::write(folder.path().join("c.csv"), "no time\n").unwrap();
@@ -226,7 +226,7 @@ fn several_recordings_go_into_a_folder() {
 }
 
 #[test]
-fn text_without_time_gets_it_from_the_distance_of_its_rows() {
+fn exact_text_without_time_gets_it_from_the_distance_of_its_rows() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.csv"), "u,y\n1,2\n3,4\n5,6\n").unwrap();
     convert(&folder, "a.csv --out a.mf4").assert_refused(3, &["a.csv", "--sample-time"]);
@@ -239,7 +239,7 @@ fn text_without_time_gets_it_from_the_distance_of_its_rows() {
 }
 
 #[test]
-fn what_cannot_be_converted_is_refused() {
+fn regress_what_cannot_be_converted_is_refused() {
     let folder = folder_with("a.mf4", &awkward());
     std::fs::write(folder.path().join("model.json"), r#"{"format": "dynoid model"}"#).unwrap();
     let refused = |arguments: &str, code: i32, words: &[&str]| convert(&folder, arguments).assert_refused(code, words);
@@ -264,7 +264,7 @@ fn what_cannot_be_converted_is_refused() {
 }
 
 #[test]
-fn inspect_lists_without_samples_and_selects() {
+fn exact_inspect_lists_without_samples_and_selects() {
     let folder = folder_with("a.mf4", &awkward());
     let list = dynoid(folder.path(), &["inspect", "a.mf4", "--list", "--json"]).json();
     let raster = &list[0]["rasters"][1];
@@ -280,7 +280,7 @@ fn inspect_lists_without_samples_and_selects() {
 }
 
 #[test]
-fn what_was_written_is_drawn() {
+fn snap_what_was_written_is_drawn() {
     let folder = crate::identify::folder();
     let ran = crate::identify::run(&folder, "convert run.csv --out run.mf4 --plot run.svg");
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
@@ -290,7 +290,7 @@ fn what_was_written_is_drawn() {
 
 /// A pattern has to fit in one of several recordings; those without it say so.
 #[test]
-fn patterns_fit_at_least_one_of_several_recordings() {
+fn exact_patterns_fit_at_least_one_of_several_recordings() {
     let folder = folder_with("a.mf4", &sines());
     let mut other = sines();
     other.channels.iter_mut().for_each(|channel| channel.name.push_str("_b"));

@@ -132,7 +132,7 @@ fn regress_more_structures_than_can_be_compared_are_refused() {
 }
 
 #[test]
-fn a_peak_says_where_its_top_may_be() {
+fn exact_a_peak_says_where_its_top_may_be() {
     let folder = folder();
     let spectra = done(&folder, "data spectrum run.csv -u valve -y speed --json").json();
     for peak in spectra[0]["peaks"].as_array().unwrap() {
@@ -144,7 +144,7 @@ fn a_peak_says_where_its_top_may_be() {
 }
 
 #[test]
-fn a_model_that_explains_nothing_is_doubted() {
+fn regress_a_model_that_explains_nothing_is_doubted() {
     let folder = TempDir::new().unwrap();
     let mut random = signal::excitation::Random::new(8);
     let rows = (0..600).map(|n| format!("{},{},{}\n", 0.1 * f64::from(n), random.normal(), random.normal()));
@@ -184,7 +184,7 @@ fn with_gaps(folder: &TempDir) {
 }
 
 #[test]
-fn recordings_are_cut_where_inputs_are_missing() {
+fn exact_recordings_are_cut_where_inputs_are_missing() {
     let folder = folder();
     with_gaps(&folder);
     for method in
@@ -210,7 +210,7 @@ fn recordings_are_cut_where_inputs_are_missing() {
 }
 
 #[test]
-fn recordings_without_a_stretch_are_refused_and_name_the_channel() {
+fn regress_recordings_without_a_stretch_are_refused_and_name_the_channel() {
     let folder = folder();
     let rows = (0..400).map(|n| format!("{n},{},{n}\n", if n % 8 == 0 { "" } else { "1.5" }));
     std::fs::write(folder.path().join("sieve.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
@@ -218,7 +218,7 @@ fn recordings_without_a_stretch_are_refused_and_name_the_channel() {
 }
 
 #[test]
-fn an_estimate_is_kept_where_its_judgement_fails() {
+fn regress_an_estimate_is_kept_where_its_judgement_fails() {
     let folder = folder();
     let text = std::fs::read_to_string(folder.path().join("unseen.csv")).unwrap();
     let short: String = text.lines().take(60).map(|line| format!("{line}\n")).collect();
@@ -229,7 +229,7 @@ fn an_estimate_is_kept_where_its_judgement_fails() {
 }
 
 #[test]
-fn wrong_orders_are_faults_of_the_command_line() {
+fn regress_wrong_orders_are_faults_of_the_command_line() {
     let folder = folder();
     for (line, words) in [
         ("arx --nb 1,2", "--nb: 2 values for 1 input"),
@@ -249,7 +249,7 @@ fn wrong_orders_are_faults_of_the_command_line() {
 }
 
 #[test]
-fn too_few_samples_name_the_data_and_what_to_lower() {
+fn regress_too_few_samples_name_the_data_and_what_to_lower() {
     let folder = folder();
     let ran = run(&folder, "fit arx run.csv -u valve -y speed --na 500 --nb 500");
     ran.assert_refused(3, &["run.csv (valve → speed)", "samples cannot determine", "lower --na"]);
@@ -258,7 +258,7 @@ fn too_few_samples_name_the_data_and_what_to_lower() {
 }
 
 #[test]
-fn files_are_called_what_they_are() {
+fn regress_files_are_called_what_they_are() {
     let folder = folder();
     std::fs::write(folder.path().join("m.json"), [0xff, 0xfe, b'{']).unwrap();
     let ran = run(&folder, "model poles m.json");
@@ -267,7 +267,7 @@ fn files_are_called_what_they_are() {
 }
 
 #[test]
-fn models_meet_no_other_units() {
+fn regress_models_meet_no_other_units() {
     let folder = folder();
     done(&folder, "fit arx run.csv -u valve -y speed --out m.json");
     let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
@@ -278,7 +278,7 @@ fn models_meet_no_other_units() {
 
 /// Names that read like the counts they stand for.
 #[test]
-fn advice_names_the_channel_it_means() {
+fn regress_advice_names_the_channel_it_means() {
     let folder = folder();
     let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
     let swapped = text.replace("valve", "speed_").replace("speed [", "output 1 [").replace("speed_", "speed");
@@ -288,7 +288,7 @@ fn advice_names_the_channel_it_means() {
 }
 
 #[test]
-fn recordings_count_once() {
+fn regress_recordings_count_once() {
     let folder = folder();
     run(&folder, "fit arx run.csv ./run.csv -u valve -y speed").assert_refused(2, &["run.csv", "twice"]);
     std::fs::copy(folder.path().join("run.csv"), folder.path().join("copy.csv")).unwrap();
@@ -299,7 +299,7 @@ fn recordings_count_once() {
 }
 
 #[test]
-fn targets_are_checked_before_anything_is_read() {
+fn regress_targets_are_checked_before_anything_is_read() {
     let folder = folder();
     // The recording is not there; the target is found to be wrong all the same.
     for (target, words) in [("--out absent/m.json", "absent/m.json"), ("--plot absent/p.svg", "absent/p.svg")] {
@@ -310,7 +310,7 @@ fn targets_are_checked_before_anything_is_read() {
 }
 
 #[test]
-fn models_meet_untimed_text_and_other_clocks() {
+fn exact_models_meet_untimed_text_and_other_clocks() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 1 --poles 2 --out tf.json");
     fitted(&folder, "fit arx --out arx.json");
@@ -334,7 +334,7 @@ fn models_meet_untimed_text_and_other_clocks() {
 }
 
 #[test]
-fn comparisons_say_everything_once() {
+fn snap_comparisons_say_everything_once() {
     let folder = folder();
     with_gaps(&folder);
     fitted(&folder, "fit tf --zeros 1 --poles 2 --out tf.json");
@@ -348,7 +348,7 @@ fn comparisons_say_everything_once() {
 }
 
 #[test]
-fn written_times_are_short_decimals() {
+fn snap_written_times_are_short_decimals() {
     let folder = TempDir::new().unwrap();
     let mut random = signal::excitation::Random::new(2);
     let rows = (0..400).map(|n| format!("{},{},{}\n", 2.5 + 0.01 * f64::from(n), random.normal(), random.normal()));
@@ -363,7 +363,7 @@ fn written_times_are_short_decimals() {
 }
 
 #[test]
-fn an_integrator_and_a_trend_taken_off_are_noticed() {
+fn regress_an_integrator_and_a_trend_taken_off_are_noticed() {
     let folder = TempDir::new().unwrap();
     let mut random = signal::excitation::Random::new(4);
     let mut speed = 0.0;
@@ -405,7 +405,7 @@ fn regress_a_recording_left_out_at_its_gaps_is_no_source() {
 }
 
 #[test]
-fn what_was_done_is_a_note_and_what_may_be_wrong_a_warning() {
+fn regress_what_was_done_is_a_note_and_what_may_be_wrong_a_warning() {
     let folder = two_rasters();
     let ran = done(&folder, "fit tf run.csv -u demand -y torque");
     assert!(ran.stderr.contains("note: \"torque\" has a sample only every 0.004 s"), "{}", ran.stderr);

@@ -20,7 +20,7 @@ fn stat_the_demo_finds_what_it_simulated() {
 }
 
 #[test]
-fn a_folder_with_other_things_is_refused() {
+fn regress_a_folder_with_other_things_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
     dynoid(folder.path(), &["demo", "--out", "."]).assert_refused(4, &["thesis.txt", "--out"]);

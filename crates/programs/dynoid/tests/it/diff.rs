@@ -59,7 +59,7 @@ fn regress_what_is_no_bench_model_is_refused() {
 }
 
 #[test]
-fn a_study_says_what_has_changed_since_the_earlier_one_in_its_folder() {
+fn exact_a_study_says_what_has_changed_since_the_earlier_one_in_its_folder() {
     let campaign = Campaign::whole();
     let first = campaign.run(&["study", "bench.toml"]);
     assert!(!first.stdout.contains("Since the study of"), "{}", first.stdout);

@@ -75,7 +75,7 @@ fn snap_design() {
 }
 
 #[test]
-fn a_design_without_a_known_shaft_is_written_and_says_what_is_missing() {
+fn exact_a_design_without_a_known_shaft_is_written_and_says_what_is_missing() {
     let campaign = Campaign::empty();
     let ran = campaign.run(&["experiment", "design", "bench.toml", "BS_T_NT", "--duration", "4", "--json"]);
     assert_eq!(ran.code, Some(0));
@@ -225,7 +225,7 @@ fn regress_wrong_combinations_are_refused_in_words() {
 }
 
 #[test]
-fn a_level_shorter_than_a_firing_is_said() {
+fn regress_a_level_shorter_than_a_firing_is_said() {
     let campaign = Campaign::empty();
     let ran = campaign.run(&["experiment", "design", "bench.toml", "BS_T_NT", "--speed", "300", "--duration", "2"]);
     assert!(ran.stderr.contains("every 80 ms, but a cylinder fires every 100 ms"), "{}", ran.stderr);
@@ -274,7 +274,7 @@ fn regress_what_cannot_be_checked_is_not_safe() {
 }
 
 #[test]
-fn an_optimal_excitation_is_designed_checked_and_run() {
+fn exact_an_optimal_excitation_is_designed_checked_and_run() {
     let campaign = Campaign::empty();
     let limits = "[limits]\ntorque = \"400 Nm\"\nshaft_torque = \"300 Nm\"\nspeed = \"6000 rpm\"\n";
     campaign.write("bench.toml", bench(&format!("{limits}{SHAFT}")).as_bytes());

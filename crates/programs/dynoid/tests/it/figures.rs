@@ -174,7 +174,7 @@ fn study_page(script: &str) -> (Campaign, PathBuf) {
 }
 
 #[test]
-fn at_every_position_of_the_cursor_measured_less_modelled_is_the_residual() {
+fn exact_at_every_position_of_the_cursor_measured_less_modelled_is_the_residual() {
     // `exact_what_is_drawn_of_a_residual_…` of `page` proves the same of the drawing.
     let Some(browser) = browser() else { return testdata::skip("no browser (Chromium) to read figures with") };
     let (_campaign, page) = study_page(READER);
@@ -225,7 +225,7 @@ fn saved(files: &Value) {
 }
 
 #[test]
-fn a_checker_of_accessibility_finds_nothing_in_light_or_dark() {
+fn ref_a_checker_of_accessibility_finds_nothing_in_light_or_dark() {
     let Some(browser) = browser() else { return testdata::skip("no browser (Chromium) to read figures with") };
     let Some(axe) = testdata::axe() else { return };
     let axe = format!("<script>{}</script>{AXE}", std::fs::read_to_string(axe).unwrap());

@@ -68,7 +68,7 @@ pub(crate) fn white_noise_alone() -> &'static Campaign {
 }
 
 #[test]
-fn an_analysis_without_its_recording_costs_no_other() {
+fn regress_an_analysis_without_its_recording_costs_no_other() {
     let campaign = white_noise_alone();
     let page = campaign.read("study/report-full.html");
     for (id, words) in [

@@ -97,7 +97,7 @@ fn stat_derived_quantities_and_the_model_file() {
 }
 
 #[test]
-fn an_integrating_structure_and_a_rest_ask_for_data_with_their_trend() {
+fn regress_an_integrating_structure_and_a_rest_ask_for_data_with_their_trend() {
     let folder = folder(0.1);
     let ran = run(&folder, "fit greybox shaft.toml run.csv -u T -y w_d -y w_e --from-rest");
     for words in ["\"w_d\" seems to integrate \"T\"", "the structure integrates", "--from-rest: a trend was taken off"]
@@ -108,7 +108,7 @@ fn an_integrating_structure_and_a_rest_ask_for_data_with_their_trend() {
 }
 
 #[test]
-fn faults_of_the_structure_name_the_file_and_the_key() {
+fn regress_faults_of_the_structure_name_the_file_and_the_key() {
     let folder = folder(0.1);
     for (from, to, words) in [
         ("[\"1/J_d\"]", "[\"1/J_q\"]", "there is no parameter \"J_q\""),

@@ -83,7 +83,7 @@ fn exact_every_command_has_examples() {
 }
 
 #[test]
-fn every_shell_completes_and_every_command_has_a_manual_page() {
+fn snap_every_shell_completes_and_every_command_has_a_manual_page() {
     let campaign = Campaign::empty();
     for shell in ["bash", "zsh", "fish", "powershell"] {
         let ran = campaign.run(&["shell", "completions", shell]);
@@ -99,7 +99,7 @@ fn every_shell_completes_and_every_command_has_a_manual_page() {
 }
 
 #[test]
-fn a_wrong_command_line_ends_with_code_2() {
+fn regress_a_wrong_command_line_ends_with_code_2() {
     for arguments in [&[][..], &["estimate"], &["study"], &["demo", "--seed", "many"]] {
         assert_eq!(dynoid(&std::env::temp_dir(), arguments).code, Some(2), "{arguments:?}");
     }

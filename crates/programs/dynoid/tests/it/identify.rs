@@ -38,7 +38,7 @@ pub(crate) fn fitted(folder: &TempDir, line: &str) -> serde_json::Value {
 }
 
 #[test]
-fn every_structure_is_fitted_and_judged_on_unseen_data() {
+fn exact_every_structure_is_fitted_and_judged_on_unseen_data() {
     let folder = folder();
     for line in [
         "fit arx --na 2 --nb 2 --nk 1",
@@ -62,7 +62,7 @@ fn every_structure_is_fitted_and_judged_on_unseen_data() {
 }
 
 #[test]
-fn arx_finds_the_coefficients_within_their_intervals() {
+fn stat_arx_finds_the_coefficients_within_their_intervals() {
     let result = fitted(&folder(), "fit arx");
     let intervals = result["intervals_95"].as_array().unwrap();
     for (interval, truth) in intervals.iter().zip([-1.5, 0.7, 1.0, 0.5]) {
@@ -73,7 +73,7 @@ fn arx_finds_the_coefficients_within_their_intervals() {
 }
 
 #[test]
-fn model_files_serve_every_command() {
+fn exact_model_files_serve_every_command() {
     let folder = folder();
     for line in
         ["fit armax --out armax.json", "fit tf --zeros 1 --poles 2 --out tf.json", "fit ss --order 2 --out ss.json"]
@@ -99,7 +99,7 @@ fn model_files_serve_every_command() {
 }
 
 #[test]
-fn simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
+fn exact_simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
     let folder = folder();
     fitted(&folder, "fit armax --out armax.json");
     for line in [
@@ -120,7 +120,7 @@ fn simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
 }
 
 #[test]
-fn a_demand_alone_can_be_simulated() {
+fn exact_a_demand_alone_can_be_simulated() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 1 --poles 2 --out m.json");
     let rows: String = (0..200).map(|t| format!("{},{}\n", 0.1 * t as f64, if t < 20 { 3.0 } else { 4.0 })).collect();
@@ -134,7 +134,7 @@ fn a_demand_alone_can_be_simulated() {
 }
 
 #[test]
-fn data_are_explored() {
+fn exact_data_are_explored() {
     let folder = folder();
     let delay = run(&folder, "data delay run.csv -u valve -y speed --json").json();
     assert_eq!(delay["arx"]["samples"][0], 1);
@@ -200,7 +200,7 @@ fn regress_edited_model_files_are_refused() {
 }
 
 #[test]
-fn plots_are_written_in_every_kind() {
+fn snap_plots_are_written_in_every_kind() {
     let folder = folder();
     for (file, start) in
         [("a.html", "<!DOCTYPE html>"), ("a.svg", "<svg"), ("a.pdf", "%PDF-1.7"), ("a.png", "\u{fffd}PNG")]

@@ -24,7 +24,7 @@ fn snap_init_proposes_a_bench_file_that_studies_once_filled_in() {
 }
 
 #[test]
-fn an_existing_bench_file_is_kept_unless_forced() {
+fn regress_an_existing_bench_file_is_kept_unless_forced() {
     let campaign = Campaign::whole();
     let before = campaign.read("bench.toml");
     campaign.run(&["init", "recordings"]).assert_refused(4, &["bench.toml", "--force"]);
@@ -70,7 +70,7 @@ fn regress_an_update_that_cannot_be_placed_is_refused() {
 }
 
 #[test]
-fn files_and_folders_are_listed_relative_to_the_bench_file() {
+fn exact_files_and_folders_are_listed_relative_to_the_bench_file() {
     let campaign = Campaign::empty().with("[1] BS_T_NT.mf4", &bs()).with("second.MF4", &white_noise());
     std::fs::create_dir(campaign.path("benches")).unwrap();
     let arguments =
@@ -88,14 +88,14 @@ fn files_and_folders_are_listed_relative_to_the_bench_file() {
 }
 
 #[test]
-fn the_folder_of_the_recordings_itself_can_hold_the_bench_file() {
+fn exact_the_folder_of_the_recordings_itself_can_hold_the_bench_file() {
     let campaign = Campaign::whole();
     assert_eq!(campaign.run(&["init", "recordings", "--out", "recordings/bench.toml"]).code, Some(0));
     assert!(campaign.read("recordings/bench.toml").contains("files = [\"*.mf4\"]"));
 }
 
 #[test]
-fn nothing_readable() {
+fn regress_nothing_readable() {
     let campaign = Campaign::empty();
     campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["this folder has no recordings"]);
     campaign.write("recordings/BS_T_NT.mf4", b"not a measurement");

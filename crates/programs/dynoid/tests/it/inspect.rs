@@ -32,7 +32,7 @@ fn snap_inspect() {
 }
 
 #[test]
-fn json_holds_what_was_recorded() {
+fn exact_json_holds_what_was_recorded() {
     let mut recording = short();
     channel(&mut recording, "DynoTorqueCalc").samples[10] = f64::NAN;
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &recording);
@@ -51,7 +51,7 @@ fn json_holds_what_was_recorded() {
 
 /// A raster whose stamps count 200 µs too much each second, told by the speed that is on both.
 #[test]
-fn clocks_that_run_apart_are_said_with_what_to_do() {
+fn regress_clocks_that_run_apart_are_said_with_what_to_do() {
     let rate = 2e-4;
     let mut recording = bs();
     let raster = channel(&mut recording, "EngineSpeed").raster;
@@ -90,7 +90,7 @@ fn clocks_that_run_apart_are_said_with_what_to_do() {
 }
 
 #[test]
-fn a_clock_that_falls_is_said_to_go_back() {
+fn regress_a_clock_that_falls_is_said_to_go_back() {
     let mut recording = short();
     recording.rasters.iter_mut().for_each(|raster| raster.time_s.reverse());
     let campaign = Campaign::empty().with("back.mf4", &recording);
@@ -99,7 +99,7 @@ fn a_clock_that_falls_is_said_to_go_back() {
 }
 
 #[test]
-fn the_readable_files_are_shown_although_one_is_not() {
+fn regress_the_readable_files_are_shown_although_one_is_not() {
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &short());
     campaign.write("recordings/A.mf4", b"MDF     4.10    ");
     let ran = campaign.run(&["inspect", "recordings"]);
@@ -109,7 +109,7 @@ fn the_readable_files_are_shown_although_one_is_not() {
 }
 
 #[test]
-fn nothing_to_inspect() {
+fn regress_nothing_to_inspect() {
     let campaign = Campaign::empty();
     campaign.run(&["inspect", "nowhere.mf4"]).assert_refused(3, &["nowhere.mf4", "no such file"]);
     campaign.run(&["inspect", "recordings"]).assert_refused(3, &["recordings", "this folder has no recordings"]);

@@ -49,7 +49,7 @@ fn with_models() -> TempDir {
 }
 
 #[test]
-fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
+fn snap_poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
     let folder = with_models();
     let text = said(&folder, "model poles ss.json");
     assert_eq!(text.matches("natural frequency").count(), 3, "poles, and the zeros of two ways: {text}");
@@ -68,7 +68,7 @@ fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
 }
 
 #[test]
-fn responses_are_summed_up_and_shown_whole_only_on_request() {
+fn snap_responses_are_summed_up_and_shown_whole_only_on_request() {
     let folder = with_models();
     let bode = said(&folder, "model bode oe.json");
     for word in ["gain at rest", "rpm/Nm", "resonance", "95 % interval"] {
@@ -91,7 +91,7 @@ fn responses_are_summed_up_and_shown_whole_only_on_request() {
 }
 
 #[test]
-fn figures_keep_the_names_of_files_and_channels() {
+fn snap_figures_keep_the_names_of_files_and_channels() {
     let folder = with_models();
     said(&folder, "model compare ss.json --on T_TN.csv --plot c.svg");
     let text = std::fs::read_to_string(folder.path().join("c.svg")).unwrap();
@@ -102,7 +102,7 @@ fn figures_keep_the_names_of_files_and_channels() {
 }
 
 #[test]
-fn a_spectrum_has_the_peaks_that_are_in_it() {
+fn exact_a_spectrum_has_the_peaks_that_are_in_it() {
     let folder = folder();
     let power = &run(&folder, "data spectrum T_TN.csv -y N_one --json").json()[0];
     let at: Vec<f64> = power["peaks"].as_array().unwrap().iter().map(|p| p["frequency_hz"].as_f64().unwrap()).collect();
@@ -114,7 +114,7 @@ fn a_spectrum_has_the_peaks_that_are_in_it() {
 }
 
 #[test]
-fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
+fn exact_a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
     let folder = folder();
     let text = std::fs::read_to_string(folder.path().join("T_TN.csv")).unwrap();
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -128,7 +128,7 @@ fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
 }
 
 #[test]
-fn an_order_at_the_end_of_the_scan_is_said() {
+fn regress_an_order_at_the_end_of_the_scan_is_said() {
     let folder = folder();
     let text = said(&folder, "data order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");
     assert!(text.contains("try --na 1:4") && text.contains("try --nk 1:5"), "{text}");
@@ -139,7 +139,7 @@ fn an_order_at_the_end_of_the_scan_is_said() {
 }
 
 #[test]
-fn a_delay_before_a_resonance_is_separated_from_its_lag() {
+fn exact_a_delay_before_a_resonance_is_separated_from_its_lag() {
     let folder = folder();
     let delay = run(&folder, "data delay T_TN.csv -u u -y two --between held --json").json();
     // Three samples, one of which is that of the hold.
@@ -156,7 +156,7 @@ fn a_delay_before_a_resonance_is_separated_from_its_lag() {
 }
 
 #[test]
-fn residual_tests_say_what_they_found() {
+fn snap_residual_tests_say_what_they_found() {
     let folder = with_models();
     let text = said(&folder, "model residuals ss.json --on T_TN.csv");
     assert!(!text.contains("p 0.000") && text.contains("p < 0.001"), "{text}");

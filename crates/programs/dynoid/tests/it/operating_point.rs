@@ -24,7 +24,7 @@ fn fit_percent(folder: &TempDir, line: &str) -> (f64, String) {
 }
 
 #[test]
-fn another_operating_point_is_separated_from_a_bad_model() {
+fn exact_another_operating_point_is_separated_from_a_bad_model() {
     let folder = folder();
     shifted(&folder);
     let result = fitted(&folder, "fit oe --out model.json");
@@ -43,7 +43,7 @@ fn another_operating_point_is_separated_from_a_bad_model() {
 }
 
 #[test]
-fn a_simulation_does_not_look_at_the_output() {
+fn exact_a_simulation_does_not_look_at_the_output() {
     let folder = folder();
     fitted(&folder, "fit oe --out model.json");
     let text = std::fs::read_to_string(folder.path().join("unseen.csv")).unwrap();

@@ -6,7 +6,7 @@ use rig::experiment::ExperimentPlan;
 use crate::support::{BENCH, Campaign, bs, dynoid, simulated};
 
 #[test]
-fn report_and_data_lie_beside_the_bench_file() {
+fn exact_report_and_data_lie_beside_the_bench_file() {
     let campaign = Campaign::whole();
     let ran = campaign.run(&["study", "bench.toml"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
@@ -20,7 +20,7 @@ fn report_and_data_lie_beside_the_bench_file() {
 }
 
 #[test]
-fn reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
+fn exact_reports_for_paper_lie_beside_the_others_with_the_logo_of_the_bench_file() {
     let campaign = Campaign::whole();
     let report = "\n[report]\nauthor = \"A. Meyer\"\ncustomer = \"試験社\"\nlogo = \"logo.svg\"\n";
     std::fs::write(campaign.path("bench.toml"), campaign.read("bench.toml") + report).unwrap();
@@ -133,7 +133,7 @@ fn regress_a_file_that_is_no_bench_model_is_not_replaced_and_an_old_model_does_n
 }
 
 #[test]
-fn the_working_directory_does_not_matter() {
+fn exact_the_working_directory_does_not_matter() {
     let campaign = Campaign::whole();
     let bench = campaign.path("bench.toml");
     let elsewhere = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn the_working_directory_does_not_matter() {
 }
 
 #[test]
-fn existing_results_are_kept_when_a_run_fails() {
+fn regress_existing_results_are_kept_when_a_run_fails() {
     let campaign = Campaign::whole();
     campaign.run(&["study", "bench.toml", "--quiet"]);
     let before = [campaign.read("study/report.html"), campaign.read("study/study.json")];
@@ -159,7 +159,7 @@ fn existing_results_are_kept_when_a_run_fails() {
 }
 
 #[test]
-fn results_are_written_all_or_none() {
+fn regress_results_are_written_all_or_none() {
     let campaign = Campaign::whole();
     std::fs::create_dir_all(campaign.path("study/report.html")).unwrap();
     let old = "{\"format\": \"dynoid-study\"}";
@@ -170,7 +170,7 @@ fn results_are_written_all_or_none() {
 }
 
 #[test]
-fn other_files_beside_the_results_are_left_alone() {
+fn regress_other_files_beside_the_results_are_left_alone() {
     let campaign = Campaign::whole();
     std::fs::create_dir(campaign.path("study")).unwrap();
     campaign.write("study/notes.txt", b"mine");
@@ -180,7 +180,7 @@ fn other_files_beside_the_results_are_left_alone() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_named() {
+fn regress_a_place_that_cannot_be_written_is_named() {
     let campaign = Campaign::whole();
     let run = |out| campaign.run(&["study", "bench.toml", "--out", out]);
     run("bench.toml").assert_refused(4, &["bench.toml", "a file of this name", "--out"]);
@@ -190,7 +190,7 @@ fn a_place_that_cannot_be_written_is_named() {
 }
 
 #[test]
-fn a_file_listed_twice_is_read_once() {
+fn regress_a_file_listed_twice_is_read_once() {
     let campaign = Campaign::whole();
     let twice = r#"files = ["recordings/*.mf4", "recordings/BS_T_NT_1200.mf4", "./recordings"]"#;
     campaign.write("bench.toml", BENCH.replace(r#"files = ["recordings/*.mf4"]"#, twice).as_bytes());
@@ -199,7 +199,7 @@ fn a_file_listed_twice_is_read_once() {
 }
 
 #[test]
-fn a_folder_named_like_a_pattern_is_found() {
+fn regress_a_folder_named_like_a_pattern_is_found() {
     let campaign = Campaign::empty();
     std::fs::create_dir(campaign.path("cell [4]")).unwrap();
     std::fs::create_dir(campaign.path("cell [4]/recordings")).unwrap();
@@ -211,7 +211,7 @@ fn a_folder_named_like_a_pattern_is_found() {
 }
 
 #[test]
-fn a_study_states_whose_report_it_is_and_of_which_day() {
+fn snap_a_study_states_whose_report_it_is_and_of_which_day() {
     let campaign = Campaign::whole();
     let bench = campaign.read("bench.toml");
     campaign.write("bench.toml", format!("{bench}\n[report]\ntitle = \"Cell 4\"\ntest_id = \"T-17\"\n").as_bytes());
@@ -225,7 +225,7 @@ fn a_study_states_whose_report_it_is_and_of_which_day() {
 }
 
 #[test]
-fn json_may_stand_anywhere_on_the_line() {
+fn exact_json_may_stand_anywhere_on_the_line() {
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
     let behind = campaign.run(&["inspect", "recordings", "--json"]);
     for line in [["--json", "inspect", "recordings"], ["inspect", "--json", "recordings"]] {
@@ -235,7 +235,7 @@ fn json_may_stand_anywhere_on_the_line() {
 }
 
 #[test]
-fn a_value_that_is_not_filled_in_gets_an_example_of_its_own() {
+fn regress_a_value_that_is_not_filled_in_gets_an_example_of_its_own() {
     let campaign = Campaign::empty();
     let empty =
         |text: &str| text.replace("cylinders = 4", "cylinders = \"FILL IN\"").replace("\"0.28 kg m²\"", "\"FILL IN\"");

@@ -6,7 +6,7 @@ use std::process::Stdio;
 use crate::support::{Campaign, bs, command};
 
 #[test]
-fn a_pipe_gets_no_escape_codes() {
+fn snap_a_pipe_gets_no_escape_codes() {
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
     let ran = campaign.run(&["inspect", "recordings/BS_T_NT_1200.mf4"]);
     assert_eq!(ran.code, Some(0));
@@ -16,7 +16,7 @@ fn a_pipe_gets_no_escape_codes() {
 }
 
 #[test]
-fn colour_can_be_asked_for() {
+fn snap_colour_can_be_asked_for() {
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
     let ran = campaign.run(&["inspect", "--color", "always", "recordings/BS_T_NT_1200.mf4"]);
     assert!(ran.stdout.contains("\u{1b}[1m"));
@@ -25,7 +25,7 @@ fn colour_can_be_asked_for() {
 }
 
 #[test]
-fn escape_codes_in_a_recording_do_not_reach_the_terminal() {
+fn regress_escape_codes_in_a_recording_do_not_reach_the_terminal() {
     let mut recording = bs();
     recording.channels[0].name = "Speed\u{1b}[2J\u{7}".to_owned();
     recording.comment = Some("harmless\u{1b}]0;title\u{7}".to_owned());
@@ -36,7 +36,7 @@ fn escape_codes_in_a_recording_do_not_reach_the_terminal() {
 }
 
 #[test]
-fn quiet_leaves_standard_output_empty() {
+fn snap_quiet_leaves_standard_output_empty() {
     let campaign = Campaign::whole();
     let ran = campaign.run(&["study", "bench.toml", "--quiet"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
@@ -45,7 +45,7 @@ fn quiet_leaves_standard_output_empty() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_fault() {
+fn regress_a_reader_that_goes_away_is_no_fault() {
     let campaign = Campaign::empty();
     let names: Vec<String> = (0..40).map(|i| format!("BS_T_NT_{i}.csv")).collect();
     for name in &names {

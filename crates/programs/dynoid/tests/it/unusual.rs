@@ -11,7 +11,7 @@ fn said(folder: &TempDir, line: &str) -> String {
 }
 
 #[test]
-fn a_time_series_is_shown_from_its_noise() {
+fn exact_a_time_series_is_shown_from_its_noise() {
     let folder = folder();
     let fit = said(&folder, "fit armax run.csv -y speed --na 2 --nc 1 --out series.json");
     assert!(fit.contains("ARMA na 2 nc 1: e → speed"), "{fit}");
@@ -35,7 +35,7 @@ fn a_time_series_is_shown_from_its_noise() {
 }
 
 #[test]
-fn a_model_that_runs_away_is_said_to() {
+fn regress_a_model_that_runs_away_is_said_to() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");
     let path = folder.path().join("model.json");
@@ -54,7 +54,7 @@ fn a_model_that_runs_away_is_said_to() {
 }
 
 #[test]
-fn data_that_tell_nothing_are_refused_by_name() {
+fn regress_data_that_tell_nothing_are_refused_by_name() {
     let folder = folder();
     let write = |name: &str, row: &dyn Fn(f64) -> [f64; 2]| {
         let line = |t: u32| format!("{},{},{}\n", 0.1 * f64::from(t), row(f64::from(t))[0], row(f64::from(t))[1]);
@@ -78,7 +78,7 @@ fn data_that_tell_nothing_are_refused_by_name() {
 }
 
 #[test]
-fn delays_longer_than_the_data_are_refused_with_their_unit() {
+fn regress_delays_longer_than_the_data_are_refused_with_their_unit() {
     let folder = folder();
     let refused =
         |line: &str, words: &[&str]| run(&folder, &format!("{line} -u valve -y speed")).assert_refused(2, words);
@@ -88,7 +88,7 @@ fn delays_longer_than_the_data_are_refused_with_their_unit() {
 }
 
 #[test]
-fn predictions_beyond_the_data_are_called_simulations() {
+fn regress_predictions_beyond_the_data_are_called_simulations() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");
     for command in ["model predict", "model compare"] {
@@ -100,7 +100,7 @@ fn predictions_beyond_the_data_are_called_simulations() {
 }
 
 #[test]
-fn places_that_cannot_be_written_are_found_before_any_work() {
+fn regress_places_that_cannot_be_written_are_found_before_any_work() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");
     for command in
@@ -116,7 +116,7 @@ fn places_that_cannot_be_written_are_found_before_any_work() {
 }
 
 #[test]
-fn a_parameter_of_a_process_model_can_be_held() {
+fn exact_a_parameter_of_a_process_model_can_be_held() {
     let folder = folder();
     let held = fitted(&folder, "fit process --structure P2ZU --hold K=7");
     assert_eq!(held["model"]["model"]["value"]["channels"][0]["gain"], 7.0);
@@ -126,7 +126,7 @@ fn a_parameter_of_a_process_model_can_be_held() {
 }
 
 #[test]
-fn a_parameter_of_a_process_model_can_be_bounded() {
+fn exact_a_parameter_of_a_process_model_can_be_bounded() {
     let folder = folder();
     let free = fitted(&folder, "fit process --structure P1");
     let lag = free["model"]["estimate"]["parameters"][1].as_f64().unwrap();
@@ -168,7 +168,7 @@ fn regress_data_without_noise_have_intervals_without_width() {
 }
 
 #[test]
-fn numbers_that_are_none_are_refused_with_what_is_wanted() {
+fn regress_numbers_that_are_none_are_refused_with_what_is_wanted() {
     let folder = folder();
     for (line, words) in [
         ("convert run.csv --out c.csv --rate -5", ["--rate", "above 0"]),
@@ -187,7 +187,7 @@ fn numbers_that_are_none_are_refused_with_what_is_wanted() {
 }
 
 #[test]
-fn model_files_are_separated_from_recordings_and_by_their_version() {
+fn regress_model_files_are_separated_from_recordings_and_by_their_version() {
     let folder = folder();
     run(&folder, "fit arx run.csv -u valve -y speed --out m.json");
     for line in ["inspect m.json", "inspect m.json --list", "fit arx m.json -u valve -y speed"] {
@@ -204,7 +204,7 @@ fn model_files_are_separated_from_recordings_and_by_their_version() {
 }
 
 #[test]
-fn a_transfer_function_that_integrates_is_fitted_from_where_it_stood() {
+fn exact_a_transfer_function_that_integrates_is_fitted_from_where_it_stood() {
     let folder = TempDir::new().unwrap();
     let mut random = signal::excitation::Random::new(5);
     // 2/(s (0.5 s + 1)) from rest, on a level of 7; every value of the input is held for a tenth of a second.
@@ -234,7 +234,7 @@ fn a_transfer_function_that_integrates_is_fitted_from_where_it_stood() {
 
 #[cfg(unix)]
 #[test]
-fn a_device_is_refused_as_a_recording() {
+fn regress_a_device_is_refused_as_a_recording() {
     let folder = folder();
     for command in ["inspect /dev/zero", "inspect /dev/null --list", "convert /dev/zero --out a.csv"] {
         run(&folder, command).assert_refused(3, &["pipe or a device", "save it to a file"]);
@@ -246,7 +246,7 @@ fn a_device_is_refused_as_a_recording() {
 }
 
 #[test]
-fn edges_of_a_band_are_refused_in_words() {
+fn regress_edges_of_a_band_are_refused_in_words() {
     let folder = folder();
     for band in ["0,15", "15,5"] {
         let command = format!("fit oe run.csv -u valve -y speed --nb 1 --nf 1 --band {band}");

@@ -86,18 +86,18 @@ fn check_all(columns: usize, is_run: impl Fn(&str) -> bool) {
 }
 
 #[test]
-fn no_line_of_a_result_or_a_message_is_wider_than_the_narrowest_terminal() {
+fn snap_no_line_of_a_result_or_a_message_is_wider_than_the_narrowest_terminal() {
     check_all(WIDTHS[0], |line| !SLOW.iter().any(|slow| line.starts_with(slow)));
 }
 
 #[test]
 #[ignore = "slow"]
-fn no_line_of_any_command_is_wider_than_any_terminal() {
+fn snap_no_line_of_any_command_is_wider_than_any_terminal() {
     WIDTHS.iter().for_each(|columns| check_all(*columns, |_| true));
 }
 
 #[test]
-fn no_line_of_a_help_page_is_wider_than_the_terminal() {
+fn snap_no_line_of_a_help_page_is_wider_than_the_terminal() {
     let campaign = Campaign::empty();
     for columns in WIDTHS {
         for command in commands() {

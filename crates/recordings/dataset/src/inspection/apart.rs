@@ -48,7 +48,7 @@ pub(super) fn check(recording: &Recording) -> BTreeMap<usize, Apart> {
     let shortest = clocks.iter().min_by(|a, b| a.1.sample_time_s.total_cmp(&b.1.sample_time_s));
     let Some(&(reference, fast)) = shortest else { return BTreeMap::new() };
     let others = clocks.iter().filter(|(index, _)| *index != reference);
-    others.filter_map(|&(index, clock)| Some((index, apart(recording, (reference, fast), (index, clock))?))).collect()
+    others.filter_map(|&(index, clock)| Some((index, apart(recording, reference, fast, index, clock)?))).collect()
 }
 
 /// A clock that is even enough to compare signals on it.
@@ -84,7 +84,7 @@ impl Clock {
     }
 }
 
-fn apart(recording: &Recording, (reference, fast): (usize, Clock), (own, clock): (usize, Clock)) -> Option<Apart> {
+fn apart(recording: &Recording, reference: usize, fast: Clock, own: usize, clock: Clock) -> Option<Apart> {
     let pairs = pairs(recording, reference, own);
     let drifts = pairs.into_iter().filter_map(|(there, here)| {
         let drift = relative_drift(fast.signal(there)?, clock.signal(here)?).ok()?;

@@ -9,9 +9,6 @@ use crate::pages::Pages;
 use crate::text::latin1;
 use crate::{MdfError, Source};
 
-/// Bytes of blocks that may be read beyond four times the file: blocks are read about once.
-const SPARE: u64 = 1 << 26;
-
 /// A block from its identifier to its end, numbers in the byte order of the file.
 #[derive(Debug)]
 pub(super) struct Block {
@@ -70,7 +67,7 @@ pub(super) struct Walk<'a, S: ?Sized> {
 
 impl<'a, S: Source + ?Sized> Walk<'a, S> {
     pub(super) fn new(pages: Pages<'a, S>, big_endian: bool) -> Self {
-        let budget = pages.length.saturating_mul(4).saturating_add(SPARE);
+        let budget = pages.most_read();
         Self { pages, big_endian, seen: HashSet::new(), texts: HashMap::new(), budget }
     }
 

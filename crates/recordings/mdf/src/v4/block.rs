@@ -13,9 +13,6 @@ use crate::{MdfError, Source};
 /// Size of a block's header: identifier, length, number of links.
 pub(super) const HEADER: u64 = 24;
 
-/// Bytes of blocks that may be read beyond four times the file: blocks are read about once.
-const SPARE: u64 = 1 << 26;
-
 /// A block: its links and what follows them.
 #[derive(Debug)]
 pub(super) struct Block {
@@ -54,7 +51,7 @@ pub(super) struct Walk<'a, S: ?Sized> {
 
 impl<'a, S: Source + ?Sized> Walk<'a, S> {
     pub(super) fn new(pages: Pages<'a, S>) -> Self {
-        let budget = pages.length.saturating_mul(4).saturating_add(SPARE);
+        let budget = pages.most_read();
         Self {
             pages,
             seen: HashSet::new(),

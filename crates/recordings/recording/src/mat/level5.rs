@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::listed;
 use super::objects::{self, Objects};
 use super::scope::{element, joined};
-use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::value::{MAX_DEPTH, MAX_NUMBERS, MAX_PARTS, MAX_TEXT, Struct, Value, text_rows};
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
 use crate::error::of_content;
@@ -21,15 +21,10 @@ use work::Context;
 
 /// Bytes before the first element.
 pub(super) const HEADER: usize = 128;
-/// The most structs and cells within each other.
-const MAX_DEPTH: usize = 20;
-/// The most cells, fields and lines of text in a file.
-const MAX_PARTS: usize = 1 << 18;
 /// The longest name; MATLAB's limit is 63.
 const MAX_NAME: usize = 128;
 
-/// The most numbers of a file, and of each byte of a larger file: as many as doubles can be deflated.
-const MAX_NUMBERS: usize = 1 << 26;
+/// The most numbers of each byte of a larger file: as many as doubles can be deflated.
 const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
 
 /// The most numbers in the list of a file, which holds texts.
@@ -126,7 +121,7 @@ fn listed(
 
 /// The name of a struct.
 fn name_of(place: &Place, source: &Shared, big: bool) -> Option<String> {
-    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big).ok()?;
+    let mut content = Content::open(place.kind, source, place.at + 8, place.size, big).ok()?;
     let (_, flags) = content.next().ok()?;
     let is_struct = flags.len() == 8 && uint4(&flags, big) & 0xFF == 2;
     dimensions(&mut content).ok().filter(|_| is_struct)?;
@@ -145,7 +140,7 @@ fn variable(
     budget: &mut Budget,
     wanted: &Wanted<'_>,
 ) -> Result<Option<(String, Value)>, String> {
-    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+    let mut content = Content::open(place.kind, source, place.at + 8, place.size, big)?;
     let mut parser = Parser { content: &mut content, budget, wanted };
     match parser.matrix(None, 0) {
         Ok((name, value)) => {
@@ -374,7 +369,7 @@ struct Hidden {
 
 impl Hidden {
     fn open(place: &Place, source: &Shared, big: bool, budget: &Budget) -> Result<Self, String> {
-        let outer = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+        let outer = Content::open(place.kind, source, place.at + 8, place.size, big)?;
         if outer.left() / size_of::<f64>() > budget.numbers {
             return Err("it is larger than the size of the file makes plausible".into());
         }

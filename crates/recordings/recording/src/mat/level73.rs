@@ -9,19 +9,14 @@ use hdf5_pure::{
 use super::listed;
 use super::objects::{self, Objects};
 use super::scope::joined;
-use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::value::{MAX_DEPTH, MAX_NUMBERS, MAX_PARTS, MAX_TEXT, Struct, Value, text_rows};
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
 use crate::RecordingError;
 use crate::error::{guarded, of_content};
 use crate::source::{self, Shared};
 
-/// The most structs and cells within each other.
-const MAX_DEPTH: usize = 20;
-/// The most variables, cells and fields of a file.
-const MAX_PARTS: usize = 1 << 18;
-/// The most numbers of a file, and of each byte of a larger file: as many as doubles can be deflated.
-const MAX_NUMBERS: usize = 1 << 26;
+/// The most numbers of each byte of a larger file: as many as doubles can be deflated.
 const MAX_PER_BYTE: usize = 1032 / 8;
 
 /// Numbers read at once.

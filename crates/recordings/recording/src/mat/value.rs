@@ -191,6 +191,12 @@ pub(super) fn object_reason(class: &str) -> SkipReason {
     SkipReason::Unsupported { detail }
 }
 
+/// The most structs and cells within each other.
+pub(super) const MAX_DEPTH: usize = 20;
+/// The most variables, cells, fields and lines of text in a file.
+pub(super) const MAX_PARTS: usize = 1 << 18;
+/// The most numbers of a file.
+pub(super) const MAX_NUMBERS: usize = 1 << 26;
 /// The most characters of text that are kept; longer text is no name, unit or comment.
 pub(super) const MAX_TEXT: usize = 1 << 16;
 

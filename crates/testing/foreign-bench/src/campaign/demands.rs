@@ -1,12 +1,9 @@
 //! Demands in the experiments of a campaign.
 
-use std::f64::consts::TAU;
-
+use crate::bench::RPM;
 use crate::demand::{Demand, Mode};
 use crate::random::Random;
 
-/// One revolution a minute, rad/s.
-const RPM: f64 = TAU / 60.0;
 /// Torque of the engine, Nm.
 const TORQUE_NM: f64 = 60.0;
 /// Torque demands of the automation system hold so long, ms.

@@ -1,15 +1,11 @@
 //! A run as a recording.
 
-use std::f64::consts::TAU;
-
 use recording::{Channel, Format, Raster, Recording};
 
 use crate::bench::Bench;
+use crate::bench::RPM;
 use crate::demand::Demand;
 use crate::run::Run;
-
-/// One revolution a minute, rad/s.
-const RPM: f64 = TAU / 60.0;
 
 /// Roles of a bench file and the names of their channels.
 pub const NAMES: [(&str, &str); 6] = [

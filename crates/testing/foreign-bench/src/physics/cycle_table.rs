@@ -16,10 +16,14 @@ pub(super) const CYCLE_RAD: f64 = 2.0 * TAU;
 const POINTS: usize = 2880;
 /// n, exponent of compression and expansion.
 const POLYTROPIC: f64 = 1.32;
-/// Exponent and factor of Wiebe's function; 99.9 % are burnt at its end.
-const WIEBE: (i32, f64) = (3, 6.908);
-/// The exhaust valve opens, and the pressure has fallen, rad.
-const EXHAUST_RAD: (f64, f64) = (3.0 * PI - 0.7, 3.0 * PI + 0.2);
+/// Exponent of Wiebe's function.
+const WIEBE_EXPONENT: i32 = 3;
+/// Factor of Wiebe's function: 99.9 % are burnt at its end.
+const WIEBE_FACTOR: f64 = 6.908;
+/// The exhaust valve opens, rad.
+const EXHAUST_OPENS_RAD: f64 = 3.0 * PI - 0.7;
+/// The pressure has fallen, rad.
+const EXHAUST_FALLEN_RAD: f64 = 3.0 * PI + 0.2;
 
 /// Terms of a cylinder at one angle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -100,13 +104,12 @@ fn point(engine: &bench::Engine, angle_rad: f64) -> Point {
 
 /// Share of the pressure of the charge: 1 up to where the exhaust opens, 0 after it.
 fn shut(angle_rad: f64) -> f64 {
-    let (opens, falls) = EXHAUST_RAD;
-    let share = ((angle_rad - opens) / (falls - opens)).clamp(0.0, 1.0);
+    let share = ((angle_rad - EXHAUST_OPENS_RAD) / (EXHAUST_FALLEN_RAD - EXHAUST_OPENS_RAD)).clamp(0.0, 1.0);
     0.5 * (1.0 + (PI * share).cos())
 }
 
 /// x = 1 − e^{−a y^m}, y from ignition to the end of combustion.
 fn burnt(engine: &bench::Engine, angle_rad: f64) -> f64 {
     let since = (angle_rad - (TAU - engine.ignition_rad)) / engine.burn_rad;
-    1.0 - (-WIEBE.1 * since.max(0.0).powi(WIEBE.0)).exp()
+    1.0 - (-WIEBE_FACTOR * since.max(0.0).powi(WIEBE_EXPONENT)).exp()
 }

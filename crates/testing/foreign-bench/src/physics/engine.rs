@@ -1,6 +1,7 @@
 //! The engine: cylinders that take up charge and ignition one after the other.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use super::cycle_table::{CYCLE_RAD, CycleTable};
 use crate::bench;
@@ -9,7 +10,7 @@ use crate::random::Random;
 /// Pressure of the surroundings, Pa.
 const AMBIENT_PA: f64 = 1.0e5;
 /// Lowest and highest pressure of the charge, Pa.
-const CHARGE_PA: (f64, f64) = (2.5e4, 3.0e5);
+const CHARGE_PA: RangeInclusive<f64> = 2.5e4..=3.0e5;
 
 /// Torque and inertia of the engine at an angle and a speed.
 #[derive(Debug, Clone, Copy)]
@@ -44,12 +45,7 @@ pub(crate) struct Engine {
 
 impl Engine {
     /// At rest at a torque, with a charge for another.
-    pub(crate) fn new(
-        parameters: &bench::Engine,
-        (level_nm, air_nm): (f64, f64),
-        angle_rad: f64,
-        random: Random,
-    ) -> Self {
+    pub(crate) fn new(parameters: &bench::Engine, level_nm: f64, air_nm: f64, angle_rad: f64, random: Random) -> Self {
         let table = CycleTable::of(parameters);
         let count = parameters.cylinders.len();
         let cylinder = |(place, share): (usize, &f64)| {
@@ -121,7 +117,7 @@ impl Engine {
         let mean = &self.table.mean;
         let wanted_nm = (self.air_nm + self.parameters.friction_nm) / self.cylinders.len() as f64;
         let per_pa_m3 = mean.charge_m3 + self.parameters.pressure_rise * mean.burn_m3;
-        ((wanted_nm - AMBIENT_PA * mean.ambient_m3) / per_pa_m3).clamp(CHARGE_PA.0, CHARGE_PA.1)
+        ((wanted_nm - AMBIENT_PA * mean.ambient_m3) / per_pa_m3).clamp(*CHARGE_PA.start(), *CHARGE_PA.end())
     }
 
     /// The pressure rise with which a cycle of a cylinder gives its part of the torque; never below zero.

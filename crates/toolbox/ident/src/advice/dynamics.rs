@@ -96,7 +96,7 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
     let threshold_own = chi_squared_quantile(LEVEL, past as f64);
     let length = (rows / data.experiments().len().max(1)).min(LONGEST);
     let channel = |k: usize| {
-        let response = |c: &LinearFit, horizon| step_response(&c.parameters, past, (k, first_present), horizon);
+        let response = |c: &LinearFit, horizon| step_response(&c.parameters, past, k, first_present, horizon);
         let acts = explained(past * (k + 1)..past * (k + 2)) > threshold_own;
         ChannelDynamics {
             ahead: explained(first_ahead + k * ahead..first_ahead + (k + 1) * ahead),
@@ -118,8 +118,8 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
 /// # Source
 /// Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal systems*, J. Econometrics 21, 1983;
 /// Ljung 1999, (16.36) (the criterion).
-pub(super) fn matters_beside_longer_past(data: &Dataset, (input, output): (usize, usize), lags: &[isize]) -> bool {
-    let looks = std::iter::once(PAST).chain(LONGER).map_while(|past| Beside::new(data, (input, output), lags, past));
+pub(super) fn matters_beside_longer_past(data: &Dataset, input: usize, output: usize, lags: &[isize]) -> bool {
+    let looks = std::iter::once(PAST).chain(LONGER).map_while(|past| Beside::new(data, input, output, lags, past));
     let best = looks.min_by(|a, b| a.criterion.total_cmp(&b.criterion));
     best.is_some_and(|best| best.matters)
 }
@@ -136,7 +136,7 @@ struct Beside {
 
 impl Beside {
     /// None where the data are too few for so long a past.
-    fn new(data: &Dataset, (input, output): (usize, usize), lags: &[isize], past: usize) -> Option<Self> {
+    fn new(data: &Dataset, input: usize, output: usize, lags: &[isize], past: usize) -> Option<Self> {
         let inputs = data.inputs();
         let back = |signal: usize| Lagged::each(signal, 1..=past as isize);
         // The present of the others, and of this one where that is not what is asked for.
@@ -197,7 +197,7 @@ fn may_have_unit_root(regression: &LinearFit, past: usize) -> bool {
 }
 
 /// The first samples of the response to a step of an input, whose present value has its coefficient at `first_present`.
-fn step_response(parameters: &[f64], past: usize, (input, first_present): (usize, usize), horizon: usize) -> Vec<f64> {
+fn step_response(parameters: &[f64], past: usize, input: usize, first_present: usize, horizon: usize) -> Vec<f64> {
     let own = &parameters[..past];
     let from_input = &parameters[past * (input + 1)..past * (input + 2)];
     let direct = parameters[first_present + input];

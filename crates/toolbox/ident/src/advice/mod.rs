@@ -329,7 +329,7 @@ pub fn advise(data: &Dataset) -> Vec<Advice> {
     let means = Trend::estimate(&varying, TrendShape::Mean, TrendScope::PerExperiment);
     let Ok(centred) = means.and_then(|trend| trend.remove(&varying)) else { return found };
     let dependent = dependence_advice(&varying, &inputs, &mut found);
-    input_advice(&centred, (&inputs, &dependent), &mut found);
+    input_advice(&centred, &inputs, &dependent, &mut found);
     dynamics_advice(&centred, &inputs, &outputs, &mut found);
     found
 }
@@ -400,7 +400,7 @@ fn dependence_advice(varying: &Dataset, inputs: &[usize], found: &mut Vec<Advice
 }
 
 /// Adds the advice that the inputs give together, without those that depend on others.
-fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), found: &mut Vec<Advice>) {
+fn input_advice(centred: &Dataset, inputs: &[usize], dependent: &[usize], found: &mut Vec<Advice>) {
     let free: Vec<usize> = (0..inputs.len()).filter(|k| !dependent.contains(k)).collect();
     let outputs: Vec<usize> = (0..centred.outputs()).collect();
     if let Ok(free) = centred.channels(&free, &outputs)
@@ -444,7 +444,7 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
         for (k, (channel, input)) in channels.iter().zip(inputs).enumerate() {
             let (input, output) = (*input, *output);
             if channel.ahead > threshold_ahead {
-                if !repeats_exactly(centred, k) && matters_beside_longer_past(centred, (k, output), &TO_COME) {
+                if !repeats_exactly(centred, k) && matters_beside_longer_past(centred, k, output, &TO_COME) {
                     found.push(Advice::Feedback {
                         input,
                         output,
@@ -455,7 +455,7 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
                 // What the output does to the input reads like a response to it.
                 continue;
             }
-            if channel.present > threshold_present && matters_beside_longer_past(centred, (k, output), &[0]) {
+            if channel.present > threshold_present && matters_beside_longer_past(centred, k, output, &[0]) {
                 let (statistic, threshold) = (channel.present, threshold_present);
                 found.push(Advice::Feedthrough { input, output, statistic, threshold });
             }

@@ -4,13 +4,11 @@ use faer::Mat;
 use lti::{PolynomialEquation, PolynomialModel};
 
 use super::ArxOrders;
+use crate::condition::ILL_CONDITIONED;
 use crate::dense::spectral_radius;
 use crate::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};
 use crate::regression::{Regression, robust_covariance};
 use crate::{Doubt, Fit, IdentError, Termination};
-
-/// Condition number above which the parameters can hardly be separated.
-pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
 /// Assumption about the equation errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +65,8 @@ fn errors(factor: &Mat<f64>, equations: &[Equation], solutions: &[Solution], row
 pub(crate) fn polynomial_fit(
     orders: &ArxOrders,
     sample_time_s: f64,
-    (regression, factor): (&Regression<'_>, &Mat<f64>),
+    regression: &Regression<'_>,
+    factor: &Mat<f64>,
     equations: &[Equation],
     solved: &Solved,
 ) -> Result<Fit<PolynomialModel>, IdentError> {

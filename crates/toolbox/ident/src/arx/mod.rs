@@ -7,7 +7,7 @@ mod whitening;
 
 use lti::PolynomialModel;
 
-pub(crate) use estimate::{ILL_CONDITIONED, Noise, largest_pole, polynomial_fit, solve_equations};
+pub(crate) use estimate::{Noise, largest_pole, polynomial_fit, solve_equations};
 pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};
@@ -90,8 +90,7 @@ impl Arx {
         let (columns, equations) = layout(&self.orders);
         let regression = Regression::new(&signals, columns);
         let solved = solve_equations(&regression, &equations, self.noise)?;
-        let fit =
-            polynomial_fit(&self.orders, data.sample_time_s(), (&regression, &solved.factor), &equations, &solved)?;
+        let fit = polynomial_fit(&self.orders, data.sample_time_s(), &regression, &solved.factor, &equations, &solved)?;
         Ok(fit.doubting(data).made_by("least squares", data))
     }
 }

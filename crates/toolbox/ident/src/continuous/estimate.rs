@@ -154,7 +154,7 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
     // One that was given has been searched for.
     let is_long = starts.len() > 1 && records.iter().map(Record::rows).sum::<usize>() >= LONG;
     let begin = match is_long {
-        true => refined(data, records, (&starts[0], &tried[0]), bounds, settings),
+        true => refined(data, records, &starts[0], &tried[0], bounds, settings),
         false => tried[0].clone(),
     };
     let mut found = minimum_from(&mut problem, &begin, bounds, settings);
@@ -202,7 +202,8 @@ fn minimum_from<C: ContinuousChannel>(
 fn refined<C: ContinuousChannel>(
     data: &Dataset,
     records: &[Record<'_>],
-    (start, theta): (&ContinuousModel<C>, &[f64]),
+    start: &ContinuousModel<C>,
+    theta: &[f64],
     bounds: &[Bounds],
     settings: Settings,
 ) -> Vec<f64> {

@@ -17,7 +17,7 @@ use super::projection::Basis;
 use super::record::{Beginning, Record, records};
 use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich, no_less_than};
-use crate::dense::whitening;
+use crate::dense::{WEIGHT_FLOOR, whitening};
 use crate::{Bounds, IdentError, Minimum, ResidualModel, minimise};
 
 /// Rounds of weights.
@@ -25,10 +25,6 @@ const ROUNDS: usize = 20;
 
 /// Weights that change by less than this part have settled.
 const SETTLED: f64 = 1e-8;
-
-/// Errors smaller than this part of an output's own size get no more weight for being smaller, as in the search for
-/// state-space models.
-const WEIGHT_FLOOR: f64 = 1e-6;
 
 /// Outputs that share fewer than this part of their samples are estimated one by one: too little shows what their
 /// errors have in common.

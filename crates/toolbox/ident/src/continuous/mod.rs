@@ -199,7 +199,8 @@ impl ContinuousTransferFunction {
     pub(crate) fn fit_one(
         &self,
         data: &Dataset,
-        (output, beginning): (usize, Beginning),
+        output: usize,
+        beginning: Beginning,
         start: Option<&TransferFunctionModel>,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
         self.spread(data)?.search(&Ground::new(data, self.at_rest)?, output, beginning, start)
@@ -209,10 +210,11 @@ impl ContinuousTransferFunction {
     pub(crate) fn profile_one(
         &self,
         data: &Dataset,
-        (output, beginning): (usize, Beginning),
+        output: usize,
+        beginning: Beginning,
         start: &TransferFunctionModel,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
-        let found = self.fit_one(data, (output, beginning), Some(start))?;
+        let found = self.fit_one(data, output, beginning, Some(start))?;
         let ground = Ground::new(data, self.at_rest)?;
         Ok(profile::profiled(ground.plain, &records(&ground, output, beginning)?, found, self.settings()))
     }

@@ -62,7 +62,7 @@ pub(crate) fn begun<C: ContinuousChannel>(
         Err(error) => return all(unknown).map_err(|_| error),
     };
     for (output, part) in parts.iter().enumerate() {
-        if is_refuted(ground, output, part, (held, unknown), settings)? {
+        if is_refuted(ground, output, part, held, unknown, settings)? {
             return Ok(all(unknown).unwrap_or((Beginning { is_refuted: true, ..held }, parts)));
         }
     }
@@ -108,7 +108,8 @@ fn is_refuted<C: ContinuousChannel>(
     ground: &Ground<'_>,
     output: usize,
     part: &OutputFit<C>,
-    (held, unknown): (Beginning, Beginning),
+    held: Beginning,
+    unknown: Beginning,
     settings: Settings,
 ) -> Result<bool, IdentError> {
     let (all, later) = (records(ground, output, held)?, records(ground, output, unknown)?);

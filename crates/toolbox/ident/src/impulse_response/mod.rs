@@ -13,7 +13,8 @@ pub use response::{ImpulseFit, ResponseEstimate};
 
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
-use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
+use crate::arx::{ArxOrders, filter, layout, whitening_filter};
+use crate::condition::ILL_CONDITIONED;
 use crate::equation::{Equation, factor_of, noise_covariance};
 use crate::least_squares::solve_factor;
 use crate::regression::{Regression, Signals, outputs_then_inputs};

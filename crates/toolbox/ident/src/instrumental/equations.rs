@@ -61,7 +61,7 @@ impl<'a> Instrumented<'a> {
         let (columns, equations) = layout(self.orders);
         let plain = Regression::new(&plain_signals, columns);
         let factor = plain.factor();
-        let fit = polynomial_fit(self.orders, self.data.sample_time_s(), (&plain, &factor), &equations, &solved)?;
+        let fit = polynomial_fit(self.orders, self.data.sample_time_s(), &plain, &factor, &equations, &solved)?;
         Ok(fit.doubting(self.data).made_by("instrumental variables", self.data))
     }
 

@@ -191,7 +191,8 @@ impl<'a> Evaluator<'a> {
     pub(super) fn gradient(
         &mut self,
         theta: &[f64],
-        (index, first): (usize, usize),
+        index: usize,
+        first: usize,
         explained: &Mat<f64>,
         rows: &mut [f64],
         errors: &mut [f64],

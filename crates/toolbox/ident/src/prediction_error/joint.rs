@@ -283,7 +283,7 @@ impl<'s> Stream<'s> {
             let rows = &mut self.rows[(start - first) * n..(end - first) * n];
             let errors = &mut self.errors[start - first..end - first];
             let explained = &self.explained[self.segment];
-            self.evaluator.gradient(&self.stage.theta, (self.segment, self.at), explained, rows, errors);
+            self.evaluator.gradient(&self.stage.theta, self.segment, self.at, explained, rows, errors);
             self.at += end - start;
             if self.at == segment.len() {
                 (self.segment, self.at) = (self.segment + 1, 0);

@@ -183,7 +183,7 @@ impl<'a> Lines<'a> {
         self.y.now_mut(rows).copy_from_slice(&segment.output[first..first + rows]);
         let mut taken = orders.output_states();
         let of_state = |from: usize, count: usize| state.get(from..from + count).unwrap_or(&[]);
-        let inject = |rows: &mut [f64], state: &[f64], sign: f64| inject(rows, state, sign, (first, segment));
+        let inject = |rows: &mut [f64], state: &[f64], sign: f64| inject(rows, state, sign, first, segment);
         for k in 0..orders.inputs() {
             self.u[k].now_mut(rows).copy_from_slice(&segment.inputs[k][first..first + rows]);
             self.w[k].weigh(&self.u[k], p.b[k], orders.nk[k], rows);
@@ -294,7 +294,7 @@ impl<'a> Lines<'a> {
 
 /// Adds `sign · state` to the first rows of a segment, of which `rows` are those from `first` on, each through what
 /// became of an impulse there.
-fn inject(rows: &mut [f64], state: &[f64], sign: f64, (first, segment): (usize, &Segment<'_>)) {
+fn inject(rows: &mut [f64], state: &[f64], sign: f64, first: usize, segment: &Segment<'_>) {
     let Some(impulse) = &segment.impulse else {
         let part = state.get(first..).unwrap_or(&[]);
         return rows.iter_mut().zip(part).for_each(|(slot, x)| *slot += sign * x);

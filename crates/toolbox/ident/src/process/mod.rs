@@ -17,15 +17,18 @@ use crate::continuous::{ContinuousChannel, ProcessSystem, check_delays, first_sa
 use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
-/// Longest delay searched at first, in samples, and as a part of the record.
-const FIRST_DELAY: (f64, f64) = (30.0, 0.1);
+/// Longest delay searched at first, in samples, ...
+const FIRST_DELAY_SAMPLES: f64 = 30.0;
+/// ... and as a part of the record.
+const FIRST_DELAY_PART: f64 = 0.1;
 /// A delay that ends there is searched for over so many times as long ...
 const LONGER: f64 = 3.0;
 /// ... up to this part of the record.
 const LONGEST_DELAY: f64 = 1.0 / 3.0;
-/// Lags searched by default: the shortest in samples, the longest in lengths of the record. Beyond, a lag has no effect
-/// that the samples show, or is an integrator's.
-const LAGS: (f64, f64) = (0.01, 10.0);
+/// Shortest lag searched by default, in samples. A shorter one has no effect that the samples show.
+const SHORTEST_LAG_SAMPLES: f64 = 0.01;
+/// Longest lag searched by default, in lengths of the record. A longer one is an integrator.
+const LONGEST_LAG_RECORDS: f64 = 10.0;
 
 /// Estimates process models, gain, lags, zero and delay, by minimising the error of the simulated output:
 ///
@@ -173,7 +176,7 @@ impl ProcessFit {
     /// Two lags that come out equal are no error: no data separate those, and they are put a little apart.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let record = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
-        let mut longest = FIRST_DELAY.0.min((FIRST_DELAY.1 * record).floor());
+        let mut longest = FIRST_DELAY_SAMPLES.min((FIRST_DELAY_PART * record).floor());
         let ground = Ground::new(data, self.at_rest)?;
         let mut found = self.search_to(&ground, longest)?;
         while self.delay_s.is_none() && ends_at(&found.1, longest * data.sample_time_s()) {
@@ -212,7 +215,7 @@ impl ProcessFit {
         let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
         let delay_s =
             one_each("delays", self.delay_s.as_deref().unwrap_or(&[(0.0, longest_delay * t)]), data.inputs())?;
-        let lag_s = self.lag_s.unwrap_or((LAGS.0 * t, LAGS.1 * longest.max(1.0) * t));
+        let lag_s = self.lag_s.unwrap_or((SHORTEST_LAG_SAMPLES * t, LONGEST_LAG_RECORDS * longest.max(1.0) * t));
         if !(lag_s.0 > 0.0 && lag_s.0 < lag_s.1 && lag_s.1.is_finite()) {
             let (low_s, high_s) = lag_s;
             return Err(StructureError::Bounds { what: "the lags", low_s, high_s, positive: true }.into());

@@ -50,7 +50,7 @@ pub(super) fn candidates(
                 let mut judged = |delay: &f64| {
                     delay_s[k] = delay * t;
                     let model = ranges.at(&delay_s, &longest_s)?;
-                    Ok(judge(ranges, model, &short, data, settings, (&delay_s, &longest_s)).ok())
+                    Ok(judge(ranges, model, &short, data, settings, &delay_s, &longest_s).ok())
                 };
                 tried.extend(lowest(delays.iter().map(&mut judged).collect::<Result<_, IdentError>>()?));
             }
@@ -100,7 +100,8 @@ fn judge(
     records: &[Record<'_>],
     data: &Dataset,
     settings: Settings,
-    (delay_s, longest_s): (&[f64], &[f64]),
+    delay_s: &[f64],
+    longest_s: &[f64],
 ) -> Result<Candidate, IdentError> {
     let mut problem = errors(&model, records, data, settings);
     let (rows, mut theta) = (problem.residual_count(), model.parameters());

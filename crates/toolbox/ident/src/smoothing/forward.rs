@@ -111,7 +111,7 @@ impl Forward {
                 if keep {
                     forward.covariances.extend_from_slice(&p);
                 }
-                filter.covariances(&p, (&forward.output, &forward.transition), &measured, number)
+                filter.covariances(&p, &forward.output, &forward.transition, &measured, number)
             })?;
             for (i, output) in measured.iter().enumerate() {
                 let expected = filter.expected(&forward.output[*output], *output, inputs, sample);
@@ -173,7 +173,8 @@ impl Filter<'_> {
     fn covariances(
         &mut self,
         before: &[f64],
-        (c, a): (&[SparseRow], &[SparseRow]),
+        c: &[SparseRow],
+        a: &[SparseRow],
         measured: &[usize],
         number: usize,
     ) -> Result<Sample, IdentError> {

@@ -17,8 +17,10 @@ const UNNOTICED: f64 = 0.01;
 const STEP_TOLERANCE: f64 = 1e-4;
 /// Longest search over all samples.
 const ITERATIONS: usize = 100;
-/// Several starts are compared after so many iterations over one part of so many of the samples.
-const TRIAL: (usize, usize) = (12, 4);
+/// Several starts are compared after so many iterations ...
+const TRIAL_ITERATIONS: usize = 12;
+/// ... over one part of so many of the samples.
+const TRIAL_PARTS: usize = 4;
 
 /// The parameters under which measurements are likeliest.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +87,7 @@ struct Measured<'a> {
 
 impl<'a> Measured<'a> {
     fn first_part(self) -> Self {
-        let rows = self.outputs.nrows() / TRIAL.1;
+        let rows = self.outputs.nrows() / TRIAL_PARTS;
         Measured { inputs: self.inputs.subrows(0, rows), outputs: self.outputs.subrows(0, rows) }
     }
 
@@ -105,7 +107,7 @@ impl<'a> Measured<'a> {
         bounds: &[Bounds],
         system_at: &impl Fn(&[f64]) -> Result<(NoisySystem, Belief), IdentError>,
     ) -> Option<(f64, Vec<f64>)> {
-        let end = self.first_part().search(start, bounds, system_at, TRIAL.0).ok()?.parameters;
+        let end = self.first_part().search(start, bounds, system_at, TRIAL_ITERATIONS).ok()?.parameters;
         let likelihood = likelihood(&self.innovations(system_at, &end).ok()?);
         likelihood.is_finite().then_some((likelihood, end))
     }

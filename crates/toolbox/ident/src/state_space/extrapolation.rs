@@ -77,7 +77,7 @@ mod tests {
 
     /// Steps of a linear iteration with three rates lead to its fixed point, in a basis of any scale.
     #[test]
-    fn steps_that_shrink_by_constant_factors_lead_to_their_limit() {
+    fn exact_steps_that_shrink_by_constant_factors_lead_to_their_limit() {
         let (rates, limit) = ([0.99, 0.9, 0.5], [3.0, -1e3, 2e-4]);
         let basis = Mat::from_fn(3, 3, |i, j| limit[i] * if i == j { 2.0 } else { 0.3 });
         let (mut x, mut extrapolation) = (vec![0.0; 3], Extrapolation::default());

@@ -10,7 +10,7 @@ use super::extrapolation::Extrapolation;
 use super::gather::{check_finite, scaled_columns};
 use super::lineariser::Lineariser;
 use super::predictor::{Free, Predictor, Scatter};
-use crate::dense::{spectral_radius, whitening};
+use crate::dense::{WEIGHT_FLOOR, spectral_radius, whitening};
 use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
@@ -19,10 +19,6 @@ const DECREASE_TOLERANCE: f64 = 1e-13;
 /// extrapolated may have many small ones before it.
 const STATISTICAL_TOLERANCE: f64 = 1e-4;
 const STATISTICAL_TOLERANCE_OF_SMALL_STEPS: f64 = 1e-8;
-/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
-/// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
-/// before the other is right.
-const WEIGHT_FLOOR: f64 = 1e-6;
 /// Directions weaker than this part of the strongest are left alone within a step.
 const RANK_TOLERANCE: f64 = 1e-9;
 
@@ -232,7 +228,7 @@ impl<'a, M: Searchable> Search<'a, M> {
             let cost_of = |(model, _, scatter): &Tried<M>| weighted(&scatter.sum, &whitening) + prior_cost(model);
             let mut best = None;
             for step in [Some(&step), further.as_ref()].into_iter().flatten() {
-                let tried = self.tried((&predictor, &basis), step, &linearised.initial_steps(step)?);
+                let tried = self.tried(&predictor, &basis, step, &linearised.initial_steps(step)?);
                 let least = best.as_ref().map_or(cost, cost_of);
                 best = tried.filter(|tried| cost_of(tried) < least).or(best);
             }
@@ -283,7 +279,7 @@ impl<'a, M: Searchable> Search<'a, M> {
     /// The model, initial states and scatter after a step, where they can be had. Errors keep the weights that they
     /// have `now`: with those of the model tried, the search would prefer models that take errors after a gap for
     /// uncertain.
-    fn tried(&self, (now, basis): (&Predictor, &Mat<f64>), step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
+    fn tried(&self, now: &Predictor, basis: &Mat<f64>, step: &[f64], initial: &[Vec<f64>]) -> Option<Tried<M>> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();
         x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));

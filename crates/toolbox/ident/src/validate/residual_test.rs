@@ -193,7 +193,7 @@ impl ResidualTest {
             }
             TestData::Unseen => columns.uncertain = parameters,
         }
-        self.report((data, given), &errors, &columns, Some(&fit.noise_covariance))
+        self.report(data, given, &errors, &columns, Some(&fit.noise_covariance))
     }
 
     /// Tests the one-step prediction errors of a model that is not estimated: its parameters count as known.
@@ -205,7 +205,7 @@ impl ResidualTest {
         let part = self.part(data, 0)?;
         let errors = residuals(model, &part, &self.initial)?.outputs;
         let states = sensitivity::to_states(model, &part, &self.initial)?;
-        self.report((&part, data.samples()), &errors, &Columns { states, ..Columns::default() }, None)
+        self.report(&part, data.samples(), &errors, &Columns { states, ..Columns::default() }, None)
     }
 
     /// Tests residuals that are already there: they stand as the outputs of `data`, and whatever they are of counts as
@@ -216,7 +216,7 @@ impl ResidualTest {
     pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
         let part = data.excerpts(self.most(0));
         let errors: Vec<Mat<f64>> = part.experiments().iter().map(|e| e.outputs.clone()).collect();
-        self.report((&part, data.samples()), &errors, &Columns::default(), None)
+        self.report(&part, data.samples(), &errors, &Columns::default(), None)
     }
 
     /// Most samples that are tested, where each has so many sensitivities.
@@ -241,7 +241,8 @@ impl ResidualTest {
     /// The tests on data that are part of so many samples.
     fn report(
         &self,
-        (data, samples_given): (&Dataset, usize),
+        data: &Dataset,
+        samples_given: usize,
         errors: &[Mat<f64>],
         columns: &Columns,
         noise_covariance: Option<&Mat<f64>>,
@@ -291,7 +292,7 @@ impl ResidualTest {
             return Ok(vec![Vec::new(); outputs.len()]);
         }
         let of = |linearised: &LinearisedResiduals, place: usize, i: usize| -> Result<Vec<Independence>, IdentError> {
-            residuals.inputs.iter().map(|u| self.independence(linearised, place, (&outputs[i], u), reach)).collect()
+            residuals.inputs.iter().map(|u| self.independence(linearised, place, &outputs[i], u, reach)).collect()
         };
         if residuals.meet() {
             return (0..outputs.len()).map(|i| of(&together, i, i)).collect();
@@ -304,7 +305,8 @@ impl ResidualTest {
         &self,
         linearised: &LinearisedResiduals,
         output: usize,
-        (e, u): (&Series, &Series),
+        e: &Series,
+        u: &Series,
         reach: usize,
     ) -> Result<Independence, IdentError> {
         let (size_e, size_u) = (e.energy(), u.energy());

@@ -78,7 +78,7 @@ fn regress_a_pole_that_may_be_at_rest_has_a_time_constant_without_end() {
 }
 
 #[test]
-fn roots_that_run_together_and_certain_ones_have_no_interval() {
+fn exact_roots_that_run_together_and_certain_ones_have_no_interval() {
     let near = fit(&[-1.8, 0.811], 0.01);
     let root = &near.poles(0, 0).unwrap()[0];
     assert!(root.near_multiple);
@@ -141,7 +141,7 @@ fn exact_resonances_of_any_damping() {
 }
 
 #[test]
-fn steps_are_summed_up_where_they_end() {
+fn exact_steps_are_summed_up_where_they_end() {
     let fitted = fit(&[-1.5, 0.7], 1e-4);
     let grid = TimeGrid { step_s: T, points: 200 };
     let step = Features::of_fit(&fitted, 0, 0).step(&grid).unwrap().unwrap();

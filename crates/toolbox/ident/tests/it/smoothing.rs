@@ -14,7 +14,8 @@ use signal::excitation::Random;
 const SAMPLES: usize = 30;
 const PROCESS: [f64; 3] = [0.3, 0.05, 1.2];
 const MEASURED: [f64; 2] = [0.4, 2.0];
-const START: ([f64; 3], [f64; 3]) = ([0.5, -1.0, 0.2], [4.0, 1.0, 0.5]);
+const START_MEAN: [f64; 3] = [0.5, -1.0, 0.2];
+const START_VARIANCE: [f64; 3] = [4.0, 1.0, 0.5];
 
 fn diagonal(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), values.len(), |i, j| if i == j { values[i] } else { 0.0 })
@@ -29,7 +30,7 @@ fn system() -> NoisySystem {
 }
 
 fn start() -> Belief {
-    Belief { mean: START.0.to_vec(), covariance: diagonal(&START.1) }
+    Belief { mean: START_MEAN.to_vec(), covariance: diagonal(&START_VARIANCE) }
 }
 
 /// Inputs, and measurements of which some are missing.
@@ -55,7 +56,7 @@ fn stacked(system: &NoisySystem, inputs: &Mat<f64>, outputs: &Mat<f64>) -> (Vec<
         target.push(value / variance.sqrt());
     };
     for i in 0..3 {
-        push(&[(i, 1.0)], START.0[i], START.1[i]);
+        push(&[(i, 1.0)], START_MEAN[i], START_VARIANCE[i]);
     }
     for k in 0..SAMPLES {
         for i in 0..2 {

@@ -48,7 +48,7 @@ fn exact_every_task_is_reported() {
     let heard = Arc::new(Mutex::new(Vec::new()));
     let into = Arc::clone(&heard);
     let context = Context::new().with_listener(move |one| into.lock().unwrap().push((one.state, one.done, one.total)));
-    assert_eq!(map_as_step((&context, "adding"), &[2_u8; 50], |task| task + 1), [3; 50]);
+    assert_eq!(map_as_step(&context, "adding", &[2_u8; 50], |task| task + 1), [3; 50]);
     let heard = heard.lock().unwrap();
     let advanced = heard.iter().filter(|(state, _, total)| *state == State::Advanced && *total == 50).count();
     assert_eq!((heard[0], advanced, heard[51]), ((State::Begun, 0, 50), 50, (State::Ended, 50, 50)));

@@ -1,4 +1,5 @@
 //! Progress, cancellation and threads of long work.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};

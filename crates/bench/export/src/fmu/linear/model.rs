@@ -10,17 +10,15 @@ use signal::excitation::Random;
 
 use super::super::resource::hexadecimal;
 use crate::ExportError;
+use crate::draws::SEED;
 use crate::error::MOST_STATES;
+use crate::fmu::numbers::DRAWS;
 use crate::linear::Matrices;
 
-/// Draws of the covariance that an FMU holds.
-const DRAWS: usize = 200;
 /// An FMU holds no more numbers than these in its draws, and has fewer of them.
 const DRAWN_NUMBERS: usize = 40_000;
 /// Draws below which there are none.
 const FEWEST_DRAWS: usize = 20;
-/// Seed of the draws.
-const SEED: u64 = 1;
 /// Most numbers that the runtime can hold.
 const MOST_NUMBERS: usize = 160_000;
 

@@ -41,7 +41,8 @@ impl Instruments {
     pub(super) fn new(
         spectra: &Spectra,
         excitation: &[Complex64],
-        (theta, engine_kg_m2): (&[f64], f64),
+        theta: &[f64],
+        engine_kg_m2: f64,
         spectrum: &[f64],
         half_firing_s: f64,
     ) -> Result<Self, IdentError> {

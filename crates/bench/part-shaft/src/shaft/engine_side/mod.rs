@@ -56,7 +56,8 @@ pub(super) fn estimate(
     spectra: &Spectra,
     demand: &Signal,
     firing_interval_s: f64,
-    (theta, covariance): (&[f64], &Mat<f64>),
+    theta: &[f64],
+    covariance: &Mat<f64>,
 ) -> Result<EngineInertia, IdentError> {
     let last = spectra.bins.last().copied().unwrap_or(0);
     let excitation = Modulated::new(demand, spectra.window, last)?;
@@ -65,7 +66,7 @@ pub(super) fn estimate(
     let search = Search { equation: held, sides: held.sides(theta), half_firing_s: 0.5 * firing_interval_s };
     // As if both inertias were equal and T_e white: any guess serves, since instruments bias nothing.
     let of = |engine_kg_m2: f64, spectrum: &[f64]| {
-        Instruments::new(spectra, &excitation, (theta, engine_kg_m2), spectrum, search.half_firing_s)
+        Instruments::new(spectra, &excitation, theta, engine_kg_m2, spectrum, search.half_firing_s)
     };
     let mut instruments = of(instruments::dyno_inertia(theta), &vec![1.0; spectra.bins.len()])?;
     let mut solution = search.best(&instruments)?;

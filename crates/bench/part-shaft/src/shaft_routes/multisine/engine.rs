@@ -9,7 +9,7 @@ use signal::Complex64;
 
 use super::lines::Row;
 use super::shaft::{COUNT, ENGINE_SKEW, INERTIA, Shaft, differences};
-use crate::shaft::ShaftInputs;
+use crate::shaft::{SLOWEST_RAD_S, ShaftInputs, WITHOUT_FIRING_S};
 use crate::shaft_routes::multisine::cost::{CostTest, cost_test};
 
 /// Beyond this coherence the engine's cycles repeat with the demand.
@@ -71,11 +71,6 @@ pub enum EngineError {
 pub(super) const ENGINE_UNKNOWNS: usize = 4;
 pub(super) const HOLD: usize = 3;
 pub(super) const ENGINE_SIZES: [f64; ENGINE_UNKNOWNS] = [1e-2, 0.1, 0.1, 1e-3];
-/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its
-/// friction, does so within about this time, s.
-const WITHOUT_FIRING_S: f64 = 1e-5;
-/// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
-pub(super) const SLOWEST_RAD_S: f64 = 30.0;
 
 impl<'a> EngineSide<'a> {
     pub(super) fn new(shaft: &'a Shaft<'a>, inputs: &ShaftInputs<'_>, engine: Engine) -> Result<Self, EngineError> {

@@ -12,7 +12,7 @@ use signal::{Complex64, Signal};
 
 use super::super::Timing;
 use super::super::aligned::{self, inner_stretch};
-use crate::shaft::ShaftInputs;
+use crate::shaft::{CLEAN_PART, DYNO, ENGINE, HIGHEST_HZ, ShaftInputs, TORQUE};
 
 /// Fewest periods.
 const FEWEST_PERIODS: usize = 3;
@@ -24,18 +24,13 @@ const UNREPEATED: f64 = 1e-3;
 const SETTLING_S: f64 = 2.0;
 /// A line is excited where the demand has more than this part of its strongest line.
 const EXCITED: f64 = 0.02;
-/// Lines used, Hz, and as a part of the slowest sample rate.
+/// Lowest line used, Hz.
 const LOWEST_HZ: f64 = 0.4;
-const HIGHEST_HZ: f64 = 110.0;
-const CLEAN_PART: f64 = 0.44;
 /// Degrees of freedom that a variance is averaged up to.
 const WANTED_FREEDOM: usize = 24;
 
 /// ω_d, ω_e and T_d; then ω cos θ and ω sin θ of both encoders.
 pub(super) const SIGNALS: usize = 7;
-pub(super) const DYNO: usize = 0;
-pub(super) const ENGINE: usize = 1;
-pub(super) const TORQUE: usize = 2;
 pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
 pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
 

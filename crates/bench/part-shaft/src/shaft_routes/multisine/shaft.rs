@@ -5,13 +5,10 @@ use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimi
 use rig::results::Quantity;
 use signal::Complex64;
 
-use super::lines::{DYNO, DYNO_WAVES, ENGINE, ENGINE_WAVES, Lines, Orders, Row, SIGNALS, TORQUE};
+use super::lines::{DYNO_WAVES, ENGINE_WAVES, Lines, Orders, Row, SIGNALS};
+use crate::shaft::{DYNO, ECCENTRICITY, ENGINE, LARGEST_SKEW_S, TORQUE};
 use crate::shaft_routes::multisine::cost::{CostTest, cost_test};
 
-/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
-const ECCENTRICITY: f64 = 1e-3;
-/// Largest skew looked for, s.
-const LARGEST_SKEW_S: f64 = 0.02;
 /// Steps of differences, as a part of a parameter's size.
 const STEP: f64 = 1e-5;
 

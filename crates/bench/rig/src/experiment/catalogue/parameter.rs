@@ -1,5 +1,7 @@
 //! Parameters of experiments.
 
+use std::ops::RangeInclusive;
+
 use serde::Serialize;
 
 /// A number that an experiment can be given.
@@ -22,24 +24,27 @@ pub struct Parameter {
 pub(super) const SPEED: Parameter =
     parameter("speed", "rpm", 1200.0, SPEED_RPM, "speed demanded, or the one from which it changes");
 
-pub(super) const DURATION: Parameter = parameter("duration", "s", 60.0, (0.01, 10_000.0), "length of the recording");
+pub(super) const DURATION: Parameter = parameter("duration", "s", 60.0, 0.01..=10_000.0, "length of the recording");
 
 pub(super) const SETTLING: Parameter =
-    parameter("settling", "s", 2.0, (0.0, 1000.0), "time at the first demands before the recording starts");
+    parameter("settling", "s", 2.0, 0.0..=1000.0, "time at the first demands before the recording starts");
 
-/// One with its default, and its smallest and largest value.
+/// One with its default, and the values that are allowed.
 pub const fn parameter(
     name: &'static str,
     unit: &'static str,
     default: f64,
-    (lowest, highest): (f64, f64),
+    allowed: RangeInclusive<f64>,
     meaning: &'static str,
 ) -> Parameter {
-    Parameter { name, unit, default, lowest, highest, meaning }
+    Parameter { name, unit, default, lowest: *allowed.start(), highest: *allowed.end(), meaning }
 }
 
-pub(super) const TORQUE_NM: (f64, f64) = (-20_000.0, 20_000.0);
+/// Torques that a parameter may have, Nm.
+pub(super) const TORQUE_NM: RangeInclusive<f64> = -20_000.0..=20_000.0;
 
-pub(super) const TIME_S: (f64, f64) = (0.01, 1000.0);
+/// Times that a parameter may have, s.
+pub(super) const TIME_S: RangeInclusive<f64> = 0.01..=1000.0;
 
-pub(super) const SPEED_RPM: (f64, f64) = (-20_000.0, 20_000.0);
+/// Speeds that a parameter may have, rpm.
+pub(super) const SPEED_RPM: RangeInclusive<f64> = -20_000.0..=20_000.0;

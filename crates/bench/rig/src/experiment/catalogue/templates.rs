@@ -1,5 +1,7 @@
 //! The method's table, and multisines. Defaults are the levels and times of the thesis' bench.
 
+use std::ops::RangeInclusive;
+
 use signal::excitation::{Multisine, Phases, Timing};
 use units::RPM_RAD_S;
 
@@ -19,13 +21,13 @@ const ENGINE_TORQUE: Parameter = parameter("torque", "Nm", 60.0, TORQUE_NM, "tor
 const MEAN_TORQUE: Parameter = parameter("mean", "Nm", 60.0, TORQUE_NM, "mean of the dynamometer's torque demand");
 const SWITCHING: Parameter =
     parameter("clock", "s", 0.08, TIME_S, "a level lasts this long or a multiple; not less than a firing");
-const PERIOD: Parameter = parameter("period", "s", 10.0, (0.1, 1000.0), "period; its inverse is the resolution in Hz");
+const PERIOD: Parameter = parameter("period", "s", 10.0, 0.1..=1000.0, "period; its inverse is the resolution in Hz");
 const SINES_RMS: &str = "root mean square of the sines together";
 const ROUNDS: Parameter = parameter(
     "rounds",
     "",
     200.0,
-    (0.0, 5000.0),
+    0.0..=5000.0,
     "rounds in which the phases are optimised for low peaks; 0: Schroeder's phases",
 );
 
@@ -36,19 +38,20 @@ pub(super) const OPTIMAL: &[Parameter] = &[
     Parameter { meaning: "mean of the dynamometer's torque demand, in speed control of the engine's", ..ENGINE_TORQUE },
 ];
 
-/// The parameters of a multisine: its torque, root mean square, lowest and highest frequency as they are unless given,
-/// and the highest one that the clock of the demand allows.
+/// The parameters of a multisine: its torque, its root mean square, its band unless another is given, and the highest
+/// frequency that the clock of the demand allows.
 const fn multisine_parameters(
     torque: Parameter,
-    (rms, lowest, highest, limit_hz): (Parameter, f64, f64, f64),
+    rms: Parameter,
+    band_hz: RangeInclusive<f64>,
+    limit_hz: f64,
     highest_means: &'static str,
 ) -> [Parameter; 6] {
-    let range_hz = (0.001, limit_hz);
     [
         torque,
         rms,
-        parameter("lowest", "Hz", lowest, range_hz, "lowest frequency"),
-        parameter("highest", "Hz", highest, range_hz, highest_means),
+        parameter("lowest", "Hz", *band_hz.start(), 0.001..=limit_hz, "lowest frequency"),
+        parameter("highest", "Hz", *band_hz.end(), 0.001..=limit_hz, highest_means),
         PERIOD,
         ROUNDS,
     ]
@@ -83,7 +86,7 @@ pub(super) const ALL: &[Template] = &[
         duration_s: 60.0,
         own: &[
             MEAN_TORQUE,
-            parameter("deviation", "Nm", 12.0, (0.0, 20_000.0), "standard deviation of the torque demand"),
+            parameter("deviation", "Nm", 12.0, 0.0..=20_000.0, "standard deviation of the torque demand"),
         ],
         build: |s| {
             let mut plan = ExperimentPlan::white_noise_t_tn(s.get("speed"), s.get("duration"));
@@ -120,7 +123,7 @@ pub(super) const ALL: &[Template] = &[
         own: &[
             ENGINE_TORQUE,
             parameter("rise", "rpm", 800.0, SPEED_RPM, "upper level above the speed"),
-            parameter("start", "s", 2.0, (0.0, 1000.0), "start of the first ramp"),
+            parameter("start", "s", 2.0, 0.0..=1000.0, "start of the first ramp"),
             parameter("ramp", "s", 3.0, TIME_S, "length of a ramp"),
             parameter("dwell", "s", 5.0, TIME_S, "rest at each level"),
         ],
@@ -145,10 +148,10 @@ pub(super) const ALL: &[Template] = &[
         duration_s: 60.0,
         own: &[
             ENGINE_TORQUE,
-            parameter("range", "rpm", 1800.0, (0.0, 20_000.0), "highest level above the speed"),
+            parameter("range", "rpm", 1800.0, 0.0..=20_000.0, "highest level above the speed"),
             parameter("dwell", "s", 3.0, TIME_S, "time from one level to the next"),
-            parameter("lowest_slope", "rpm/s", 100.0, (0.1, 1e5), "slowest approach"),
-            parameter("highest_slope", "rpm/s", 1000.0, (0.1, 1e5), "fastest approach"),
+            parameter("lowest_slope", "rpm/s", 100.0, 0.1..=1e5, "slowest approach"),
+            parameter("highest_slope", "rpm/s", 1000.0, 0.1..=1e5, "fastest approach"),
         ],
         build: levels,
     },
@@ -160,7 +163,7 @@ pub(super) const ALL: &[Template] = &[
         gives: "K, B and inertias without firing (ARMAX from T_d to the speed)",
         duration_s: 60.0,
         own: &[
-            parameter("swing", "rpm", 12.0, (0.0, 5000.0), "speed demand below and above the speed"),
+            parameter("swing", "rpm", 12.0, 0.0..=5000.0, "speed demand below and above the speed"),
             parameter("clock", "s", 0.08, TIME_S, "a level lasts this long or a multiple"),
         ],
         build: |s| {
@@ -182,10 +185,10 @@ pub(super) const ALL: &[Template] = &[
         duration_s: 60.0,
         own: &[
             MEAN_TORQUE,
-            parameter("amplitude", "Nm", 8.0, (0.0, 20_000.0), "amplitude of each sine"),
-            parameter("lowest", "Hz", 1.0, (0.01, 45.0), "first frequency"),
-            parameter("highest", "Hz", 20.0, (0.01, 45.0), "last frequency"),
-            parameter("step", "Hz", 1.0, (0.01, 45.0), "from one frequency to the next"),
+            parameter("amplitude", "Nm", 8.0, 0.0..=20_000.0, "amplitude of each sine"),
+            parameter("lowest", "Hz", 1.0, 0.01..=45.0, "first frequency"),
+            parameter("highest", "Hz", 20.0, 0.01..=45.0, "last frequency"),
+            parameter("step", "Hz", 1.0, 0.01..=45.0, "from one frequency to the next"),
         ],
         build: sine,
     },
@@ -219,7 +222,9 @@ pub(super) const ALL: &[Template] = &[
         duration_s: 60.0,
         own: &multisine_parameters(
             MEAN_TORQUE,
-            (parameter("rms", "Nm", 12.0, (0.0, 20_000.0), SINES_RMS), 0.5, 40.0, 49.0),
+            parameter("rms", "Nm", 12.0, 0.0..=20_000.0, SINES_RMS),
+            0.5..=40.0,
+            49.0,
             "highest frequency; demands change every 10 ms",
         ),
         build: |s| {
@@ -237,7 +242,9 @@ pub(super) const ALL: &[Template] = &[
         duration_s: 60.0,
         own: &multisine_parameters(
             ENGINE_TORQUE,
-            (parameter("rms", "rpm", 10.0, (0.0, 5000.0), SINES_RMS), 0.2, 10.0, 400.0),
+            parameter("rms", "rpm", 10.0, 0.0..=5000.0, SINES_RMS),
+            0.2..=10.0,
+            400.0,
             "highest frequency; demands change every 1 ms",
         ),
         build: |s| {

@@ -46,7 +46,7 @@ pub(super) fn read(
             return Err(fault(format!("{}; {remedy}", engine_map::missing_cell(path, channel, row))));
         }
     }
-    let course = course((speed, torque), map).map_err(fault)?;
+    let course = course(speed, torque, map).map_err(fault)?;
     let usual_s = usual_s(&time_s).map_err(fault)?;
     // Points further apart than a second have points each second in between.
     let step_s = 1.0 / (1.0 / usual_s).round().clamp(1.0, 1.0 / LEAST_STEP_S);
@@ -83,7 +83,7 @@ fn table(path: &Path) -> Result<Recording, CliError> {
 }
 
 /// Speed, rad/s, and torque, Nm, of each row.
-fn course((speed, torque): (&Channel, &Channel), map: Option<&EngineMap>) -> Result<Vec<(f64, f64)>, String> {
+fn course(speed: &Channel, torque: &Channel, map: Option<&EngineMap>) -> Result<Vec<(f64, f64)>, String> {
     let need_map = |what: &str| map.ok_or_else(|| format!("{what}; give the engine's map with --engine-map"));
     let speeds = match percent(speed) {
         Some(values) => {

@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> R
 }
 
 fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let Campaign { bench, experiments, refused } = experiments::all((given, result), terminal)?;
+    let Campaign { bench, experiments, refused } = experiments::all(given, result, terminal)?;
     let all: Vec<&Experiment> = experiments.iter().collect();
     let found = speed_control(&SpeedControllers::of(&all, bench.limits.torque_nm), terminal.work());
     if found.controllers.is_empty() {

@@ -47,7 +47,7 @@ pub(super) fn simulate_all(
 ) -> Result<Vec<Vec<u8>>, CliError> {
     let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
     let record = |(planned, seed): &(&Planned, u64)| record(parameters, &planned.plan, *seed);
-    parallel::map_as_step((context, "simulating the bench"), &seeded, record).into_iter().collect()
+    parallel::map_as_step(context, "simulating the bench", &seeded, record).into_iter().collect()
 }
 
 fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {

@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
-    let written = study::study(&bench, out, (Some(arguments.seed), Wanted::REPORT), terminal)?;
+    let written = study::study(&bench, out, Some(arguments.seed), Wanted::REPORT, terminal)?;
     let rows = comparison::rows(&written.study, &parameters);
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;

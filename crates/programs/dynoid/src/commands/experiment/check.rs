@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let demands = Demands::of(&plan, arguments.on.plan.seed(), DEMAND_HOLD_S);
-    let mut checked = checked(arguments, &bench, (&plan, &demands), terminal)?;
+    let mut checked = checked(arguments, &bench, &plan, &demands, terminal)?;
     let beyond = beyond(&bench, &plan, &demands);
     if !beyond.is_empty() && checked.safety == Safety::Safe {
         checked.safety = Safety::Risky;
@@ -50,7 +50,8 @@ pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result
 fn checked(
     arguments: &CheckArguments,
     bench: &Bench,
-    (plan, demands): (&ExperimentPlan, &Demands),
+    plan: &ExperimentPlan,
+    demands: &Demands,
     terminal: &Terminal,
 ) -> Result<SafetyCheck, CliError> {
     let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.on.bench.clone(), reason };

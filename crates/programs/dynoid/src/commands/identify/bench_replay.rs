@@ -71,7 +71,7 @@ pub(super) fn compare(
     if arguments.horizon.is_some() {
         return Err(of_linear_models("--horizon"));
     }
-    let all = replays(models, (&arguments.meet, &arguments.bench), Unasked::AsStudy, terminal)?;
+    let all = replays(models, &arguments.meet, &arguments.bench, Unasked::AsStudy, terminal)?;
     let page = || report::replayed::page("Bench models compared", &all);
     show(&arguments.result, page, || json(&all), terminal)?;
     Ok(Outcome::Done)
@@ -92,7 +92,7 @@ pub(super) fn simulate(
     if let Some(path) = out {
         check_output(path, meet.on.len())?;
     }
-    let all = replays(&[model], (meet, bench), Unasked::Whole, terminal)?;
+    let all = replays(&[model], meet, bench, Unasked::Whole, terminal)?;
     if let Some(path) = out {
         FileFormat::of_output(path)?.write(&recording(&all), path)?;
     }
@@ -108,7 +108,8 @@ fn of_linear_models(option: &str) -> CliError {
 /// Every recording on every model.
 fn replays(
     models: &[Named],
-    (meet, bench): (&MeetArguments, &BenchArguments),
+    meet: &MeetArguments,
+    bench: &BenchArguments,
     unasked: Unasked,
     terminal: &mut Terminal,
 ) -> Result<Vec<Replayed>, CliError> {

@@ -61,7 +61,7 @@ pub(super) struct Tag {
 
 impl<'a> Content<'a> {
     /// Opens the element of this type and size.
-    pub(super) fn open(kind: u32, source: &Shared, (at, size): (u64, usize), big: bool) -> Result<Self, String> {
+    pub(super) fn open(kind: u32, source: &Shared, at: u64, size: usize, big: bool) -> Result<Self, String> {
         let stored = Stretch::new(source, at, at + size as u64);
         match kind {
             MATRIX => Ok(Self::of(Box::new(BufReader::new(stored)), size, big, false)),

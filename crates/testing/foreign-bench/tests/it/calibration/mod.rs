@@ -9,6 +9,8 @@ mod happened;
 mod predicted;
 mod tally;
 
+use std::ops::RangeInclusive;
+
 use capability::{Answer, LimitOf, LimitVerdict, Spread, Verdict};
 use design::safety::reaches;
 use foreign_bench::{Random, Run, run};
@@ -26,7 +28,7 @@ const RUNS: u64 = 3;
 /// Draws from which limits are chosen.
 const FIRST_SAMPLES: usize = 10;
 /// Limits lie between these parts of the first prediction.
-const NEAR: (f64, f64) = (0.97, 1.25);
+const NEAR: RangeInclusive<f64> = 0.97..=1.25;
 /// A yes counts from this share of the benches on.
 const SURE: f64 = 0.97;
 
@@ -74,7 +76,7 @@ fn found(seed: u64, runs: u64) -> Option<Found> {
 /// Limits near what was predicted first, but for the drive's own torque limit.
 fn near(predictor: &Predictor<'_>, first: &Verdict, random: &mut Random) -> Limits {
     let mut near = |of: LimitOf| {
-        let share = random.between(NEAR.0, NEAR.1);
+        let share = random.between(*NEAR.start(), *NEAR.end());
         let verdict = first.limits.iter().find(|one| one.of == of);
         verdict.map(|one| share * one.values.quantile(0.5)).filter(|limit| *limit > 0.0)
     };
@@ -169,7 +171,11 @@ fn stat_stated_bands_hold_on_benches_of_the_other_simulator() {
         assert!(tally.inside() >= LEAST - 2.0 * deviation(LEAST, tally.runs), "{statistic}: {}", tally.inside());
     }
     for (statistic, tally) in tallies.iter().filter(|(statistic, _)| statistic.contains("Torque")) {
-        assert!(tally.inside() >= GOAL.0 - 2.0 * deviation(GOAL.0, tally.runs), "{statistic}: {}", tally.inside());
+        assert!(
+            tally.inside() >= GOAL.start() - 2.0 * deviation(*GOAL.start(), tally.runs),
+            "{statistic}: {}",
+            tally.inside()
+        );
     }
     let sum = |of: fn(&Tally) -> usize| tallies.values().map(of).sum::<usize>();
     let (yes, wrong) = (sum(|tally| tally.yes), sum(|tally| tally.wrong));

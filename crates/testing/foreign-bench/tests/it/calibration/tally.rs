@@ -1,6 +1,7 @@
 //! How often a band holds what happens, and how often a yes is wrong.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// One number of one run beside what was said of it.
 pub(crate) struct Row {
@@ -74,7 +75,7 @@ impl Tally {
 }
 
 /// Share of what happens that a band of 90 % should hold, and the least of any statistic.
-pub(crate) const GOAL: (f64, f64) = (0.87, 0.93);
+pub(crate) const GOAL: RangeInclusive<f64> = 0.87..=0.93;
 pub(crate) const LEAST: f64 = 0.8;
 
 /// Prints the tables and what misses the goal; returns the tallies by statistic, over all tests.
@@ -96,12 +97,7 @@ pub(crate) fn tallies(rows: &[Row], answers: &[Yes]) -> BTreeMap<String, Tally> 
         names.collect::<Vec<_>>().join(", ")
     };
     println!("\nless than {} % inside: {}", 100.0 * LEAST, those(|inside| inside < LEAST));
-    println!(
-        "within {} … {} %: {}",
-        100.0 * GOAL.0,
-        100.0 * GOAL.1,
-        those(|inside| (GOAL.0..=GOAL.1).contains(&inside))
-    );
+    println!("within {} … {} %: {}", 100.0 * GOAL.start(), 100.0 * GOAL.end(), those(|inside| GOAL.contains(&inside)));
     let sum = |of: fn(&Tally) -> usize| by_statistic.values().map(of).sum::<usize>();
     println!(
         "single limits said to be kept: {}, of these reached: {}\n",

@@ -16,8 +16,10 @@ use crate::{Dataset, IdentError, NonlinearOptions};
 /// Rounds in which ripple in proportion to the output is found from that output.
 const ROUNDS: usize = 2;
 
-/// Zeros and poles of the model that shows whether inputs may have rested before the record.
-const FIRST: (usize, usize) = (1, 2);
+/// Zeros of the model that shows whether inputs may have rested before the record.
+const FIRST_ZEROS: usize = 1;
+/// Poles of that model.
+const FIRST_POLES: usize = 2;
 
 /// Steps of a search that only has to show whether there is more to be found.
 const GLANCE: usize = 30;
@@ -37,7 +39,7 @@ impl Structure<'_> {
     /// The model of data without ripple, its errors not tested, after a short search.
     pub(super) fn glance(&self, clean: &Dataset) -> Result<(DelayModel, TransferFunctionModel), IdentError> {
         let short = NonlinearOptions { iteration_limit: GLANCE, ..NonlinearOptions::default() };
-        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, (0, self.beginning), None)?;
+        let found = self.with_ripple(clean, 0).with_search(short).fit_one(clean, 0, self.beginning, None)?;
         let own = self.start(&found, clean.inputs(), clean.inputs())?;
         Ok((self.described(clean, &found, Vec::new()), own))
     }
@@ -49,7 +51,7 @@ impl Structure<'_> {
         start: Option<&TransferFunctionModel>,
     ) -> Result<(DelayModel, Dataset), IdentError> {
         let plain = self.with_ripple(data, 0);
-        let mut found = plain.fit_one(data, (0, self.beginning), start)?;
+        let mut found = plain.fit_one(data, 0, self.beginning, start)?;
         let mut clean = data.clone();
         let first = self.beginning.first;
         let ripple = Ripple::of(data, &errors(data, &found, first)?);
@@ -58,7 +60,8 @@ impl Structure<'_> {
             let start = self.start(&found, data.inputs(), with.inputs())?;
             found = self.with_ripple(data, with.inputs() - data.inputs()).fit_one(
                 &with,
-                (0, self.beginning),
+                0,
+                self.beginning,
                 Some(&start),
             )?;
             clean = ripple.removed(data, &with, &found)?;
@@ -74,15 +77,15 @@ impl Structure<'_> {
     /// Where the rows begin that models of these data rest on.
     pub(super) fn beginning(options: &ModelledDelay, data: &Dataset) -> Result<Beginning, IdentError> {
         let unknown = Beginning { first: options.longest + LEAD, is_held: false, is_refuted: false };
-        let (zeros, poles) = FIRST;
-        Structure { options, beginning: unknown, zeros, poles }.with_ripple(data, 0).beginning(data)
+        let first = Structure { options, beginning: unknown, zeros: FIRST_ZEROS, poles: FIRST_POLES };
+        first.with_ripple(data, 0).beginning(data)
     }
 
     /// The model with its intervals by profiles, at the better minimum that these may lead to.
     pub(super) fn profiled(&self, clean: &Dataset, model: &DelayModel) -> Result<DelayModel, IdentError> {
         let (plain, inputs) = (self.with_ripple(clean, 0), clean.inputs());
         let own = TransferFunctionModel::new(model.channels.clone(), inputs, Mat::identity(1, 1))?;
-        let found = plain.profile_one(clean, (0, self.beginning), &own)?;
+        let found = plain.profile_one(clean, 0, self.beginning, &own)?;
         let mut renewed = self.described(clean, &found, model.ripple_hz.clone());
         renewed.faults.extend(model.faults.iter().filter(|fault| !fault.is_of_search()));
         // Ripple has values of its own.
@@ -181,7 +184,7 @@ impl Structure<'_> {
         clean: &Dataset,
         own: &TransferFunctionModel,
     ) -> Result<Vec<DelayFault>, IdentError> {
-        let found = plain.fit_one(clean, (0, self.beginning), Some(own))?;
+        let found = plain.fit_one(clean, 0, self.beginning, Some(own))?;
         if found.minimum.cost <= ROUNDING * variance(clean) * found.minimum.residuals.len() as f64 {
             return Ok(Vec::new());
         }

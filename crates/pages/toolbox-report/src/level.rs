@@ -1,0 +1,4 @@
+//! How sure numbers are.
+
+/// Confidence of intervals and bands.
+pub(crate) const LEVEL: f64 = 0.95;
