@@ -7,9 +7,9 @@ use serde_json::Value;
 
 /// Crates that write files, print, or serve, and who alone may use them.
 const RESERVED: &[(&str, &[&str])] = &[
-    ("clap", &["dynoid"]),
-    ("indicatif", &["dynoid"]),
-    ("tempfile", &["dynoid"]),
+    ("clap", &["cli"]),
+    ("indicatif", &["cli"]),
+    ("tempfile", &["cli"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),
     ("rayon", &["mdf", "numerics", "work"]),
