@@ -9,7 +9,7 @@ use serde_json::Value;
 const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("tempfile", &["cli"]),
+    ("tempfile", &["dynoid"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),
     ("rayon", &["mdf", "numerics", "work"]),

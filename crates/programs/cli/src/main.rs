@@ -1,26 +1,19 @@
 //! The program: recordings of a dynamometer test bench in, a validated bench model out.
 //!
-//! This crate opens and writes files, talks to the person at the terminal, and calls the other crates; it holds no
-//! formulas. One module a command; [`terminal`] alone prints, [`output`] alone writes files, [`input`] alone finds and
-//! reads them.
+//! This crate reads arguments, talks to the person at the terminal, and calls the library `dynoid` and the crates below
+//! it; it holds no formulas. One module a command; [`terminal`] alone prints, and `dynoid` alone reads and writes files.
 
 #![warn(missing_docs)]
 
 mod cli;
 mod commands;
-mod date;
 mod error;
-mod formats;
-mod input;
-mod mark;
-mod output;
-mod paths;
-mod patterns;
 mod summary;
 mod terminal;
-mod this_run;
 
 use std::process::ExitCode;
+
+use dynoid::Files;
 
 use crate::cli::experiment::ExperimentCommand;
 use crate::cli::identify::{DataCommand, ModelCommand};
@@ -31,13 +24,16 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 fn main() -> ExitCode {
-    output::remove_when_ended();
-    let outcome = std::panic::catch_unwind(|| run(Cli::read()));
+    dynoid::remove_when_ended();
+    let outcome = std::panic::catch_unwind(|| {
+        let (cli, files) = Cli::read();
+        run(cli, files)
+    });
     outcome.unwrap_or(ExitCode::from(error::INTERNAL))
 }
 
-fn run(cli: Cli) -> ExitCode {
-    let mut terminal = Terminal::new(&cli.global);
+fn run(cli: Cli, files: Files) -> ExitCode {
+    let mut terminal = Terminal::new(&cli.global, files);
     let outcome = dispatch(&cli.command, &mut terminal).and_then(|outcome| terminal.finish().map(|()| outcome));
     match outcome {
         Ok(outcome) => ExitCode::from(outcome.code()),

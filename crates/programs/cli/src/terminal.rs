@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use dynoid::Files;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use page::{Page, Screen, Tone, safe};
 use serde::Serialize;
@@ -33,6 +34,7 @@ pub(crate) struct Terminal {
     failure: Option<io::Error>,
     /// The context of all long work, whose progress is shown on standard error where that is a terminal.
     work: Context,
+    files: Files,
     quiet: bool,
     /// True where results are shown to the last line.
     all: bool,
@@ -44,7 +46,7 @@ pub(crate) struct Terminal {
 }
 
 impl Terminal {
-    pub(crate) fn new(global: &Global) -> Self {
+    pub(crate) fn new(global: &Global, files: Files) -> Self {
         let colour = |is_terminal: bool| match global.color {
             ColorWhen::Always => true,
             ColorWhen::Never => false,
@@ -58,6 +60,7 @@ impl Terminal {
             out: BufWriter::new(io::stdout()),
             failure: None,
             work: if shows_progress { shown(colour_err) } else { Context::new() },
+            files,
             quiet: global.quiet,
             colour_out: colour(io::stdout().is_terminal()),
             colour_err,
@@ -133,6 +136,11 @@ impl Terminal {
     /// The context of long work: its progress is shown.
     pub(crate) fn work(&self) -> &Context {
         &self.work
+    }
+
+    /// The files of this run: a copy, which shares its memory.
+    pub(crate) fn files(&self) -> Files {
+        self.files.clone()
     }
 
     /// Writes out what is left, and says whether all could be written.

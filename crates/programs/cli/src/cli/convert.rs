@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use dynoid::FileFormat;
 
 use super::identify::{Between, ResultArguments};
 use super::number;
-use crate::formats::FileFormat;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -28,7 +28,7 @@ pub(crate) struct ConvertArguments {
     /// Format to write; --out is then a folder, in which each recording keeps its name
     /// [default: by the ending of --out]
     #[arg(long, value_enum, value_name = "FORMAT")]
-    pub(crate) to: Option<FileFormat>,
+    pub(crate) to: Option<WrittenFormat>,
     /// The file to write, or with --to the folder; created if it does not exist
     #[arg(long, short, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
@@ -52,4 +52,34 @@ pub(crate) struct ConvertArguments {
     pub(crate) between: Option<Between>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
+}
+
+/// Formats of files that recordings are written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WrittenFormat {
+    /// MDF 4.10
+    Mf4,
+    /// Text, commas between the columns
+    Csv,
+    /// Text, tabs between the columns
+    Tsv,
+    /// MATLAB -v7
+    Mat,
+    /// Parquet
+    Parquet,
+    /// Arrow, Feather
+    Arrow,
+}
+
+impl From<WrittenFormat> for FileFormat {
+    fn from(target: WrittenFormat) -> Self {
+        match target {
+            WrittenFormat::Mf4 => FileFormat::Mf4,
+            WrittenFormat::Csv => FileFormat::Csv,
+            WrittenFormat::Tsv => FileFormat::Tsv,
+            WrittenFormat::Mat => FileFormat::Mat,
+            WrittenFormat::Parquet => FileFormat::Parquet,
+            WrittenFormat::Arrow => FileFormat::Arrow,
+        }
+    }
 }

@@ -25,10 +25,9 @@ pub(crate) mod torque_signals;
 use std::ffi::OsString;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use dynoid::Files;
 
 pub(crate) use given::GivenRecordings;
-
-use crate::this_run;
 
 /// Turn recordings of a dynamometer test bench into a validated simulation model
 #[derive(Debug, Parser)]
@@ -41,8 +40,9 @@ pub(crate) struct Cli {
 }
 
 impl Cli {
-    /// The command line this program was started with; on a wrong one, and for help, the program ends here.
-    pub(crate) fn read() -> Self {
+    /// The command line this program was started with, and the files of this run; on a wrong one, and for help, the
+    /// program ends here.
+    pub(crate) fn read() -> (Self, Files) {
         let command = overview::grouped(negative_numbers(Cli::command()));
         let arguments = json_last(std::env::args_os().collect());
         let matches = command
@@ -51,8 +51,9 @@ impl Cli {
             .unwrap_or_else(|error| suggest::improved(error, &command).exit());
         let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
         let (words, inputs) = files::given(&command, &matches);
-        this_run::begin(words, cli.global.overwrite, &inputs);
-        cli
+        let run = Files::new(&words, cli.global.overwrite);
+        inputs.iter().for_each(|path| run.reads(path));
+        (cli, run)
     }
 }
 

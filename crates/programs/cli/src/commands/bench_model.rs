@@ -3,19 +3,19 @@
 use std::path::Path;
 
 use bench_model::document::{BenchModelDocument, format_of, from_json};
+use dynoid::Files;
 use serde::Deserialize;
 
 use crate::error::CliError;
-use crate::input::{read_bytes, read_text};
-pub(in crate::commands) use crate::mark::Kind;
+pub(in crate::commands) use dynoid::Kind;
 
 /// The bench model beside a study.
 pub(in crate::commands) const MODEL: &str = "model.json";
 const WANTED: &str = "a model.json as `dynoid study` writes, or an FMU of dynoid";
 
 /// The bench model in a file, or beside a study.
-pub(in crate::commands) fn read(path: &Path) -> Result<BenchModelDocument, CliError> {
-    let text = text(path, WANTED)?;
+pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<BenchModelDocument, CliError> {
+    let text = text(path, WANTED, files)?;
     if Kind::of(&text) != Kind::Study {
         return of_text(path, &text);
     }
@@ -23,7 +23,7 @@ pub(in crate::commands) fn read(path: &Path) -> Result<BenchModelDocument, CliEr
     if !beside.is_file() {
         return Err(CliError::IsStudy { path: path.to_owned() });
     }
-    let document = of_text(&beside, &read_text(&beside, WANTED)?)?;
+    let document = of_text(&beside, &files.read_text(&beside, WANTED)?)?;
     match is_of_study(&document, &text) {
         true => Ok(document),
         false => Err(CliError::OfTwoStudies { study: path.to_owned(), model: beside }),
@@ -56,12 +56,12 @@ pub(in crate::commands) fn is_reported(document: &BenchModelDocument, report: &[
 }
 
 /// The text of a model file, which may be in an FMU. The error for a file that is not text names what is `wanted`.
-pub(in crate::commands) fn text(path: &Path, wanted: &'static str) -> Result<String, CliError> {
-    let is_fmu = crate::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
+pub(in crate::commands) fn text(path: &Path, wanted: &'static str, files: &Files) -> Result<String, CliError> {
+    let is_fmu = dynoid::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
     if !is_fmu {
-        return read_text(path, wanted);
+        return Ok(files.read_text(path, wanted)?);
     }
-    let bytes = read_bytes(path)?;
+    let bytes = files.read_bytes(path)?;
     export::fmu::model_in(&bytes).ok_or_else(|| CliError::NoModelInside { path: path.to_owned() })
 }
 

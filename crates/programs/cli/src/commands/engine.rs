@@ -16,7 +16,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    rebuilt::check(arguments.out.as_deref())?;
+    rebuilt::check(arguments.out.as_deref(), &terminal.files())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let all: Vec<_> = experiments.iter().collect();
     let found = engine_torque(&Parts::of(&all, &bench), terminal.work());

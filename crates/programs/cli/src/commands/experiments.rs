@@ -1,5 +1,6 @@
 //! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
 
+use dynoid::Error;
 use report::wording;
 use rig::{BenchFile, Experiment, Severity};
 use study::experiment_of;
@@ -9,7 +10,6 @@ use super::study::read_bench;
 use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;
 use crate::error::CliError;
-use crate::input;
 use crate::terminal::Terminal;
 
 /// A bench with the recordings that can be used.
@@ -43,20 +43,20 @@ pub(super) fn each(
     terminal: &mut Terminal,
     mut work: impl FnMut(&BenchFile, Experiment),
 ) -> Result<Vec<String>, CliError> {
-    let (bench, _) = read_bench(&given.bench)?;
+    let (bench, _) = read_bench(&given.bench, &terminal.files())?;
     if bench.channels.is_empty() {
-        return Err(CliError::NoChannelsNamed { path: given.bench.clone() });
+        return Err(Error::NoChannelsNamed { path: given.bench.clone() }.into());
     }
     let files = match given.recordings.is_empty() {
-        true => input::listed(&given.bench, &bench.recordings.files)?,
-        false => input::named(&given.recordings)?,
+        true => dynoid::listed(&given.bench, &bench.recordings.files)?,
+        false => terminal.files().named(&given.recordings)?,
     };
-    check_plot(result)?;
+    check_plot(result, &terminal.files())?;
     let step = terminal.work().step(doing, files.len() as u64);
     let (mut refused, mut doubts) = (Vec::new(), Vec::new());
     for file in &files {
         let part = step.step(format!("{doing} {}", file.name), 0);
-        match experiment_of(&bench, &input::read_source(file, &bench, &part)?) {
+        match experiment_of(&bench, &terminal.files().read_source(file, &bench, &part)?) {
             Ok((experiment, diagnostics)) => {
                 let worth_knowing = diagnostics.iter().filter(|d| d.severity >= Severity::Warning);
                 doubts.extend(worth_knowing.map(wording::remark));

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bench_model::document::BenchModelDocument;
+use dynoid::{Files, Mark, OutputFolder, check_replaceable, paths, replace_file};
 use export::fmu::FmiVersion;
 use export::names::Names;
 use export::{ExportError, ExportedFile};
@@ -14,12 +15,8 @@ use crate::cli::export::{ExportArguments, ExportTarget};
 use crate::commands::bench_model::is_reported;
 use crate::commands::study::REPORT;
 use crate::error::{CliError, Outcome};
-use crate::mark::Mark;
-use crate::output::{OutputFolder, check_replaceable, replace_file};
-use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
-use crate::this_run;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -31,17 +28,17 @@ pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Resul
     if arguments.draws > 0 && arguments.to != ExportTarget::Ssv {
         return Err(CliError::Usage { what: "--draws belongs to --to ssv; give both".to_owned() });
     }
-    let source = Source::read(&arguments.model)?;
+    let source = Source::read(&arguments.model, &terminal.files())?;
     let place = Place::of(arguments, &source)?;
     let failed = |source| CliError::Export { path: arguments.model.clone(), source };
     let report = report(&source, arguments, terminal);
     let files =
         place.named(exported(&source, arguments, report.as_deref(), &place.names).map_err(failed)?, arguments.to);
     if let Some(device) = &place.device {
-        return write_to_device(device, &files);
+        return write_to_device(device, &files, &terminal.files());
     }
-    place.check(&files, arguments)?;
-    let folder = OutputFolder::check(&place.folder)?;
+    place.check(&files, arguments, &terminal.files())?;
+    let folder = OutputFolder::check(&place.folder, &terminal.files())?;
     let replaced: Vec<PathBuf> = files.iter().filter_map(|file| place.replaced_by(file)).collect();
     let contents: Vec<(&str, &[u8])> = files.iter().map(|file| (file.name.as_str(), &file.content[..])).collect();
     let written = folder.write(&contents)?;
@@ -60,12 +57,12 @@ pub(crate) fn run(arguments: &ExportArguments, terminal: &mut Terminal) -> Resul
 }
 
 /// Writes the one file of a target to what is no file, such as standard output.
-fn write_to_device(device: &Path, files: &[ExportedFile]) -> Result<Outcome, CliError> {
+fn write_to_device(device: &Path, files: &[ExportedFile], run: &Files) -> Result<Outcome, CliError> {
     let [file] = files else {
         let what = format!("{}: this target writes {} files; give a folder", device.display(), files.len());
         return Err(CliError::Usage { what });
     };
-    replace_file(device, &file.content)?;
+    replace_file(device, &file.content, run)?;
     Ok(Outcome::Done)
 }
 
@@ -194,7 +191,7 @@ impl Place {
     }
 
     /// Refuses, before anything is written, names that the target cannot take, and files that must stay.
-    fn check(&self, files: &[ExportedFile], arguments: &ExportArguments) -> Result<(), CliError> {
+    fn check(&self, files: &[ExportedFile], arguments: &ExportArguments, run: &Files) -> Result<(), CliError> {
         if let (Some(asked), Some(first)) = (&self.file, files.first())
             && *asked != first.name
         {
@@ -204,8 +201,8 @@ impl Place {
         }
         for file in files {
             let path = self.folder.join(&file.name);
-            check_replaceable(&path, Mark::of_content(&file.content).as_ref())?;
-            if !this_run::overwrites() {
+            check_replaceable(&path, Mark::of_content(&file.content).as_ref(), run)?;
+            if !run.overwrites() {
                 self.check_version(file, arguments.to)?;
             }
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use dynoid::{Error, Files, InputFile, Mark, check_replaceable, paths};
 use recording::{Recording, Selection};
 use report::proposal::{reasons, unit};
 use rig::bench_file::{Draft, PLACEHOLDER};
@@ -14,21 +15,16 @@ use serde::Serialize;
 use super::update;
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
-use crate::input::{self, InputFile};
-use crate::mark::{self, Mark};
-use crate::output::{self, check_replaceable};
-use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
-use crate::this_run;
 
 pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = &arguments.out;
     if out.is_dir() {
-        return Err(CliError::InTheWay { path: out.clone(), what: "a folder" });
+        return Err(Error::InTheWay { path: out.clone(), what: "a folder" }.into());
     }
-    let replaced = check_place(out, arguments.force || arguments.update)?;
-    let named = input::named(&arguments.recordings)?;
+    let replaced = check_place(out, arguments.force || arguments.update, &terminal.files())?;
+    let named = terminal.files().named(&arguments.recordings)?;
     let recordings = decode_all(&named, terminal)?;
     let pairs: Vec<(&str, &Recording)> = recordings.iter().map(|(file, r)| (file.name.as_str(), r)).collect();
     let guess = guess_roles(&pairs);
@@ -40,14 +36,17 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     let proposed = BenchFile::to_commented_toml(&draft);
     let text = match arguments.update && out.is_file() {
         true => {
-            let text = std::fs::read_to_string(out).map_err(|source| CliError::read(out, source))?;
+            let text = std::fs::read_to_string(out).map_err(|source| Error::read(out, source))?;
             update::updated((out.as_path(), text.as_str()), &proposed, &files)?
         }
         false => proposed,
     };
-    output::replace_with(out, replaced.as_ref(), |file| {
-        file.write_all(text.as_bytes()).map_err(|source| CliError::write(out, source))
-    })?;
+    dynoid::replace_with(
+        out,
+        replaced.as_ref(),
+        |file| file.write_all(text.as_bytes()).map_err(|source| Error::write(out, source)),
+        &terminal.files(),
+    )?;
     let gaps = gaps_in(&text);
     if arguments.json {
         terminal.json(&proposal(&guess, out, &gaps, &unlabelled))?;
@@ -59,14 +58,14 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
 
 /// The mark of the bench file that is replaced, if there is one; any other file is refused, and without --force a bench
 /// file too.
-fn check_place(out: &Path, force: bool) -> Result<Option<Mark>, CliError> {
+fn check_place(out: &Path, force: bool, files: &Files) -> Result<Option<Mark>, CliError> {
     if !out.is_file() {
         return Ok(None);
     }
-    match mark::is_bench_file(out) {
+    match dynoid::is_bench_file(out) {
         true if force => Ok(Mark::of_file(out)),
         true => Err(CliError::BenchFileExists { path: out.to_owned() }),
-        false if this_run::overwrites() => check_replaceable(out, None).map(|()| None),
+        false if files.overwrites() => Ok(check_replaceable(out, None, files).map(|()| None)?),
         false => Err(CliError::NotABenchFile { path: out.to_owned() }),
     }
 }
@@ -78,7 +77,7 @@ fn decode_all(files: &[InputFile], terminal: &mut Terminal) -> Result<Vec<(Input
     let mut faults = Vec::new();
     for file in files {
         let reading = step.step(format!("reading {}", file.name), 0);
-        match input::decode(file, &Selection::All, &reading)? {
+        match terminal.files().decode(file, &Selection::All, &reading)? {
             Ok(recording) => recordings.push((file.clone(), recording)),
             Err(error) => faults.push(error.to_string()),
         }
@@ -121,7 +120,7 @@ fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<(String, Vec<Pat
             patterns.push((path, vec![argument.clone()]));
             continue;
         }
-        let files = input::recordings_in(argument)?;
+        let files = dynoid::recordings_in(argument)?;
         let endings: BTreeSet<&str> = files.iter().filter_map(|file| paths::ending(file)).collect();
         let prefix = if path.is_empty() { String::new() } else { format!("{}/", glob::Pattern::escape(&path)) };
         let of = |ending: &&str| files.iter().filter(|file| paths::ending(file) == Some(*ending)).cloned().collect();

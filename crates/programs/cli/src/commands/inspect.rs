@@ -1,13 +1,13 @@
 //! `dynoid inspect`: what recordings hold.
 
 use dataset::inspection::{File, Listing};
+use dynoid::{Error, InputFile, Read};
 use report::inspection;
 use rig::ExperimentLabel;
 use serde::Serialize;
 
 use crate::cli::inspect::InspectArguments;
 use crate::error::{CliError, Outcome};
-use crate::input::{self, InputFile, Read};
 use crate::terminal::Terminal;
 
 /// Content of a file that is shown.
@@ -19,7 +19,7 @@ enum Shown {
 }
 
 pub(crate) fn run(arguments: &InspectArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let files = input::named(&arguments.files)?;
+    let files = terminal.files().named(&arguments.files)?;
     let mut all = Vec::new();
     let mut unreadable = 0;
     for (index, file) in files.iter().enumerate() {
@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &InspectArguments, terminal: &mut Terminal) -> Resu
                     Shown::Listing(listing) => inspection::listing(&listing),
                 });
             }
-            Err(error @ CliError::Recording { .. }) => {
+            Err(error @ CliError::Door { source: Error::Recording { .. } }) => {
                 unreadable += 1;
                 terminal.error(&error.to_string());
             }
@@ -49,18 +49,23 @@ pub(crate) fn run(arguments: &InspectArguments, terminal: &mut Terminal) -> Resu
 
 fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> Result<Shown, CliError> {
     if arguments.list {
-        let catalogue = input::catalogue(file)?;
-        return Ok(Shown::Listing(Listing::of(&file.name, label(&file.name), &catalogue, &input::extras(file)?)));
+        let catalogue = terminal.files().catalogue(file)?;
+        return Ok(Shown::Listing(Listing::of(
+            &file.name,
+            label(&file.name),
+            &catalogue,
+            &terminal.files().extras(file)?,
+        )));
     }
     let step = terminal.work().step(format!("reading {}", file.name), 0);
-    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &step);
+    let read = terminal.files().read_recording(file, &dynoid::selection(&arguments.channels), None, &step);
     let Read { recording, .. } = read.map_err(|error| match error {
         // There is no option for it here.
-        CliError::Recording { source, .. } => CliError::Recording { source, untimed: false },
+        Error::Recording { source, .. } => Error::Recording { source, untimed: false },
         other => other,
     })?;
-    let sha256 = arguments.json.then(|| input::sha256(file)).transpose()?;
-    let facts = File::of(&file.name, label(&file.name), &recording, &input::extras(file)?);
+    let sha256 = arguments.json.then(|| terminal.files().sha256(file)).transpose()?;
+    let facts = File::of(&file.name, label(&file.name), &recording, &terminal.files().extras(file)?);
     Ok(Shown::File(File { sha256, ..facts }))
 }
 

@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
+use dynoid::{FileFormat, Files, Mark, check_file};
 use recording::{Channel, Format, Raster, Recording};
 
 use crate::error::CliError;
-use crate::formats::FileFormat;
-use crate::mark::Mark;
-use crate::output::check_file;
 use crate::terminal::Terminal;
 
 /// A torque with what belongs to it: name, comment and samples of each, in Nm.
@@ -19,10 +17,10 @@ pub(super) struct Rebuilt<'a> {
 }
 
 /// Checks before any work that a torque can be written there: by its ending, and that nothing that is read is lost.
-pub(super) fn check(out: Option<&Path>) -> Result<(), CliError> {
+pub(super) fn check(out: Option<&Path>, files: &Files) -> Result<(), CliError> {
     let Some(out) = out else { return Ok(()) };
     FileFormat::of_output(out)?;
-    check_file(out, &Mark::of_run())
+    Ok(check_file(out, &Mark::of_run(files), files)?)
 }
 
 /// The one recording whose torque, `what`, is written.
@@ -64,5 +62,5 @@ pub(super) fn write(rebuilt: &Rebuilt<'_>, out: &Path, terminal: &mut Terminal) 
     let format = FileFormat::of_output(out)?;
     let renamed = format.fit(&mut recording).into_iter().filter(|note| !note.starts_with("text has no place"));
     renamed.for_each(|note| terminal.warning(&note));
-    format.write(&recording, out)
+    Ok(format.write(&recording, out, &terminal.files())?)
 }

@@ -2,17 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use dynoid::{Files, Mark, Staging, check_file, date, paths};
 use page::{Day, Page, PdfOptions};
 use serde::Serialize;
 
 use crate::cli::identify::ResultArguments;
-use crate::date;
 use crate::error::CliError;
-use crate::mark::{self, Mark};
-use crate::output::{Staging, check_file};
-use crate::paths;
 use crate::terminal::Terminal;
-use crate::this_run;
 
 /// Writes the page where a plot is asked for, and prints the JSON or else the page.
 pub(super) fn show<J: Serialize>(
@@ -51,9 +47,9 @@ pub(super) fn show_with<J: Serialize>(
 
 /// Writes a page, or its figures, as the file's ending asks for.
 pub(super) fn write_page(path: &Path, page: &Page, terminal: &mut Terminal) -> Result<(), CliError> {
-    let mut staging = Staging::default();
+    let mut staging = Staging::of(&terminal.files());
     stage_page(path, page, &mut staging, terminal)?;
-    staging.finish()
+    Ok(staging.finish()?)
 }
 
 /// Writes a page as [`write_page`] does, to get its name together with other files.
@@ -63,7 +59,7 @@ pub(super) fn stage_page(
     staging: &mut Staging,
     terminal: &mut Terminal,
 ) -> Result<(), CliError> {
-    staging.add_content(path, &draw(path, page)?)?;
+    staging.add_content(path, &draw(path, page, &terminal.files())?)?;
     match kind(path)? {
         Kind::Pdf | Kind::Png => warn_without_glyph(&path.display().to_string(), page, terminal),
         Kind::Page | Kind::Svg => Ok(()),
@@ -82,9 +78,9 @@ pub(super) fn warn_without_glyph(file: &str, page: &Page, terminal: &mut Termina
 }
 
 /// Checks before any work that a plot is of a kind that can be drawn, and that it can be written.
-pub(super) fn check_plot(arguments: &ResultArguments) -> Result<(), CliError> {
+pub(super) fn check_plot(arguments: &ResultArguments, files: &Files) -> Result<(), CliError> {
     let Some(path) = &arguments.plot else { return Ok(()) };
-    check_file(path, &Mark::of_run())?;
+    check_file(path, &Mark::of_run(files), files)?;
     kind(path).map(|_| ())
 }
 
@@ -107,22 +103,22 @@ fn kind(path: &Path) -> Result<Kind, CliError> {
 }
 
 /// A page, or the figures of one, as a file's ending asks for.
-fn draw(path: &Path, page: &Page) -> Result<Vec<u8>, CliError> {
+fn draw(path: &Path, page: &Page, files: &Files) -> Result<Vec<u8>, CliError> {
     match kind(path)? {
-        Kind::Page => Ok(html(page).into_bytes()),
-        Kind::Pdf => pdf(page, PdfOptions::default()),
-        Kind::Svg => Ok(mark::in_svg(&page::svg(page.figures())).into_bytes()),
-        Kind::Png => page::png(page.figures()).map(|png| mark::in_png(&png)).map_err(CliError::internal),
+        Kind::Page => Ok(html(page, files).into_bytes()),
+        Kind::Pdf => pdf(page, PdfOptions::default(), files),
+        Kind::Svg => Ok(dynoid::in_svg(&page::svg(page.figures()), files).into_bytes()),
+        Kind::Png => page::png(page.figures()).map(|png| dynoid::in_png(&png, files)).map_err(CliError::internal),
     }
 }
 
 /// A page for a browser.
-pub(super) fn html(page: &Page) -> String {
-    page::html(page, &this_run::generator())
+pub(super) fn html(page: &Page, files: &Files) -> String {
+    page::html(page, &files.generator())
 }
 
 /// A page on paper, made today by this program.
-pub(super) fn pdf(page: &Page, options: PdfOptions) -> Result<Vec<u8>, CliError> {
-    let options = PdfOptions { generator: this_run::generator(), created: Day::parse(&date::today()), ..options };
+pub(super) fn pdf(page: &Page, options: PdfOptions, files: &Files) -> Result<Vec<u8>, CliError> {
+    let options = PdfOptions { generator: files.generator(), created: Day::parse(&date::today()), ..options };
     page::pdf(page, &options).map_err(CliError::internal)
 }

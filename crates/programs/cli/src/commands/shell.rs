@@ -2,12 +2,11 @@
 
 use clap::CommandFactory;
 use clap_mangen::Man;
+use dynoid::{Error, OutputFolder, paths};
 
 use crate::cli::Cli;
 use crate::cli::shell::{CompletionsArguments, ManualArguments};
 use crate::error::{CliError, Outcome};
-use crate::output::OutputFolder;
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// `dynoid shell completions`
@@ -20,11 +19,11 @@ pub(crate) fn completions(arguments: &CompletionsArguments, terminal: &mut Termi
 
 /// `dynoid shell manual`
 pub(crate) fn manual(arguments: &ManualArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let folder = OutputFolder::check(&arguments.folder)?;
+    let folder = OutputFolder::check(&arguments.folder, &terminal.files())?;
     let mut command = Cli::command();
     command.build();
     let mut pages = Vec::new();
-    collect(&command, &mut pages).map_err(|source| CliError::write(&arguments.folder, source))?;
+    collect(&command, &mut pages).map_err(|source| Error::write(&arguments.folder, source))?;
     let files: Vec<(&str, &[u8])> = pages.iter().map(|(name, page)| (name.as_str(), page.as_slice())).collect();
     let written = folder.write(&files)?;
     terminal.line(&format!("{} pages are in {}", written.len(), paths::with_slashes(&arguments.folder)));

@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use bench_model::document::BenchModelDocument;
+use dynoid::{Error, Files, Mark, OutputFolder, check_replaceable, date, paths};
 use numerics::parallel::current_num_threads;
 use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
@@ -15,16 +16,9 @@ use work::Context;
 
 use super::bench_model::{Kind, MODEL};
 use crate::cli::bench::{PaperSize, StudyArguments};
-use crate::date;
 use crate::error::{CliError, Outcome};
-use crate::formats;
-use crate::input;
-use crate::mark::Mark;
-use crate::output::{OutputFolder, check_replaceable};
-use crate::paths;
 use crate::summary::{self, Earlier, Written};
 use crate::terminal::Terminal;
-use crate::this_run;
 
 pub(crate) const REPORT: &str = "report.html";
 /// The report with all analyses, which a study without them leaves alone.
@@ -100,27 +94,27 @@ pub(crate) fn study(
     (seed, wanted): (Option<u64>, Wanted),
     terminal: &mut Terminal,
 ) -> Result<Written, CliError> {
-    let (file, text) = read_bench(bench)?;
-    let folder = OutputFolder::check(out)?;
-    check_results(out, wanted)?;
+    let (file, text) = read_bench(bench, &terminal.files())?;
+    let folder = OutputFolder::check(out, &terminal.files())?;
+    check_results(out, wanted, &terminal.files())?;
     let earlier = earlier_model(&out.join(MODEL), terminal);
-    let logo = logo(bench, &file)?;
+    let logo = logo(bench, &file, &terminal.files())?;
     // Reading, studying, analysing, and writing.
     let step = terminal.work().step("study", if wanted.extent == Extent::Full { 4 } else { 3 });
-    let recordings = read_recordings(bench, &file, &step)?;
+    let recordings = read_recordings(bench, &file, &step, &terminal.files())?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed };
     let origin = origin(&text);
     let (study, analyses) = studied(campaign, wanted.extent, &step).map_err(|error| no_study(bench, error))?;
     let writing = step.step("writing the report", 0);
     let pages = Pages::of((&study, &origin), analyses.as_ref(), logo.as_ref(), wanted);
-    let series = study::series(&study).map(|table| formats::encode_table(&table)).transpose()?;
+    let series = study::series(&study).map(|table| dynoid::encode_table(&table, &terminal.files())).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
     let model = document(&study, &text);
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
-    let beside = pages.files(&file.report, wanted)?;
-    let html = super::result::html(&pages.report);
+    let beside = pages.files(&file.report, wanted, &terminal.files())?;
+    let html = super::result::html(&pages.report, &terminal.files());
     let mut files: Vec<(&str, &[u8])> = beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
     files.extend([(DATA, json.as_bytes()), (REPORT, html.as_bytes())]);
     files.extend(series.as_deref().map(|series| (SERIES, series)));
@@ -149,13 +143,13 @@ pub(crate) fn study(
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
 pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
-    let (file, text) = read_bench(bench)?;
+    let (file, text) = read_bench(bench, &terminal.files())?;
     let step = terminal.work().step("study", 2);
-    let recordings = read_recordings(bench, &file, &step)?;
+    let recordings = read_recordings(bench, &file, &step, &terminal.files())?;
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed: None };
     let study = study::run(campaign, &step).map_err(|error| no_study(bench, error))?;
-    document(&study, &text).ok_or_else(|| CliError::NoModelOfBench { path: bench.to_owned() })
+    Ok(document(&study, &text).ok_or_else(|| Error::NoModelOfBench { path: bench.to_owned() })?)
 }
 
 /// The bench model of a study, if it has one.
@@ -164,11 +158,11 @@ fn document(study: &Study, bench_file: &str) -> Option<BenchModelDocument> {
 }
 
 fn origin(bench_file: &str) -> Origin {
-    Origin { date: date::today(), bench_file_sha256: input::sha256_of_text(bench_file) }
+    Origin { date: date::today(), bench_file_sha256: dynoid::sha256_of_text(bench_file) }
 }
 
 /// Refuses, before any work, a folder where a result would replace a file that is none.
-fn check_results(out: &Path, wanted: Wanted) -> Result<(), CliError> {
+fn check_results(out: &Path, wanted: Wanted, files: &Files) -> Result<(), CliError> {
     let full = wanted.extent == Extent::Full;
     let pages = [
         (REPORT, true),
@@ -178,9 +172,9 @@ fn check_results(out: &Path, wanted: Wanted) -> Result<(), CliError> {
         (FULL_REPORT_PDF, full && wanted.pdf.is_some()),
         (SUMMARY_PDF, wanted.summary.is_some()),
     ];
-    let pages = pages.into_iter().filter(|(_, is_written)| *is_written).map(|(name, _)| (name, Mark::of_run()));
+    let pages = pages.into_iter().filter(|(_, is_written)| *is_written).map(|(name, _)| (name, Mark::of_run(files)));
     let documents = [(DATA, Mark::Document(Kind::Study)), (MODEL, Mark::Document(Kind::Bench))];
-    pages.chain(documents).try_for_each(|(name, mark)| check_replaceable(&out.join(name), Some(&mark)))
+    Ok(pages.chain(documents).try_for_each(|(name, mark)| check_replaceable(&out.join(name), Some(&mark), files))?)
 }
 
 /// The bench model that an earlier study wrote here.
@@ -199,15 +193,16 @@ pub(in crate::commands) fn read_recordings(
     bench: &Path,
     file: &BenchFile,
     context: &Context,
+    files: &Files,
 ) -> Result<Prepared, CliError> {
-    let files = input::listed(bench, &file.recordings.files)?;
-    let step = context.step("reading", 2 * files.len() as u64);
+    let found = dynoid::listed(bench, &file.recordings.files)?;
+    let step = context.step("reading", 2 * found.len() as u64);
     let mut prepared = Prepared::default();
-    let read = |input: &input::InputFile| {
+    let read = |input: &dynoid::InputFile| {
         let reading = step.step(format!("reading {}", input.name), 0);
-        input::read_source(input, file, &reading)
+        files.read_source(input, file, &reading)
     };
-    for some in files.chunks(current_num_threads()) {
+    for some in found.chunks(current_num_threads()) {
         let sources = some.iter().map(read).collect::<Result<_, _>>()?;
         prepared.add(file, sources, &step);
     }
@@ -245,14 +240,19 @@ impl Pages {
     }
 
     /// Files that are wanted beside the report for a browser: the full report, and all that is for paper.
-    fn files(&self, identity: &ReportIdentity, wanted: Wanted) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
+    fn files(
+        &self,
+        identity: &ReportIdentity,
+        wanted: Wanted,
+        files: &Files,
+    ) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
         let pdf = |page: &Page, paper: Paper, on_one_page: bool| {
             let author = identity.author.clone().unwrap_or_default();
-            super::result::pdf(page, PdfOptions { paper, author, on_one_page, ..PdfOptions::default() })
+            super::result::pdf(page, PdfOptions { paper, author, on_one_page, ..PdfOptions::default() }, files)
         };
         let mut all = Vec::new();
         if let Some(full) = &self.full {
-            all.push((FULL_REPORT, super::result::html(full).into_bytes()));
+            all.push((FULL_REPORT, super::result::html(full, files).into_bytes()));
         }
         if let Some(paper) = wanted.pdf {
             all.push((REPORT_PDF, pdf(&self.report, paper, false)?));
@@ -278,52 +278,53 @@ impl Pages {
 }
 
 /// The logo that a bench file names.
-fn logo(bench: &Path, file: &BenchFile) -> Result<Option<Logo>, CliError> {
+fn logo(bench: &Path, file: &BenchFile, files: &Files) -> Result<Option<Logo>, CliError> {
     let Some(name) = &file.report.logo else { return Ok(None) };
     let path = paths::folder_of(bench).join(name);
-    let failed = |reason: String| CliError::Logo { logo: path.clone(), bench: bench.to_owned(), reason };
+    let failed = |reason: String| Error::Logo { logo: path.clone(), bench: bench.to_owned(), reason };
     if !path.is_file() {
-        return Err(failed("there is no such file; correct the path".to_owned()));
+        return Err(failed("there is no such file; correct the path".to_owned()).into());
     }
-    this_run::reads(&path);
+    files.reads(&path);
     let mut bytes = Vec::new();
     // What is longer is refused, however long it is.
     let most = Logo::MOST_BYTES as u64 + 1;
     File::open(&path)
         .and_then(|file| file.take(most).read_to_end(&mut bytes))
         .map_err(|error| failed(error.to_string()))?;
-    Logo::read(bytes).map(Some).map_err(|error| failed(error.to_string()))
+    Ok(Logo::read(bytes).map(Some).map_err(|error| failed(error.to_string()))?)
 }
 
 /// A bench file and its text.
-pub(crate) fn read_bench(bench: &Path) -> Result<(BenchFile, String), CliError> {
-    let text = bench_text(bench)?;
-    let file: BenchFile = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
-    this_run::is_on(bench, &file.recordings.files);
+pub(crate) fn read_bench(bench: &Path, files: &Files) -> Result<(BenchFile, String), CliError> {
+    let text = bench_text(bench, files)?;
+    let file: BenchFile = text.parse().map_err(|source| Error::BenchFile { path: bench.to_owned(), source })?;
+    files.is_on(bench, &file.recordings.files);
     Ok((file, text))
 }
 
 /// The text of a bench file.
-pub(crate) fn bench_text(bench: &Path) -> Result<String, CliError> {
+pub(crate) fn bench_text(bench: &Path, files: &Files) -> Result<String, CliError> {
     if bench.is_dir() {
         let inside = bench.join("bench.toml");
         let remedy = match inside.is_file() {
             true => format!("did you mean {}?", inside.display()),
             false => "name a bench file, or have one proposed with `dynoid init`".into(),
         };
-        return Err(CliError::IsFolder { path: bench.to_owned(), remedy });
+        return Err(Error::IsFolder { path: bench.to_owned(), remedy }.into());
     }
-    input::read_text(bench, "a bench file such as `dynoid init` writes")
+    Ok(files.read_text(bench, "a bench file such as `dynoid init` writes")?)
 }
 
 pub(in crate::commands) fn no_study(bench: &Path, error: StudyError) -> CliError {
     match error {
-        StudyError::NoChannels => CliError::NoChannelsNamed { path: bench.to_owned() },
-        StudyError::NoRecordings => CliError::NoRecordingsListed { path: bench.to_owned() },
-        StudyError::NothingUsable { count, diagnostics } => CliError::NothingUsable {
+        StudyError::NoChannels => Error::NoChannelsNamed { path: bench.to_owned() }.into(),
+        StudyError::NoRecordings => Error::NoRecordingsListed { path: bench.to_owned() }.into(),
+        StudyError::NothingUsable { count, diagnostics } => Error::NothingUsable {
             bench: bench.to_owned(),
             count,
             reasons: diagnostics.iter().map(|found| format!("  {}", wording::diagnostic(found))).collect(),
-        },
+        }
+        .into(),
     }
 }

@@ -17,7 +17,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    rebuilt::check(arguments.out.as_deref())?;
+    rebuilt::check(arguments.out.as_deref(), &terminal.files())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let all: Vec<&Experiment> = experiments.iter().collect();
     let limit = bench.limits.torque_nm;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use toml::Table;
 
 use crate::error::CliError;
-use crate::input;
 
 /// The text of a bench file with the channels, recordings and labels of a proposal that it lacks; `files` are patterns
 /// with the recordings that they stand for.
@@ -119,7 +118,7 @@ fn new_files<'a>(bench: &Path, stated: &Table, files: &'a [(String, Vec<PathBuf>
     // A pattern that matches nothing any more says nothing of the others.
     let listed: Vec<_> = patterns
         .iter()
-        .filter_map(|pattern| input::listed(bench, std::slice::from_ref(pattern)).ok())
+        .filter_map(|pattern| dynoid::listed(bench, std::slice::from_ref(pattern)).ok())
         .flatten()
         .filter_map(|file| file.path.canonicalize().ok())
         .collect();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cycle::{Own, Sensor, Signal as Of};
+use dynoid::{Error, Files, InputFile, paths};
 use report::wording;
 use rig::experiment::{ControlMode, Excitation, Test as Experimental};
 use rig::{Diagnostic, Experiment, ExperimentLabel, Finding, PrepareError, Role, RunChannels, Severity, prepare_run};
@@ -13,8 +14,6 @@ use super::wanted::Wanted;
 use crate::cli::can::CanArguments;
 use crate::commands::study::bench_text;
 use crate::error::CliError;
-use crate::input::{self, InputFile};
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// Roles whose signal can be the torque of the shaft, the best first.
@@ -45,7 +44,7 @@ impl Compared {
         path: &Path,
         terminal: &mut Terminal,
     ) -> Result<Self, CliError> {
-        let run = run_channels(&arguments.on.bench)?;
+        let run = run_channels(&arguments.on.bench, &terminal.files())?;
         let file = InputFile { path: path.to_owned(), name: paths::with_slashes(path) };
         let recording = recording(&file, &run, terminal)?;
         let label = label(test);
@@ -109,11 +108,11 @@ impl Compared {
 }
 
 /// The channels of the bench file; nothing else of it is needed.
-fn run_channels(bench: &Path) -> Result<RunChannels, CliError> {
-    let read = bench_text(bench)?.parse();
-    let run: RunChannels = read.map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+fn run_channels(bench: &Path, files: &Files) -> Result<RunChannels, CliError> {
+    let read = bench_text(bench, files)?.parse();
+    let run: RunChannels = read.map_err(|source| Error::BenchFile { path: bench.to_owned(), source })?;
     if run.channels.is_empty() {
-        return Err(CliError::NoChannelsNamed { path: bench.to_owned() });
+        return Err(Error::NoChannelsNamed { path: bench.to_owned() }.into());
     }
     Ok(run)
 }
@@ -122,9 +121,9 @@ fn run_channels(bench: &Path) -> Result<RunChannels, CliError> {
 fn recording(file: &InputFile, run: &RunChannels, terminal: &mut Terminal) -> Result<recording::Recording, CliError> {
     let step = terminal.work().step(format!("reading {}", file.name), 0);
     let names = run.channels.values().map(|channel| channel.name.clone()).collect::<Vec<_>>();
-    let read = |which: recording::Selection| input::read_recording(file, &which, None, &step);
+    let read = |which: recording::Selection| terminal.files().read_recording(file, &which, None, &step);
     let found = match read(recording::Selection::Names(names)) {
-        Err(CliError::Recording { source: recording::RecordingError::NoSuchChannel { .. }, .. }) => {
+        Err(Error::Recording { source: recording::RecordingError::NoSuchChannel { .. }, .. }) => {
             read(recording::Selection::All)
         }
         other => other,

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use cycle::{EngineMap, Reference, Rule, Scales, SpeedScale};
+use dynoid::{Error, Files, paths};
 use numerics::order::upper_median;
 use recording::{Channel, Recording, Selection};
 use units::{Quantity, parse_unit_of};
 
 use super::engine_map::{self, SPEED, TORQUE};
 use crate::error::CliError;
-use crate::input;
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// Value read for a cell that marks motoring: no torque in Nm or % is so large.
@@ -32,7 +31,7 @@ pub(super) fn read(
     map: Option<&EngineMap>,
     terminal: &mut Terminal,
 ) -> Result<Option<Reference>, CliError> {
-    let recording = table(path)?;
+    let recording = table(path, &terminal.files())?;
     let find = |names| engine_map::column(&recording, names);
     let (Some(speed), Some(torque)) = (find(SPEED), find(TORQUE)) else { return Ok(None) };
     let fault = |reason: String| CliError::CycleTable { path: path.to_owned(), reason };
@@ -62,12 +61,12 @@ pub(super) fn read(
 }
 
 /// The table, with a number in place of each word that marks motoring.
-fn table(path: &Path) -> Result<Recording, CliError> {
+fn table(path: &Path, files: &Files) -> Result<Recording, CliError> {
     if !paths::ending(path).is_some_and(|ending| TEXTS.iter().any(|text| ending.eq_ignore_ascii_case(text))) {
-        return engine_map::table(path, None);
+        return engine_map::table(path, None, files);
     }
-    let text = input::read_bytes(path)?;
-    let Ok(text) = String::from_utf8(text) else { return engine_map::table(path, None) };
+    let text = files.read_bytes(path)?;
+    let Ok(text) = String::from_utf8(text) else { return engine_map::table(path, None, files) };
     let is_mark = |cell: &str| MARKS.iter().any(|mark| cell.trim().trim_matches('"').eq_ignore_ascii_case(mark));
     let separator = |c: char| matches!(c, ';' | ',' | '\t');
     let line = |line: &str| -> String {
@@ -78,8 +77,8 @@ fn table(path: &Path) -> Result<Recording, CliError> {
         line.split_inclusive(separator).map(cell).collect()
     };
     let marked: Vec<String> = text.lines().map(line).collect();
-    recording::decode(&paths::with_slashes(path), marked.join("\n").as_bytes(), &Selection::All)
-        .map_err(|source| CliError::Recording { source, untimed: false })
+    Ok(recording::decode(&paths::with_slashes(path), marked.join("\n").as_bytes(), &Selection::All)
+        .map_err(|source| Error::Recording { source, untimed: false })?)
 }
 
 /// Speed, rad/s, and torque, Nm, of each row.

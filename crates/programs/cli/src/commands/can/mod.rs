@@ -20,7 +20,7 @@ use wanted::Wanted;
 const MAP: &str = "map";
 
 pub(crate) fn run(arguments: &CanArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.on.result)?;
+    check_plot(&arguments.on.result, &terminal.files())?;
     if arguments.test.eq_ignore_ascii_case(MAP) {
         return map::run(arguments, terminal);
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use capability::{CycleDemand, Demand, shapes};
 use cycle::{Driver, EngineMap, Gearbox, Kind, Reference, Vehicle, builtin};
+use dynoid::{Files, paths};
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use serde::Deserialize;
@@ -13,8 +14,6 @@ use super::{cycle_table, engine_map};
 use crate::cli::can::CanArguments;
 use crate::commands::experiment::planned;
 use crate::error::CliError;
-use crate::input;
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// A test with its name.
@@ -41,9 +40,13 @@ struct VehicleFile {
 
 impl Test {
     pub(super) fn of(arguments: &CanArguments, terminal: &mut Terminal) -> Result<Self, CliError> {
-        let map = arguments.engine_map.as_deref().map(|path| engine_map::read(path, arguments.idle)).transpose()?;
+        let map = arguments
+            .engine_map
+            .as_deref()
+            .map(|path| engine_map::read(path, arguments.idle, &terminal.files()))
+            .transpose()?;
         if let Ok(cycle) = builtin(&arguments.test) {
-            return of_builtin(&cycle, map, arguments);
+            return of_builtin(&cycle, map, arguments, &terminal.files());
         }
         if let Some(shape) = shapes::find(&arguments.test) {
             return of_shape(shape, arguments);
@@ -76,11 +79,16 @@ impl Test {
     }
 }
 
-fn of_builtin(cycle: &cycle::Builtin, map: Option<EngineMap>, arguments: &CanArguments) -> Result<Test, CliError> {
+fn of_builtin(
+    cycle: &cycle::Builtin,
+    map: Option<EngineMap>,
+    arguments: &CanArguments,
+    files: &Files,
+) -> Result<Test, CliError> {
     let usage = |what: String| CliError::Usage { what };
     let failed = |error: cycle::CycleError| CliError::Usage { what: format!("{}: {error}", cycle.name) };
     let reference = match (cycle.kind, &map, &arguments.vehicle) {
-        (Kind::Vehicle, _, Some(path)) => vehicle(path)?.follow_cycle(cycle).map_err(failed)?,
+        (Kind::Vehicle, _, Some(path)) => vehicle(path, files)?.follow_cycle(cycle).map_err(failed)?,
         (Kind::Vehicle, _, None) => {
             return Err(usage(format!(
                 "{}: this is the speed of a vehicle; describe it with --vehicle FILE",
@@ -112,8 +120,8 @@ impl VehicleFile {
     }
 }
 
-fn vehicle(path: &Path) -> Result<VehicleFile, CliError> {
-    let text = input::read_text(path, "a TOML file of a vehicle")?;
+fn vehicle(path: &Path, files: &Files) -> Result<VehicleFile, CliError> {
+    let text = files.read_text(path, "a TOML file of a vehicle")?;
     toml::from_str(&text)
         .map_err(|error| CliError::CycleTable { path: path.to_owned(), reason: error.to_string().trim().to_owned() })
 }

@@ -16,7 +16,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
     let experiment = match &arguments.bench {
         Some(bench) => recorded(bench, arguments, terminal)?,
         None => {
-            check_plot(&arguments.result)?;
+            check_plot(&arguments.result, &terminal.files())?;
             virtual_experiment(arguments.seed).map_err(CliError::internal)?
         }
     };

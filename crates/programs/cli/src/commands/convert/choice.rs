@@ -1,10 +1,10 @@
 //! Which channels are taken from which of several recordings.
 
+use dynoid::Files;
 use recording::{Catalogue, Finding, Selection, names};
 
 use super::targets::Target;
 use crate::error::CliError;
-use crate::input;
 
 /// The channels that are taken from a recording.
 pub(super) struct Choice {
@@ -15,17 +15,17 @@ pub(super) struct Choice {
 }
 
 /// The channels to be taken from each recording: every pattern has to fit in one at least.
-pub(super) fn choices(targets: &[Target], patterns: &[String]) -> Result<Vec<Choice>, CliError> {
-    let whole = || Choice { selection: Some(input::selection(patterns)), without: None };
+pub(super) fn choices(targets: &[Target], patterns: &[String], files: &Files) -> Result<Vec<Choice>, CliError> {
+    let whole = || Choice { selection: Some(dynoid::selection(patterns)), without: None };
     if patterns.is_empty() || targets.len() < 2 {
         return Ok(targets.iter().map(|_| whole()).collect());
     }
     // One that cannot be listed says why when it is read.
     let listed: Vec<Option<Vec<String>>> =
-        targets.iter().map(|target| input::catalogue(&target.input).ok().map(named)).collect();
+        targets.iter().map(|target| files.catalogue(&target.input).ok().map(named)).collect();
     let known = || listed.iter().flatten().flatten().map(String::as_str);
     let fits = |pattern: &str, names: &[String]| {
-        let selection = input::selection(&[pattern.to_owned()]);
+        let selection = dynoid::selection(&[pattern.to_owned()]);
         names.iter().any(|name| selection.takes(name))
     };
     let is_anywhere = |pattern: &&String| listed.iter().any(|names| names.as_ref().is_none_or(|n| fits(pattern, n)));
@@ -42,7 +42,7 @@ pub(super) fn choices(targets: &[Target], patterns: &[String]) -> Result<Vec<Cho
         let Some(names) = names else { return whole() };
         let (here, missing): (Vec<String>, Vec<String>) = patterns.iter().cloned().partition(|p| fits(p, names));
         Choice {
-            selection: (!here.is_empty()).then(|| input::selection(&here)),
+            selection: (!here.is_empty()).then(|| dynoid::selection(&here)),
             without: (!missing.is_empty()).then(|| format!("it has no channel {}", missing.join(", "))),
         }
     };

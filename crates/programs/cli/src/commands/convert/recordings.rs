@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use dataset::on_one_clock;
+use dynoid::{Error, Read, paths};
 use ident::Intersample;
 use page::{Figure, Page};
 use recording::{Recording, Selection};
@@ -15,8 +16,6 @@ use crate::cli::convert::ConvertArguments;
 use crate::cli::identify::Between;
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
-use crate::input::{self, Read};
-use crate::paths;
 use crate::terminal::Terminal;
 use toolbox_report::one_clock;
 use toolbox_report::words::counted;
@@ -55,9 +54,9 @@ struct ChannelFacts {
 /// `dynoid convert`
 pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
-    let targets = plan(input::named(&arguments.files)?, arguments)?;
-    check_plot(&arguments.result)?;
-    let chosen = choices(&targets, &arguments.channels)?;
+    let targets = plan(terminal.files().named(&arguments.files)?, arguments, &terminal.files())?;
+    check_plot(&arguments.result, &terminal.files())?;
+    let chosen = choices(&targets, &arguments.channels, &terminal.files())?;
     let (mut rows, mut drawn, mut unreadable) = (Vec::new(), Vec::new(), 0);
     for (target, choice) in targets.iter().zip(chosen) {
         let without = choice.without;
@@ -135,10 +134,10 @@ fn one(
 ) -> Result<(Written, Vec<Figure>), CliError> {
     let step = terminal.work().step(format!("converting {}", target.input.name), 0);
     let Read { mut recording, is_untimed } =
-        input::read_recording(&target.input, selection, arguments.sample_time, &step)?;
+        terminal.files().read_recording(&target.input, selection, arguments.sample_time, &step)?;
     let mut notes: Vec<String> = without.into_iter().collect();
     notes.extend(recording.findings.iter().map(ToString::to_string));
-    notes.extend(not_carried_over(&input::extras(&target.input)?));
+    notes.extend(not_carried_over(&terminal.files().extras(&target.input)?));
     if arguments.start.is_some() || arguments.end.is_some() {
         let window = (arguments.start.unwrap_or(f64::NEG_INFINITY), arguments.end.unwrap_or(f64::INFINITY));
         notes.extend(cut(&mut recording, window));
@@ -163,10 +162,10 @@ fn one(
     }
     notes.extend(target.format.fit(&mut recording));
     if let Some(folder) = target.out.parent().filter(|_| arguments.to.is_some()) {
-        std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
+        std::fs::create_dir_all(folder).map_err(|source| Error::write(folder, source))?;
     }
-    let sha256 = arguments.result.json.then(|| input::sha256(&target.input)).transpose()?;
-    target.format.write(&recording, &target.out)?;
+    let sha256 = arguments.result.json.then(|| terminal.files().sha256(&target.input)).transpose()?;
+    target.format.write(&recording, &target.out, &terminal.files())?;
     let drawn = arguments.result.plot.as_ref().map(|_| figures(&paths::with_slashes(&target.out), &recording));
     Ok((facts(target, sha256, &recording, notes), drawn.unwrap_or_default()))
 }

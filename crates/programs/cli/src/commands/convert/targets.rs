@@ -3,13 +3,10 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use dynoid::{FileFormat, Files, InputFile, Mark, OutputFolder, check_file, paths::ending};
+
 use crate::cli::convert::ConvertArguments;
 use crate::error::CliError;
-use crate::formats::FileFormat;
-use crate::input::InputFile;
-use crate::mark::Mark;
-use crate::output::{OutputFolder, check_file};
-use crate::paths::ending;
 
 /// A recording and the file it becomes.
 pub(super) struct Target {
@@ -19,18 +16,18 @@ pub(super) struct Target {
 }
 
 /// Where everything goes, so that nothing is written over that is read or written too.
-pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Result<Vec<Target>, CliError> {
+pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments, run: &Files) -> Result<Vec<Target>, CliError> {
     let usage = |what: String| Err(CliError::Usage { what });
     let Some(out) = &arguments.out else {
         return usage("give the file to write with --out, or a folder with --out and a format with --to".into());
     };
     let targets = match arguments.to {
-        Some(format) => in_folder(files, out, format)?,
+        Some(format) => in_folder(files, out, format.into(), run)?,
         None => vec![alone(files, out)?],
     };
     check_apart(&targets)?;
     for target in targets.iter().filter(|target| arguments.to.is_none() || target.out.exists()) {
-        check_file(&target.out, &Mark::of_run())?;
+        check_file(&target.out, &Mark::of_run(run), run)?;
     }
     Ok(targets)
 }
@@ -51,12 +48,12 @@ fn alone(files: Vec<InputFile>, out: &Path) -> Result<Target, CliError> {
     }
 }
 
-fn in_folder(files: Vec<InputFile>, out: &Path, format: FileFormat) -> Result<Vec<Target>, CliError> {
+fn in_folder(files: Vec<InputFile>, out: &Path, format: FileFormat, run: &Files) -> Result<Vec<Target>, CliError> {
     if !out.is_dir() && ending(out).is_some_and(|_| FileFormat::of(out).is_some()) {
         let what = format!("{}: with --to, --out is a folder; leave --to out to write this file", out.display());
         return Err(CliError::Usage { what });
     }
-    OutputFolder::check(out)?;
+    OutputFolder::check(out, run)?;
     let target = |input: InputFile| {
         // A name that is not UTF-8 stays as it is.
         let mut name = input.path.file_stem().unwrap_or_default().to_owned();

@@ -1,5 +1,6 @@
 //! The demo's experiments and their simulation.
 
+use dynoid::{Files, encode_mdf4};
 use numerics::parallel;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ReportIdentity, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
@@ -10,7 +11,6 @@ use virtual_bench::{CHANNELS, simulate};
 use work::Context;
 
 use crate::error::CliError;
-use crate::formats::encode_mdf4;
 
 /// An experiment and the file its recording goes to.
 pub(super) struct Planned {
@@ -44,14 +44,15 @@ pub(super) fn simulate_all(
     plans: &[Planned],
     seed: u64,
     context: &Context,
+    files: &Files,
 ) -> Result<Vec<Vec<u8>>, CliError> {
     let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
-    let record = |(planned, seed): &(&Planned, u64)| record(parameters, &planned.plan, *seed);
+    let record = |(planned, seed): &(&Planned, u64)| record(parameters, &planned.plan, *seed, files);
     parallel::map_as_step((context, "simulating the bench"), &seeded, record).into_iter().collect()
 }
 
-fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {
-    encode_mdf4(&simulate(parameters, plan, seed).map_err(CliError::internal)?)
+fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64, files: &Files) -> Result<Vec<u8>, CliError> {
+    Ok(encode_mdf4(&simulate(parameters, plan, seed).map_err(CliError::internal)?, files)?)
 }
 
 /// Bench file that the user of a real bench would write.

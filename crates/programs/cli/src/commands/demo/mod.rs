@@ -5,6 +5,7 @@ mod comparison;
 
 use std::path::{Path, PathBuf};
 
+use dynoid::{Files, Mark, OutputFolder, check_replaceable};
 use effects::{Effects, ShaftZeros};
 use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
@@ -14,8 +15,6 @@ use crate::commands::bench_model::MODEL;
 use crate::commands::result::html;
 use crate::commands::study::{self, Wanted};
 use crate::error::{CliError, Outcome};
-use crate::mark::Mark;
-use crate::output::{self, OutputFolder, check_replaceable};
 use crate::summary::{self, Written, shown};
 use crate::terminal::Terminal;
 use numerics::parallel;
@@ -33,16 +32,16 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let parameters = BenchParameters::default();
     let plans = campaign::plans();
     let names: Vec<String> = plans.iter().map(|plan| plan.file_name.clone()).collect();
-    check_folder(out, &names)?;
-    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, terminal.work())?;
+    check_folder(out, &names, &terminal.files())?;
+    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, terminal.work(), &terminal.files())?;
     let folder = out.join(RECORDINGS);
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
-    OutputFolder::check(&folder)?.write(&files)?;
-    let effects = html(&effects(&parameters, arguments.seed)?);
-    output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
+    OutputFolder::check(&folder, &terminal.files())?.write(&files)?;
+    let effects = html(&effects(&parameters, arguments.seed)?, &terminal.files());
+    dynoid::replace_file(&out.join(EFFECTS), effects.as_bytes(), &terminal.files())?;
     let bench = out.join(BENCH_FILE);
-    output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
+    dynoid::replace_file(&bench, bench_file(&parameters).as_bytes(), &terminal.files())?;
     let written = study::study(&bench, out, (Some(arguments.seed), Wanted::REPORT), terminal)?;
     let rows = comparison::rows(&written.study, &parameters);
     if arguments.json {
@@ -71,17 +70,17 @@ fn bench_file(parameters: &BenchParameters) -> String {
 }
 
 /// Refuses a folder with things in it that are not the demo's.
-fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
-    OutputFolder::check(out)?;
+fn check_folder(out: &Path, recordings: &[String], files: &Files) -> Result<(), CliError> {
+    OutputFolder::check(out, files)?;
     let refuse = |found: PathBuf| CliError::NotADemoFolder { path: out.to_owned(), found: shown(&found) };
-    check_replaceable(&out.join(BENCH_FILE), Some(&Mark::of_run()))?;
+    check_replaceable(&out.join(BENCH_FILE), Some(&Mark::of_run(files)), files)?;
     let own = |name: &str| {
         let of_study = [study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"];
         let on_paper = [study::REPORT_PDF, study::FULL_REPORT_PDF, study::SUMMARY_PDF];
         [RECORDINGS, BENCH_FILE, EFFECTS].iter().chain(&of_study).chain(&on_paper).any(|own| *own == name)
     };
     for file in recordings.iter().map(|name| out.join(RECORDINGS).join(name)).chain([out.join(EFFECTS)]) {
-        check_replaceable(&file, Some(&Mark::of_run()))?;
+        check_replaceable(&file, Some(&Mark::of_run(files)), files)?;
     }
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));

@@ -20,7 +20,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.on.result)?;
+    check_plot(&arguments.on.result, &terminal.files())?;
     let bench = Bench::read(&arguments.on.bench, arguments.on.plan.study.as_deref(), terminal)?;
     let Planned { plan, .. } = planned::plan(&arguments.experiment, &arguments.on.plan, terminal)?;
     let doubts = planned::doubts(&plan, &bench.file);

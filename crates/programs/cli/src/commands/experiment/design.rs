@@ -6,6 +6,7 @@ use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
 use dataset::on_one_clock;
+use dynoid::{Error, FileFormat, Files, Mark, OutputFolder, Staging, check_replaceable};
 use ident::Intersample;
 use recording::{Channel, Format, Raster, Recording};
 use report::design::{Designed, reached};
@@ -22,9 +23,6 @@ use super::stated::Bench;
 use crate::cli::experiment::DesignArguments;
 use crate::commands::result::{check_plot, stage_page};
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
-use crate::mark::Mark;
-use crate::output::{OutputFolder, Staging, check_replaceable};
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
@@ -46,11 +44,11 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
     let speed_rpm = speed_rpm.unwrap_or(demands.speed_rad_s[0] / RPM_RAD_S);
     let suffix = optimal.as_ref().map(Optimal::suffix).unwrap_or_default();
     let stem = format!("{}_{speed_rpm:.0}{suffix}", plan.label);
-    let targets = Targets::new(arguments, &stem)?;
+    let targets = Targets::new(arguments, &stem, &terminal.files())?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let predicted = predicted(&bench, &plan, &demands, terminal);
-    let mut staging = targets.stage(&bench, &plan, &demands, predicted.as_ref().ok())?;
+    let mut staging = targets.stage(&bench, &plan, &demands, predicted.as_ref().ok(), &terminal.files())?;
     if let Ok(predicted) = &predicted {
         reached(&predicted.prediction).for_each(|warning| terminal.warning(&warning));
     }
@@ -94,14 +92,17 @@ struct Targets {
 }
 
 impl Targets {
-    fn new(arguments: &DesignArguments, stem: &str) -> Result<Self, CliError> {
+    fn new(arguments: &DesignArguments, stem: &str, files: &Files) -> Result<Self, CliError> {
         let folder = &arguments.out;
-        OutputFolder::check(folder)?;
+        OutputFolder::check(folder, files)?;
         let file = |ending: &str| folder.join(format!("{stem}{ending}"));
         let plot = arguments.on.result.plot.clone().unwrap_or_else(|| file(".html"));
         let targets = Targets { csv: file(".csv"), mf4: file(".mf4"), plot, predicted: file("_predicted.mf4") };
-        check_plot(&arguments.on.result)?;
-        targets.all(true).into_iter().try_for_each(|target| check_replaceable(target, Some(&Mark::of_run())))?;
+        check_plot(&arguments.on.result, files)?;
+        targets
+            .all(true)
+            .into_iter()
+            .try_for_each(|target| check_replaceable(target, Some(&Mark::of_run(files)), files))?;
         Ok(targets)
     }
 
@@ -112,15 +113,16 @@ impl Targets {
         plan: &ExperimentPlan,
         demands: &Demands,
         predicted: Option<&Predicted>,
+        files: &Files,
     ) -> Result<Staging, CliError> {
         if let Some(folder) = self.csv.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
+            std::fs::create_dir_all(folder).map_err(|source| Error::write(folder, source))?;
         }
         let recording = demands.recording(plan);
         // Text has one time column, and no place for the names of rasters; nothing of the demands is lost.
         let mut text = on_fastest_clock(recording.clone())?;
         FileFormat::Csv.fit(&mut text);
-        let mut staging = Staging::default();
+        let mut staging = Staging::of(files);
         FileFormat::Csv.stage(&text, &self.csv, &mut staging)?;
         FileFormat::Mf4.stage(&recording, &self.mf4, &mut staging)?;
         if let Some(predicted) = predicted {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynoid::{Error, paths};
 use report::next::{best, command};
 use study::{NextError, NextExperiments, NextOptions, Prepared, next_experiments};
 
@@ -9,15 +10,14 @@ use crate::cli::experiment::NextArguments;
 use crate::commands::bench_model::MODEL;
 use crate::commands::study::{no_study, read_bench, read_recordings};
 use crate::error::{CliError, Outcome};
-use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let (file, _) = read_bench(&arguments.bench)?;
+    let (file, _) = read_bench(&arguments.bench, &terminal.files())?;
     let step = terminal.work().step("looking for the next experiment", 3);
-    let recordings = match read_recordings(&arguments.bench, &file, &step) {
-        Err(none @ (CliError::NothingMatches { .. } | CliError::NoRecordingsListed { .. })) => {
+    let recordings = match read_recordings(&arguments.bench, &file, &step, &terminal.files()) {
+        Err(CliError::Door { source: none @ (Error::NothingMatches { .. } | Error::NoRecordingsListed { .. }) }) => {
             terminal.note(&format!("{none}; what follows is for a bench without recordings"));
             Prepared::default()
         }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynoid::{InputFile, paths};
 use recording::Selection;
 use rig::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
 use rig::experiment::{ExperimentPlan, free_form};
@@ -9,8 +10,6 @@ use rig::{BenchFile, ControlMode};
 
 use crate::cli::experiment::PlanArguments;
 use crate::error::CliError;
-use crate::input::{self, InputFile};
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// A plan, and the speed that its files are named by.
@@ -54,7 +53,7 @@ fn from_file(path: &Path, arguments: &PlanArguments, terminal: &mut Terminal) ->
     let settings = settings(&name, free_form::PARAMETERS, arguments)?;
     let file = InputFile { path: path.to_owned(), name: name.clone() };
     let step = terminal.work().step(format!("reading {name}"), 0);
-    let read = input::read_recording(&file, &Selection::All, None, &step)?;
+    let read = terminal.files().read_recording(&file, &Selection::All, None, &step)?;
     drop(step);
     let free = free_form::plan(&name, &read.recording, &settings)
         .map_err(|source| CliError::Demands { path: path.to_owned(), source })?;

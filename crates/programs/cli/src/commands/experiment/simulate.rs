@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use dynoid::{FileFormat, Files, Mark, check_file, paths};
 use recording::Recording;
 use rig::ExperimentLabel;
 use serde_json::json;
@@ -13,17 +14,13 @@ use super::stated::Bench;
 use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
 use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
-use crate::mark::Mark;
-use crate::output::check_file;
-use crate::paths;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check(arguments)?;
+    check(arguments, &terminal.files())?;
     let OnBenchArguments { bench: path, plan: settings, result } = &arguments.on;
     let bench = Bench::read(path, settings.study.as_deref(), terminal)?;
-    check_places(arguments)?;
+    check_places(arguments, &terminal.files())?;
     let Planned { plan, .. } = planned::plan(&arguments.experiment, settings, terminal)?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
@@ -61,7 +58,7 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
 }
 
 /// Refuses, before any work, outputs that cannot be written.
-fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
+fn check(arguments: &SimulateArguments, files: &Files) -> Result<(), CliError> {
     let result = &arguments.on.result;
     if arguments.out.is_none() && arguments.truth.is_none() && result.plot.is_none() {
         let what = "name a file for the recording, as in --out run.mf4; --truth and --plot write others".to_owned();
@@ -77,13 +74,16 @@ fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
         let what = format!("{}: recording and truth need a file each", out.display());
         return Err(CliError::Usage { what });
     }
-    check_places(arguments)?;
-    check_plot(result)
+    check_places(arguments, files)?;
+    check_plot(result, files)
 }
 
 /// Checks that the recordings can be written; among those of the bench, once its bench file is read.
-fn check_places(arguments: &SimulateArguments) -> Result<(), CliError> {
-    [&arguments.out, &arguments.truth].into_iter().flatten().try_for_each(|out| check_file(out, &Mark::of_run()))
+fn check_places(arguments: &SimulateArguments, files: &Files) -> Result<(), CliError> {
+    Ok([&arguments.out, &arguments.truth]
+        .into_iter()
+        .flatten()
+        .try_for_each(|out| check_file(out, &Mark::of_run(files), files))?)
 }
 
 fn write(recording: &mut Recording, path: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
@@ -91,7 +91,7 @@ fn write(recording: &mut Recording, path: &Path, terminal: &mut Terminal) -> Res
     // Of what text has no place for, the comment alone is there, and it says nothing that the file's name does not.
     let renamed = format.fit(recording).into_iter().filter(|note| !note.starts_with("text has no place"));
     renamed.for_each(|note| terminal.warning(&note));
-    format.write(recording, path)
+    Ok(format.write(recording, path, &terminal.files())?)
 }
 
 /// A study knows a recording by its name.

@@ -6,6 +6,7 @@ use ::bench_model::disturbances::Disturbances;
 use ::bench_model::document::{BenchModelDocument, Validity};
 use ::bench_model::model::{AssembledModel, BenchModel};
 use design::safety::FrictionSpread;
+use dynoid::{Files, date};
 use page::{Block, Page, Prose};
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
@@ -14,9 +15,7 @@ use virtual_bench::StatedBench;
 
 use crate::commands::bench_model::{self, Kind};
 use crate::commands::study::read_bench;
-use crate::date;
 use crate::error::CliError;
-use crate::input;
 use crate::terminal::Terminal;
 
 const WANTED: &str = "a model.json or study.json as `dynoid study` writes, or an FMU of dynoid";
@@ -43,12 +42,12 @@ impl Bench {
         study: Option<&Path>,
         terminal: &mut Terminal,
     ) -> Result<Self, CliError> {
-        if input::is_json(path) {
+        if dynoid::is_json(path) {
             let what = "this is a model file, not a bench file; give it with --model";
             return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
         }
-        let (file, _) = read_bench(path)?;
-        let read = study.map(read_model).transpose()?;
+        let (file, _) = read_bench(path, &terminal.files())?;
+        let read = study.map(|path| read_model(path, &terminal.files())).transpose()?;
         let model_in_words = read.as_ref().map(|read| read.in_words.clone());
         let (assembled, validity) = read.map(|read| (read.assembled, read.validity)).unzip();
         let stated = StatedBench::of(&file, assembled.as_ref().map(|assembled| &assembled.model))
@@ -121,8 +120,8 @@ struct ReadModel {
     in_words: String,
 }
 
-fn read_model(path: &Path) -> Result<ReadModel, CliError> {
-    let text = bench_model::text(path, WANTED)?;
+fn read_model(path: &Path, files: &Files) -> Result<ReadModel, CliError> {
+    let text = bench_model::text(path, WANTED, files)?;
     match Kind::of(&text) {
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
@@ -139,6 +138,6 @@ fn read_model(path: &Path) -> Result<ReadModel, CliError> {
 fn in_words(path: &Path, text: &str) -> String {
     let provenance = BenchModelDocument::from_json(text).ok().map(|document| document.provenance);
     let made = provenance.map(|one| format!(" of {}, dynoid {}", one.date, one.dynoid_version)).unwrap_or_default();
-    let hash: String = input::sha256_of_text(text).chars().take(HASH_DIGITS).collect();
+    let hash: String = dynoid::sha256_of_text(text).chars().take(HASH_DIGITS).collect();
     format!("model {}{made}, SHA-256 {hash}…", path.display())
 }

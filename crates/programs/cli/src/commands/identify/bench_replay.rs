@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use bench_model::document::BenchModelDocument;
 use bench_model::replay::Replay;
+use dynoid::{FileFormat, Files, paths};
 use recording::{Channel, Format, Raster, Recording};
 use report::replayed::Replayed;
 use report::wording;
@@ -23,9 +24,6 @@ use crate::cli::identify::{BenchArguments, CompareArguments, MeetArguments, Meet
 use crate::commands::result::{check_plot, show, show_with};
 use crate::commands::study::read_bench;
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
-use crate::input;
-use crate::paths;
 use crate::terminal::Terminal;
 
 /// A bench model by the name of its file.
@@ -39,10 +37,10 @@ impl Named {
     ///
     /// # Errors
     /// Files of both kinds, or one that cannot be read.
-    pub(super) fn all(paths: &[PathBuf]) -> Result<Option<Vec<Named>>, CliError> {
+    pub(super) fn all(paths: &[PathBuf], files: &Files) -> Result<Option<Vec<Named>>, CliError> {
         let (mut found, mut linear) = (Vec::new(), None);
         for path in paths {
-            match AnyModelFile::read(path)? {
+            match AnyModelFile::read(path, files)? {
                 AnyModelFile::Bench(document) => found.push(Named { path: path.clone(), document: *document }),
                 AnyModelFile::Linear(_) => linear = linear.or(Some(path)),
             }
@@ -85,16 +83,16 @@ pub(super) fn simulate(
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
     let RunArguments { meet, out, result, .. } = arguments;
-    check_plot(result)?;
+    check_plot(result, &terminal.files())?;
     if arguments.from_rest {
         return Err(of_linear_models("--from-rest"));
     }
     if let Some(path) = out {
-        check_output(path, meet.on.len())?;
+        check_output(path, meet.on.len(), &terminal.files())?;
     }
     let all = replays(&[model], (meet, bench), Unasked::Whole, terminal)?;
     if let Some(path) = out {
-        FileFormat::of_output(path)?.write(&recording(&all), path)?;
+        FileFormat::of_output(path)?.write(&recording(&all), path, &terminal.files())?;
     }
     let page = || report::replayed::page("Bench model simulated", &all);
     show_with(result, &[out], page, || json(&all), terminal)?;
@@ -119,11 +117,12 @@ fn replays(
         return Err(of_linear_models("--detrend"));
     }
     let path = bench_file(models, bench)?;
-    let (file, _) = read_bench(&path)?;
+    let (file, _) = read_bench(&path, &terminal.files())?;
     let mut all = Vec::new();
-    for input in input::named(&meet.on)? {
-        input::refuse_model(&input)?;
-        let source = input::read_source(&input, &file, &terminal.work().step(format!("reading {}", input.name), 0))?;
+    for input in terminal.files().named(&meet.on)? {
+        dynoid::refuse_model(&input)?;
+        let source =
+            terminal.files().read_source(&input, &file, &terminal.work().step(format!("reading {}", input.name), 0))?;
         let bench_file = with_mode(&file, &source.file, bench.mode);
         if bench_file.label_of(&source.file).is_none() {
             let what = format!(

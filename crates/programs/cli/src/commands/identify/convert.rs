@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use dynoid::{Files, replace_file};
 use ident::IdentError;
 use lti::{Complex64, Discretisation, LtiError};
 use page::Block;
@@ -13,7 +14,6 @@ use super::model_file;
 use crate::cli::identify::{ModelConvertArguments, Representation, Sampling};
 use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
-use crate::output::replace_file;
 use crate::terminal::Terminal;
 
 fn failed(error: ConvertError) -> CliError {
@@ -47,9 +47,9 @@ fn failed(error: ConvertError) -> CliError {
 
 /// `dynoid model convert`
 pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check(arguments)?;
+    check(arguments, &terminal.files())?;
     let result = &arguments.result;
-    let found = converted(model_file::read(&arguments.model)?, &asked(arguments)).map_err(failed)?;
+    let found = converted(model_file::read(&arguments.model, &terminal.files())?, &asked(arguments)).map_err(failed)?;
     // No kind of model is written down by its zeros and poles.
     let is_model = arguments.to != Representation::Zpk && (result.json || arguments.out.is_some());
     let document = is_model.then(|| found.document()).transpose().map_err(failed)?;
@@ -64,7 +64,7 @@ pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal
     }
     if let (Some(path), Some(document)) = (&arguments.out, &document) {
         let text = serde_json::to_string_pretty(document).map_err(CliError::internal)?;
-        replace_file(path, text.as_bytes())?;
+        replace_file(path, text.as_bytes(), &terminal.files())?;
     }
     let out = [&arguments.out];
     match document {
@@ -96,8 +96,8 @@ fn asked(arguments: &ModelConvertArguments) -> Conversion {
     }
 }
 
-fn check(arguments: &ModelConvertArguments) -> Result<(), CliError> {
-    check_plot(&arguments.result)?;
+fn check(arguments: &ModelConvertArguments, files: &Files) -> Result<(), CliError> {
+    check_plot(&arguments.result, files)?;
     if arguments.prewarp_hz.is_some() && arguments.method != Sampling::Tustin {
         return Err(CliError::Usage { what: "--prewarp belongs to --method tustin; give both".into() });
     }
@@ -106,5 +106,5 @@ fn check(arguments: &ModelConvertArguments) -> Result<(), CliError> {
         let what = "--out writes a model file, which has no form of zeros and poles; give --to tf or --to ss".into();
         return Err(CliError::Usage { what });
     }
-    model_file::check_output(path)
+    model_file::check_output(path, files)
 }

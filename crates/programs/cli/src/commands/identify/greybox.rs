@@ -2,19 +2,18 @@
 
 use std::path::Path;
 
+use dynoid::{Files, paths::with_slashes};
 use ident::uncertainty::Dynamics;
 use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, GreyNoise, InitialState, Structure};
 
 use crate::cli::identify::{Detrend, FitCommand, GreyBoxArguments};
 use crate::error::CliError;
-use crate::input::read_text;
-use crate::paths::with_slashes;
 
 /// The structure that a command names; none where it is no grey box.
-pub(super) fn structure_of(command: &FitCommand) -> Result<Option<FormulaStructure>, CliError> {
+pub(super) fn structure_of(command: &FitCommand, files: &Files) -> Result<Option<FormulaStructure>, CliError> {
     match command {
         FitCommand::Greybox(arguments) => {
-            let structure = structure(&arguments.structure)?;
+            let structure = structure(&arguments.structure, files)?;
             check_channels(&structure, arguments)?;
             Ok(Some(structure))
         }
@@ -45,12 +44,13 @@ pub(super) fn is_output_error(structure: &FormulaStructure) -> bool {
     matches!(structure.noise(&values), GreyNoise::OutputError)
 }
 
-fn structure(path: &Path) -> Result<FormulaStructure, CliError> {
+fn structure(path: &Path, files: &Files) -> Result<FormulaStructure, CliError> {
     let wrong = |error: toml::de::Error| CliError::StructureFile {
         path: path.to_owned(),
         reason: error.to_string().trim_end().to_owned(),
     };
-    toml::from_str(&read_text(path, "a structure in TOML as `dynoid fit greybox --help` shows it")?).map_err(wrong)
+    toml::from_str(&files.read_text(path, "a structure in TOML as `dynoid fit greybox --help` shows it")?)
+        .map_err(wrong)
 }
 
 pub(super) fn fit(

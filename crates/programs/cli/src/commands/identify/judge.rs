@@ -1,5 +1,6 @@
 //! `dynoid model compare`, `residuals`, `simulate`, `predict`: models on recordings.
 
+use dynoid::FileFormat;
 use ident::InitialState;
 use ident::uncertainty::Dynamics;
 use ident::validate::{ResidualTest, judge};
@@ -10,7 +11,7 @@ use toolbox_report::residuals::{self, REGION};
 use toolbox_report::response::Responded;
 use toolbox_report::words::growing_pole;
 
-use super::data::{Files, Loaded, Note, say};
+use super::data::{Loaded, Note, RecordedFiles, say};
 use super::operating_point::taken_off;
 use super::sources::which_data;
 use super::{bench_replay, model_file, recorded};
@@ -20,16 +21,15 @@ use crate::cli::identify::{
 };
 use crate::commands::result::{check_plot, show, show_with};
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
 use crate::terminal::Terminal;
 
 /// `dynoid model compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    check_plot(&arguments.result, &terminal.files())?;
     if arguments.horizon == Some(0) {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
-    if let Some(models) = bench_replay::Named::all(&arguments.models)? {
+    if let Some(models) = bench_replay::Named::all(&arguments.models, &terminal.files())? {
         return bench_replay::compare(&models, arguments, terminal);
     }
     no_bench_options(&arguments.bench)?;
@@ -53,13 +53,15 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
 /// Every model on the recordings, which are read once.
 fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec<Met>, CliError> {
     let documents: Vec<ModelDocument> =
-        arguments.models.iter().map(|path| model_file::read(path)).collect::<Result<_, _>>()?;
-    let (mut files, mut said, mut all): (Option<Files>, _, _) = (None, Vec::new(), Vec::new());
+        arguments.models.iter().map(|path| model_file::read(path, &terminal.files())).collect::<Result<_, _>>()?;
+    let (mut files, mut said, mut all): (Option<RecordedFiles>, _, _) = (None, Vec::new(), Vec::new());
     for (path, document) in arguments.models.iter().zip(&documents) {
         let row_time_s = model_file::row_time_s(document, &arguments.meet);
         let read = match files.take() {
             Some(read) if read.serves(row_time_s) => read,
-            _ => Files::read(&arguments.meet.on, &model_file::channels(&documents), Some(row_time_s), terminal)?,
+            _ => {
+                RecordedFiles::read(&arguments.meet.on, &model_file::channels(&documents), Some(row_time_s), terminal)?
+            }
         };
         let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
         files = Some(read);
@@ -94,15 +96,19 @@ fn beyond(horizon: Option<usize>, data: &Dataset) -> Vec<Note> {
 }
 
 /// The recordings that one model meets.
-fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Terminal) -> Result<Files, CliError> {
+fn recordings(
+    document: &ModelDocument,
+    arguments: &MeetArguments,
+    terminal: &Terminal,
+) -> Result<RecordedFiles, CliError> {
     let names = model_file::channels(std::slice::from_ref(document));
-    Files::read(&arguments.on, &names, Some(model_file::row_time_s(document, arguments)), terminal)
+    RecordedFiles::read(&arguments.on, &names, Some(model_file::row_time_s(document, arguments)), terminal)
 }
 
 /// `dynoid model residuals`
 pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
-    let document = model_file::read(&arguments.model)?;
+    check_plot(&arguments.result, &terminal.files())?;
+    let document = model_file::read(&arguments.model, &terminal.files())?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
     say(&notes, &mut Vec::new(), terminal);
@@ -131,7 +137,9 @@ pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal)
 /// `dynoid model simulate`
 pub(crate) fn simulate(arguments: &SimulateModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let SimulateModelArguments { run: of_run, bench } = arguments;
-    if let Some(model) = bench_replay::Named::all(std::slice::from_ref(&of_run.model))?.and_then(|mut all| all.pop()) {
+    if let Some(model) =
+        bench_replay::Named::all(std::slice::from_ref(&of_run.model), &terminal.files())?.and_then(|mut all| all.pop())
+    {
         return bench_replay::simulate(model, of_run, bench, terminal);
     }
     no_bench_options(bench)?;
@@ -161,11 +169,11 @@ fn run(
     horizon: Option<usize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    check_plot(&arguments.result, &terminal.files())?;
     if let Some(path) = &arguments.out {
-        recorded::check_output(path, arguments.meet.on.len())?;
+        recorded::check_output(path, arguments.meet.on.len(), &terminal.files())?;
     }
-    let document = model_file::read(&arguments.model)?;
+    let document = model_file::read(&arguments.model, &terminal.files())?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
         Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
@@ -182,7 +190,7 @@ fn run(
     hint.iter().for_each(|hint| terminal.warning(hint));
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
-        FileFormat::of_output(path)?.write(&recording, path)?;
+        FileFormat::of_output(path)?.write(&recording, path, &terminal.files())?;
     }
     let model = model_file::name(&arguments.model);
     let found = Responded { model: &model, what, outputs: &document.outputs, data: &loaded.data, judged: &judged };

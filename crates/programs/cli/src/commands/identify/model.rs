@@ -1,5 +1,6 @@
 //! `dynoid model bode`, `step`, `poles`: what models are like.
 
+use dynoid::Files;
 use ident::IdentError;
 use toolbox_report::models::{self, Curves, Detail, Model};
 
@@ -25,7 +26,7 @@ fn curves(
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
     let CurveArguments { models, table } = arguments;
-    let found = of(read(models)?, models.level).map_err(failed)?;
+    let found = of(read(models, &terminal.files())?, models.level).map_err(failed)?;
     let detail = if *table { Detail::Points } else { Detail::Summary };
     show(&models.result, || found.page(detail), || found.json(), terminal)?;
     Ok(Outcome::Done)
@@ -33,18 +34,18 @@ fn curves(
 
 /// `dynoid model poles`
 pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let found = models::poles(read(arguments)?, arguments.level).map_err(failed)?;
+    let found = models::poles(read(arguments, &terminal.files())?, arguments.level).map_err(failed)?;
     show(&arguments.result, || found.page(), || found.json(), terminal)?;
     Ok(Outcome::Done)
 }
 
 /// The models, once it is clear that the result can be written.
-fn read(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
-    check_plot(&arguments.result)?;
+fn read(arguments: &ModelArguments, files: &Files) -> Result<Vec<Model>, CliError> {
+    check_plot(&arguments.result, files)?;
     let mut all = Vec::new();
     for path in &arguments.models {
         let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
-        for NamedModel { name, document, margins } in model_file::read_all(path)? {
+        for NamedModel { name, document, margins } in model_file::read_all(path, files)? {
             let models = Model::with_noise(&name, document, arguments.noise).map_err(wrong)?;
             all.extend(models.into_iter().map(|model| model.with_margins(margins)));
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use ::bench_model::analysis;
 use ::bench_model::document::{BenchModelDocument, from_json};
 use dataset::{CommonClock, DatasetError};
+use dynoid::{Files, Mark, check_file};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{DocumentHeader, Experiment, Intersample, ModelDocument};
@@ -12,20 +13,18 @@ use toolbox_report::data::Purpose;
 use toolbox_report::models::LoopMargins;
 use units::may_be_same;
 
-use super::data::{Files, Gaps, Loaded, take_about};
+use super::data::{Gaps, Loaded, RecordedFiles, take_about};
 use super::operating_point;
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
 use crate::commands::bench_model::{self, Kind};
 use crate::error::CliError;
-use crate::mark::Mark;
-use crate::output::check_file;
 
 const WANTED: &str = "a model file as `dynoid fit … --out model.json` writes";
 const ANY: &str = "a model file as `dynoid fit` or `dynoid study` writes, or an FMU of dynoid";
 
 /// Reads a model file.
-pub(in crate::commands) fn read(path: &Path) -> Result<ModelDocument, CliError> {
-    of_text(path, &bench_model::text(path, WANTED)?)
+pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<ModelDocument, CliError> {
+    of_text(path, &bench_model::text(path, WANTED, files)?)
 }
 
 /// The model that the text of a file holds.
@@ -52,12 +51,12 @@ pub(in crate::commands) enum AnyModelFile {
 
 impl AnyModelFile {
     /// The model in a file, whichever kind it is.
-    pub(in crate::commands) fn read(path: &Path) -> Result<Self, CliError> {
-        let text = bench_model::text(path, ANY)?;
+    pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<Self, CliError> {
+        let text = bench_model::text(path, ANY, files)?;
         match Kind::of(&text) {
             Kind::Bench => Ok(AnyModelFile::Bench(Box::new(bench_model::of_text(path, &text)?))),
             Kind::Linear => Ok(AnyModelFile::Linear(Box::new(of_text(path, &text)?))),
-            Kind::Study => Ok(AnyModelFile::Bench(Box::new(bench_model::read(path)?))),
+            Kind::Study => Ok(AnyModelFile::Bench(Box::new(bench_model::read(path, files)?))),
             Kind::Other => Err(bench_model::no_model(path, &text, ANY)),
         }
     }
@@ -73,9 +72,9 @@ pub(super) struct NamedModel {
 
 /// Reads a model file, or a bench model as linear models. A bench model has the margins of its speed loop, which is
 /// closed in it.
-pub(super) fn read_all(path: &Path) -> Result<Vec<NamedModel>, CliError> {
+pub(super) fn read_all(path: &Path, files: &Files) -> Result<Vec<NamedModel>, CliError> {
     let name = name(path);
-    let bench = match AnyModelFile::read(path)? {
+    let bench = match AnyModelFile::read(path, files)? {
         AnyModelFile::Linear(document) => {
             return Ok(vec![NamedModel { name, document: *document, margins: LoopMargins::OfModel }]);
         }
@@ -96,11 +95,11 @@ pub(super) fn read_all(path: &Path) -> Result<Vec<NamedModel>, CliError> {
 }
 
 /// Checks that a model can be written there: under the ending .json, but for what is no file.
-pub(super) fn check_output(path: &Path) -> Result<(), CliError> {
-    let is_json = crate::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+pub(super) fn check_output(path: &Path, files: &Files) -> Result<(), CliError> {
+    let is_json = dynoid::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
     let is_device = || std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
     if is_json || is_device() {
-        return check_file(path, &Mark::Document(Kind::Linear));
+        return Ok(check_file(path, &Mark::Document(Kind::Linear), files)?);
     }
     Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
 }
@@ -126,7 +125,11 @@ pub(super) fn row_time_s(document: &ModelDocument, arguments: &MeetArguments) ->
 
 /// The model's channels out of recordings, on the model's clock or, for a continuous model, on the one given; cut where
 /// inputs are missing.
-pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -> Result<Loaded, CliError> {
+pub(super) fn meet(
+    document: &ModelDocument,
+    files: &RecordedFiles,
+    arguments: &MeetArguments,
+) -> Result<Loaded, CliError> {
     let names = |labels: &[ident::Label]| labels.iter().map(|label| label.name.clone()).collect();
     let data = DataArguments {
         recordings: arguments.on.clone(),
@@ -163,7 +166,7 @@ fn check_units(document: &ModelDocument, loaded: &Loaded) -> Result<(), CliError
 }
 
 /// The clock of the data that a model meets.
-fn clock_s(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -> Result<f64, CliError> {
+fn clock_s(document: &ModelDocument, files: &RecordedFiles, arguments: &MeetArguments) -> Result<f64, CliError> {
     let own_s = document.sample_time_s;
     let is_discrete = document.model.system().is_ok_and(|system| system.sample_time_s().is_some());
     match arguments.sample_time_s {
@@ -182,7 +185,7 @@ fn clock_s(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -
 /// missing throughout.
 pub(super) fn meet_inputs(
     document: &ModelDocument,
-    files: &Files,
+    files: &RecordedFiles,
     arguments: &MeetArguments,
 ) -> Result<Loaded, CliError> {
     let is_output = |name: &str| document.outputs.iter().any(|label| label.name == name);

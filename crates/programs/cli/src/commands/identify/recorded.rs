@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use dataset::instant_s;
+use dynoid::{FileFormat, Files, Mark, check_file};
 use faer::Mat;
 use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
@@ -10,9 +11,6 @@ use recording::{Channel, Format, Raster, Recording};
 
 use super::data::Loaded;
 use crate::error::CliError;
-use crate::formats::FileFormat;
-use crate::mark::Mark;
-use crate::output::check_file;
 
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
 pub(super) fn recording_of(
@@ -67,7 +65,7 @@ fn whole(
 
 /// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it
 /// for one.
-pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
+pub(super) fn check_output(path: &Path, recordings: usize, files: &Files) -> Result<(), CliError> {
     match FileFormat::of_output(path)? {
         format if format.is_text() && recordings > 1 => Err(CliError::Usage {
             what: format!(
@@ -76,6 +74,6 @@ pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliErro
                 format.ending()
             ),
         }),
-        _ => check_file(path, &Mark::of_run()),
+        _ => Ok(check_file(path, &Mark::of_run(files), files)?),
     }
 }

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
+use dynoid::{Error, Files, InputFile};
 use ident::{Dataset, Experiment, Source};
 use recording::{Recording, RecordingError, Selection};
 use work::Context;
 
 use super::loaded::named;
 use crate::error::CliError;
-use crate::input::{self, InputFile};
 use crate::terminal::Terminal;
 
 /// Recordings, their names and the hashes of their bytes.
-pub(in crate::commands::identify) struct Files {
+pub(in crate::commands::identify) struct RecordedFiles {
     all: Vec<File>,
     /// The time from row to row that text without a time column was read with; none where there is no such text.
     row_time_s: Option<f64>,
@@ -26,7 +26,7 @@ struct File {
     sha256: String,
 }
 
-impl Files {
+impl RecordedFiles {
     /// Reads these channels of recordings, all where none are named. Text without a time column is read where the time
     /// from row to row is given.
     pub(in crate::commands::identify) fn read(
@@ -35,19 +35,19 @@ impl Files {
         row_time_s: Option<f64>,
         terminal: &Terminal,
     ) -> Result<Self, CliError> {
-        let files = input::named(paths)?;
+        let files = terminal.files().named(paths)?;
         check_once(&files)?;
         let names = short_names(&files);
         let step = terminal.work().step("reading", files.len() as u64);
         let (mut all, mut untimed) = (Vec::new(), false);
         for (file, name) in files.into_iter().zip(names) {
             let reading = step.step(format!("reading {}", file.name), 0);
-            let (recording, is_untimed) = decode(&file, channels, row_time_s, &reading)?;
-            let sha256 = input::sha256(&file)?;
+            let (recording, is_untimed) = decode(&file, channels, row_time_s, &reading, &terminal.files())?;
+            let sha256 = terminal.files().sha256(&file)?;
             untimed |= is_untimed;
             all.push(File { file, name, recording, sha256 });
         }
-        Ok(Files { all, row_time_s: row_time_s.filter(|_| untimed) })
+        Ok(RecordedFiles { all, row_time_s: row_time_s.filter(|_| untimed) })
     }
 
     /// Tells whether reading them with this time from row to row would give the same.
@@ -132,11 +132,12 @@ fn decode(
     channels: &[&str],
     row_time_s: Option<f64>,
     context: &Context,
+    files: &Files,
 ) -> Result<(Recording, bool), CliError> {
     let wanted = if channels.is_empty() { Selection::All } else { Selection::names(channels.iter().copied()) };
-    let read = |wanted: &Selection| input::read_recording(file, wanted, row_time_s, context);
+    let read = |wanted: &Selection| files.read_recording(file, wanted, row_time_s, context);
     let read = match read(&wanted) {
-        Err(CliError::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(&Selection::All)?,
+        Err(Error::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(&Selection::All)?,
         other => other?,
     };
     Ok((read.recording, read.is_untimed))

@@ -12,7 +12,7 @@ use recording::Recording;
 use toolbox_report::data::{self as words, Purpose};
 
 pub(super) use faults::{check_movement, check_variation};
-pub(super) use files::Files;
+pub(super) use files::RecordedFiles;
 pub(super) use gaps::Gaps;
 pub(super) use loaded::{Loaded, named};
 pub(super) use note::{Note, say};
@@ -38,7 +38,7 @@ pub(super) fn load_on(
 }
 
 /// Reads the recordings named.
-pub(super) fn read(arguments: &DataArguments, terminal: &Terminal) -> Result<Files, CliError> {
+pub(super) fn read(arguments: &DataArguments, terminal: &Terminal) -> Result<RecordedFiles, CliError> {
     let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
     if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
         let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
@@ -47,7 +47,7 @@ pub(super) fn read(arguments: &DataArguments, terminal: &Terminal) -> Result<Fil
     // Without outputs nothing is estimated, but what there is will be listed.
     let names: Vec<&str> =
         if arguments.outputs.is_empty() { Vec::new() } else { all.iter().map(|n| n.as_str()).collect() };
-    Files::read(&arguments.recordings, &names, arguments.sample_time_s, terminal)
+    RecordedFiles::read(&arguments.recordings, &names, arguments.sample_time_s, terminal)
 }
 
 /// As [`load_on`], cut at gaps, which is said too.
@@ -65,14 +65,14 @@ pub(super) fn load_between_gaps(
 }
 
 /// The channels of recordings that were read, trend taken off.
-pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
+pub(super) fn take(files: &RecordedFiles, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
     let shape = shape(arguments.detrend);
     take_about(files, usual, arguments, Purpose::Estimate(shape), |data, _| trend(data, shape))
 }
 
 /// As [`take`], with the trend that is found in the data and where they come from.
 pub(super) fn take_about(
-    files: &Files,
+    files: &RecordedFiles,
     usual: CommonClock,
     arguments: &DataArguments,
     purpose: Purpose,

@@ -15,7 +15,7 @@ const LONGEST: usize = 30;
 
 /// `dynoid data delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    check_plot(&arguments.result, &terminal.files())?;
     if arguments.data.inputs.is_empty() {
         return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
     }

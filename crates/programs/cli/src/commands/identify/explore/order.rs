@@ -17,7 +17,7 @@ const MOST: usize = 100_000;
 
 /// `dynoid data order`
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    check_plot(&arguments.result, &terminal.files())?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);

@@ -13,7 +13,7 @@ use crate::terminal::Terminal;
 
 /// `dynoid data spectrum`
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    check_plot(&arguments.result, &terminal.files())?;
     let loaded = load_on(CommonClock::Slowest, &arguments.data, terminal)?;
     // Of a single channel there is a spectrum whatever it does; a response needs both to move.
     if loaded.data.inputs() > 0 {

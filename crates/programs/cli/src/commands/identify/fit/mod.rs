@@ -5,6 +5,7 @@ mod method;
 mod orders;
 
 use dataset::CommonClock;
+use dynoid::{Files, replace_file};
 use ident::{
     AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source, StructureError,
 };
@@ -13,20 +14,19 @@ use toolbox_report::data::Purpose;
 use toolbox_report::fit::{Estimated, Verdict};
 use toolbox_report::operating_point::{TakenOff, hint};
 
-use super::data::{Files, Gaps, Loaded, Note, check_variation, load_on, named, say, take_about};
+use super::data::{Gaps, Loaded, Note, RecordedFiles, check_variation, load_on, named, say, take_about};
 use super::sources::which_data;
 use super::{greybox, model_file, operating_point};
 use crate::cli::identify::{FitArguments, FitCommand, Window};
 use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
-use crate::output::replace_file;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let common = command.common();
-    check_fit(common)?;
+    check_fit(common, &terminal.files())?;
     orders::check(command)?;
-    let structure = greybox::structure_of(command)?;
+    let structure = greybox::structure_of(command, &terminal.files())?;
     let sees_through = sees_through_missing_outputs(command, structure.as_ref());
     let (estimation, unseen) = data(command, sees_through, terminal)?;
     check_variation(&estimation)?;
@@ -50,7 +50,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     let estimated = Estimated { document, fit, verdict, experiments: estimation.data.experiments().len() };
     if let Some(path) = &common.out {
         let text = serde_json::to_string_pretty(&estimated.document).map_err(CliError::internal)?;
-        replace_file(path, text.as_bytes())?;
+        replace_file(path, text.as_bytes(), &terminal.files())?;
     }
     let shown = &unseen.as_ref().unwrap_or(&estimation).data;
     let (page, json) = (|| estimated.page(shown), || estimated.json(&estimation.notes));
@@ -67,9 +67,9 @@ fn hint_of(estimated: &Estimated, unseen: &Dataset) -> Option<String> {
 }
 
 /// Checks where results go before any work is done.
-fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
-    arguments.out.as_deref().map_or(Ok(()), model_file::check_output)?;
-    check_plot(&arguments.result)
+fn check_fit(arguments: &FitArguments, files: &Files) -> Result<(), CliError> {
+    arguments.out.as_deref().map_or(Ok(()), |out| model_file::check_output(out, files))?;
+    check_plot(&arguments.result, files)
 }
 
 /// Tells whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.
@@ -131,7 +131,7 @@ fn parts(
     let row_time_s = data.sample_time_s.unwrap_or(whole.data.sample_time_s());
     (data.window, data.sample_time_s) = (Window::default(), Some(whole.data.sample_time_s()));
     let names: Vec<&str> = data.inputs.iter().chain(&data.outputs).map(String::as_str).collect();
-    let files = Files::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
+    let files = RecordedFiles::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
     let about = |_: &_, sources: &_| operating_point::of_data(whole.trend.as_ref(), &whole.sources, sources);
     let mut unseen = take_about(&files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
     let same = |a: &Source| whole.sources.iter().any(|b| a.sha256 == b.sha256);

@@ -1,0 +1,24 @@
+//! Recordings of a dynamometer test bench in, a validated bench model out: the library that programs call.
+//!
+//! [`Files`] are the files of one run: what it reads, and what it may write.
+
+#![warn(missing_docs)]
+
+pub mod date;
+mod error;
+mod files;
+mod find;
+mod formats;
+mod mark;
+mod output;
+pub mod paths;
+mod patterns;
+mod read;
+
+pub use error::Error;
+pub use files::Files;
+pub use find::{InputFile, is_recording, listed, recordings_in};
+pub use formats::{FileFormat, encode_mdf4, encode_table};
+pub use mark::{Kind, Mark, in_png, in_svg, is_bench_file};
+pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
+pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
