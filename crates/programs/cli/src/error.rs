@@ -55,7 +55,7 @@ impl Outcome {
 /// Why a command cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
-    /// What the library cannot do.
+    /// An error of the library.
     #[error("{source}{}", hint(.source))]
     Door {
         #[from]
@@ -105,9 +105,6 @@ pub(crate) enum CliError {
     /// No output was named.
     #[error("{file}: name outputs with --output and inputs with --input; the channels are {channels}")]
     NoOutputNamed { file: String, channels: String },
-    /// Friction that cannot be estimated.
-    #[error(transparent)]
-    Friction { source: part_friction::FrictionError },
     /// No recording from which PI and delay can be estimated.
     #[error(
         "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
@@ -120,9 +117,6 @@ pub(crate) enum CliError {
     /// The noise test of the controller is impossible.
     #[error("{source}")]
     NoiseTest { source: rig::estimation::EstimateError },
-    /// Models of the torque control cannot be compared.
-    #[error(transparent)]
-    TorqueControl { source: part_torque::model_comparison::ModelComparisonError },
     /// No recording can be used.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },

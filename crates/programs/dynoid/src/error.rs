@@ -1,9 +1,11 @@
-//! What can go wrong with files, each with its remedy.
+//! Errors of the library, each with its remedy.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
+use report::wording;
 use rig::bench_file::BenchFileError;
+use study::{NextError, StudyError};
 
 /// Why the work cannot go on. A text that ends in a remedy can be followed by how a program offers it.
 #[derive(Debug, thiserror::Error)]
@@ -95,6 +97,21 @@ pub enum Error {
     /// A bench whose recordings gave no bench model.
     #[error("{}: its recordings gave no bench model; `dynoid study` says what is missing", .path.display())]
     NoModelOfBench { path: PathBuf },
+    /// Friction that cannot be estimated.
+    #[error(transparent)]
+    Friction {
+        #[from]
+        source: part_friction::FrictionError,
+    },
+    /// Models of the torque control cannot be compared.
+    #[error(transparent)]
+    TorqueControl {
+        #[from]
+        source: part_torque::model_comparison::ModelComparisonError,
+    },
+    /// Further experiments that cannot be tried.
+    #[error("{}: {source}", .path.display())]
+    Next { path: PathBuf, source: NextError },
     /// A fault of dynoid.
     #[error("a fault in dynoid itself: {what}; please report it with this message")]
     Internal { what: String },
@@ -109,6 +126,28 @@ impl Error {
     /// A file or folder that cannot be written.
     pub fn write(path: &Path, source: io::Error) -> Self {
         Error::Write { path: path.to_owned(), source }
+    }
+
+    /// No study of a bench with this file.
+    pub fn of_study(bench: &Path, error: StudyError) -> Self {
+        let path = bench.to_owned();
+        match error {
+            StudyError::NoChannels => Error::NoChannelsNamed { path },
+            StudyError::NoRecordings => Error::NoRecordingsListed { path },
+            StudyError::NothingUsable { count, diagnostics } => Error::NothingUsable {
+                bench: path,
+                count,
+                reasons: diagnostics.iter().map(|found| format!("  {}", wording::diagnostic(found))).collect(),
+            },
+        }
+    }
+
+    /// No further experiments for a bench with this file.
+    pub(crate) fn of_next(bench: &Path, error: NextError) -> Self {
+        match error {
+            NextError::Study(error) => Self::of_study(bench, error),
+            source => Error::Next { path: bench.to_owned(), source },
+        }
     }
 
     /// A fault of dynoid.

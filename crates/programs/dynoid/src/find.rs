@@ -81,7 +81,8 @@ impl Files {
         (patterns.iter().any(lists) || real.as_ref().is_some_and(is_listed)).then_some(bench)
     }
 
-    /// As [`bench_that_lists`], if it lists a measured recording already: one that no other command of this program made.
+    /// As [`Files::bench_that_lists`], if it lists a measured recording already: one that no other command of this
+    /// program made.
     pub(crate) fn bench_with_measured(&self, file: &Path) -> Option<PathBuf> {
         let bench = self.bench_that_lists(file)?;
         let is_measured = |mark: Option<Mark>| mark.is_none_or(|mark| mark == Mark::Command("convert".to_owned()));

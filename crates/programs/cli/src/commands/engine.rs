@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use part_engine::{EngineRecording, EngineTorque, engine_torque};
-use part_shaft::Parts;
+use dynoid::analyses;
+use part_engine::{EngineRecording, EngineTorque};
 use report::wording::reasons;
 use rig::results::Reason;
 use serde_json::json;
@@ -18,8 +18,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref(), &terminal.files())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let all: Vec<_> = experiments.iter().collect();
-    let found = engine_torque(&Parts::of(&all, &bench), terminal.work());
+    let found = analyses::engine(&experiments, &bench, terminal.work());
     if let Some(out) = &arguments.out {
         write(&found, out, terminal)?;
     }

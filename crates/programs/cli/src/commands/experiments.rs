@@ -6,7 +6,6 @@ use rig::{BenchFile, Experiment, Severity};
 use study::experiment_of;
 
 use super::result::check_plot;
-use super::study::read_bench;
 use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;
 use crate::error::CliError;
@@ -43,7 +42,7 @@ pub(super) fn each(
     terminal: &mut Terminal,
     mut work: impl FnMut(&BenchFile, Experiment),
 ) -> Result<Vec<String>, CliError> {
-    let (bench, _) = read_bench(&given.bench, &terminal.files())?;
+    let bench = dynoid::Bench::load(&given.bench, &terminal.files())?.into_file();
     if bench.channels.is_empty() {
         return Err(Error::NoChannelsNamed { path: given.bench.clone() }.into());
     }

@@ -1,5 +1,6 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
+use dynoid::Error;
 use part_friction::{FrictionOptions, estimate};
 use report::friction::doubts;
 use rig::Experiment;
@@ -28,7 +29,7 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
                 used.push(experiment);
             }
         })?;
-    let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
+    let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(Error::from)?;
     let doubts = doubts(&found, stated);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let page = || report::pages::friction(&found, stated);

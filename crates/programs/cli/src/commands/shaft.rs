@@ -1,7 +1,6 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
-use part_shaft::Parts;
-use part_shaft::shaft_analysis::shaft_analysis;
+use dynoid::analyses;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -12,8 +11,7 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let all: Vec<_> = experiments.iter().collect();
-    let study = shaft_analysis(&Parts::of(&all, &bench), terminal.work());
+    let study = analyses::shaft(&experiments, &bench, terminal.work());
     let page = || report::pages::shaft(&study);
     let json = || json!({"recordings": study.recordings, "together": study.together, "refused": refused});
     show(&arguments.result, page, json, terminal)?;

@@ -1,17 +1,14 @@
 //! `dynoid study`: from a bench file to a report.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 use bench_model::document::BenchModelDocument;
-use dynoid::{Error, Files, Mark, OutputFolder, check_replaceable, date, paths};
-use numerics::parallel::current_num_threads;
+use dynoid::{Bench, Error, Files, Mark, OutputFolder, Session, check_replaceable, paths};
 use page::{Logo, Page, Paper, PdfOptions};
 use report::{Origin, wording};
+use rig::Severity;
 use rig::bench_file::ReportIdentity;
-use rig::{BenchFile, Severity};
-use study::{Analyses, Campaign, Prepared, Study, StudyError};
+use study::{Analyses, Study};
 use work::Context;
 
 use super::bench_model::{Kind, MODEL};
@@ -94,26 +91,25 @@ pub(crate) fn study(
     (seed, wanted): (Option<u64>, Wanted),
     terminal: &mut Terminal,
 ) -> Result<Written, CliError> {
-    let (file, text) = read_bench(bench, &terminal.files())?;
+    let files = terminal.files();
+    let bench = Bench::load(bench, &files)?;
     let folder = OutputFolder::check(out, &terminal.files())?;
     check_results(out, wanted, &terminal.files())?;
     let earlier = earlier_model(&out.join(MODEL), terminal);
-    let logo = logo(bench, &file, &terminal.files())?;
+    let logo = bench.logo(&files)?;
     // Reading, studying, analysing, and writing.
     let step = terminal.work().step("study", if wanted.extent == Extent::Full { 4 } else { 3 });
-    let recordings = read_recordings(bench, &file, &step, &terminal.files())?;
-    let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
-    let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed };
-    let origin = origin(&text);
-    let (study, analyses) = studied(campaign, wanted.extent, &step).map_err(|error| no_study(bench, error))?;
+    let session = Session::open(bench, &files, &step)?.with_seed(seed);
+    let (study, analyses) = studied(&session, wanted.extent, &step)?;
+    let origin = session.bench().origin();
     let writing = step.step("writing the report", 0);
     let pages = Pages::of((&study, &origin), analyses.as_ref(), logo.as_ref(), wanted);
     let series = study::series(&study).map(|table| dynoid::encode_table(&table, &terminal.files())).transpose()?;
     let json = report::json(&study, series.as_ref().map(|_| SERIES));
-    let model = document(&study, &text);
+    let model = session.model(&study);
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;
-    let beside = pages.files(&file.report, wanted, &terminal.files())?;
+    let beside = pages.files(&session.bench().file().report, wanted, &terminal.files())?;
     let html = super::result::html(&pages.report, &terminal.files());
     let mut files: Vec<(&str, &[u8])> = beside.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
     files.extend([(DATA, json.as_bytes()), (REPORT, html.as_bytes())]);
@@ -143,22 +139,10 @@ pub(crate) fn study(
 
 /// The bench model of the recordings that a bench file lists; nothing is written.
 pub(in crate::commands) fn model_of(bench: &Path, terminal: &Terminal) -> Result<BenchModelDocument, CliError> {
-    let (file, text) = read_bench(bench, &terminal.files())?;
+    let files = terminal.files();
+    let bench = Bench::load(bench, &files)?;
     let step = terminal.work().step("study", 2);
-    let recordings = read_recordings(bench, &file, &step, &terminal.files())?;
-    let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
-    let campaign = Campaign { bench: &file, bench_file: (&name, &text), recordings, seed: None };
-    let study = study::run(campaign, &step).map_err(|error| no_study(bench, error))?;
-    Ok(document(&study, &text).ok_or_else(|| Error::NoModelOfBench { path: bench.to_owned() })?)
-}
-
-/// The bench model of a study, if it has one.
-fn document(study: &Study, bench_file: &str) -> Option<BenchModelDocument> {
-    report::bench_model(study, origin(bench_file))
-}
-
-fn origin(bench_file: &str) -> Origin {
-    Origin { date: date::today(), bench_file_sha256: dynoid::sha256_of_text(bench_file) }
+    Ok(Session::open(bench, &files, &step)?.bench_model(&step)?)
 }
 
 /// Refuses, before any work, a folder where a result would replace a file that is none.
@@ -187,33 +171,11 @@ fn earlier_model(path: &Path, terminal: &mut Terminal) -> Option<BenchModelDocum
     read.ok()
 }
 
-/// The recordings that a bench file lists, read and prepared, which are a step of the work with two parts each. As many
-/// are decoded at a time as are prepared at once.
-pub(in crate::commands) fn read_recordings(
-    bench: &Path,
-    file: &BenchFile,
-    context: &Context,
-    files: &Files,
-) -> Result<Prepared, CliError> {
-    let found = dynoid::listed(bench, &file.recordings.files)?;
-    let step = context.step("reading", 2 * found.len() as u64);
-    let mut prepared = Prepared::default();
-    let read = |input: &dynoid::InputFile| {
-        let reading = step.step(format!("reading {}", input.name), 0);
-        files.read_source(input, file, &reading)
-    };
-    for some in found.chunks(current_num_threads()) {
-        let sources = some.iter().map(read).collect::<Result<_, _>>()?;
-        prepared.add(file, sources, &step);
-    }
-    Ok(prepared)
-}
-
 /// The study, and all analyses where they are wanted.
-fn studied(campaign: Campaign<'_>, extent: Extent, context: &Context) -> Result<(Study, Option<Analyses>), StudyError> {
+fn studied(session: &Session, extent: Extent, context: &Context) -> Result<(Study, Option<Analyses>), Error> {
     match extent {
-        Extent::Model => Ok((study::run(campaign, context)?, None)),
-        Extent::Full => study::run_full(campaign, context).map(|(study, analyses)| (study, Some(analyses))),
+        Extent::Model => Ok((session.study(context)?, None)),
+        Extent::Full => session.study_full(context).map(|(study, analyses)| (study, Some(analyses))),
     }
 }
 
@@ -274,57 +236,5 @@ impl Pages {
             (None, _, Some(summary)) => Some((SUMMARY_PDF, summary)),
             (None, _, None) => None,
         }
-    }
-}
-
-/// The logo that a bench file names.
-fn logo(bench: &Path, file: &BenchFile, files: &Files) -> Result<Option<Logo>, CliError> {
-    let Some(name) = &file.report.logo else { return Ok(None) };
-    let path = paths::folder_of(bench).join(name);
-    let failed = |reason: String| Error::Logo { logo: path.clone(), bench: bench.to_owned(), reason };
-    if !path.is_file() {
-        return Err(failed("there is no such file; correct the path".to_owned()).into());
-    }
-    files.reads(&path);
-    let mut bytes = Vec::new();
-    // What is longer is refused, however long it is.
-    let most = Logo::MOST_BYTES as u64 + 1;
-    File::open(&path)
-        .and_then(|file| file.take(most).read_to_end(&mut bytes))
-        .map_err(|error| failed(error.to_string()))?;
-    Ok(Logo::read(bytes).map(Some).map_err(|error| failed(error.to_string()))?)
-}
-
-/// A bench file and its text.
-pub(crate) fn read_bench(bench: &Path, files: &Files) -> Result<(BenchFile, String), CliError> {
-    let text = bench_text(bench, files)?;
-    let file: BenchFile = text.parse().map_err(|source| Error::BenchFile { path: bench.to_owned(), source })?;
-    files.is_on(bench, &file.recordings.files);
-    Ok((file, text))
-}
-
-/// The text of a bench file.
-pub(crate) fn bench_text(bench: &Path, files: &Files) -> Result<String, CliError> {
-    if bench.is_dir() {
-        let inside = bench.join("bench.toml");
-        let remedy = match inside.is_file() {
-            true => format!("did you mean {}?", inside.display()),
-            false => "name a bench file, or have one proposed with `dynoid init`".into(),
-        };
-        return Err(Error::IsFolder { path: bench.to_owned(), remedy }.into());
-    }
-    Ok(files.read_text(bench, "a bench file such as `dynoid init` writes")?)
-}
-
-pub(in crate::commands) fn no_study(bench: &Path, error: StudyError) -> CliError {
-    match error {
-        StudyError::NoChannels => Error::NoChannelsNamed { path: bench.to_owned() }.into(),
-        StudyError::NoRecordings => Error::NoRecordingsListed { path: bench.to_owned() }.into(),
-        StudyError::NothingUsable { count, diagnostics } => Error::NothingUsable {
-            bench: bench.to_owned(),
-            count,
-            reasons: diagnostics.iter().map(|found| format!("  {}", wording::diagnostic(found))).collect(),
-        }
-        .into(),
     }
 }

@@ -1,8 +1,7 @@
 //! `dynoid torque-control`: models of the torque control, compared.
 
-use part_torque::TorqueControls;
-use part_torque::model_comparison::{ModelComparison, OrdersTried, compare_models};
-use rig::{BenchFile, Experiment};
+use dynoid::{Error, analyses};
+use part_torque::model_comparison::OrdersTried;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -14,7 +13,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
-    let studied = studied(&experiments, &bench, orders, terminal)?;
+    let studied = analyses::torque_control(&experiments, &bench, orders, terminal.work()).map_err(Error::from)?;
     let page = || report::pages::torque_control(&studied);
     let json = || {
         json!({
@@ -24,15 +23,4 @@ pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -
     };
     show(&arguments.result, page, json, terminal)?;
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
-}
-
-fn studied(
-    experiments: &[Experiment],
-    bench: &BenchFile,
-    orders: OrdersTried,
-    terminal: &Terminal,
-) -> Result<ModelComparison, CliError> {
-    let all: Vec<&Experiment> = experiments.iter().collect();
-    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, terminal.work())
-        .map_err(|source| CliError::TorqueControl { source })
 }

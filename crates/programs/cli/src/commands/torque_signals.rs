@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use part_controller::SpeedControllers;
-use part_torque::TorqueControls;
-use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
+use dynoid::analyses;
+use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
 use report::wording::reasons;
-use rig::Experiment;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -19,10 +17,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref(), &terminal.files())?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
-    let all: Vec<&Experiment> = experiments.iter().collect();
-    let limit = bench.limits.torque_nm;
-    let parts = (&SpeedControllers::of(&all, limit), &TorqueControls::of(&all, limit));
-    let signals = torque_signals(parts, &bench, terminal.work());
+    let signals = analyses::torque_signals(&experiments, &bench, terminal.work());
     if let Some(out) = &arguments.out {
         write(&signals, out, terminal)?;
     }

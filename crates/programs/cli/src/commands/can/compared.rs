@@ -12,7 +12,6 @@ use signal::Signal;
 use super::test::{Test, What};
 use super::wanted::Wanted;
 use crate::cli::can::CanArguments;
-use crate::commands::study::bench_text;
 use crate::error::CliError;
 use crate::terminal::Terminal;
 
@@ -109,7 +108,7 @@ impl Compared {
 
 /// The channels of the bench file; nothing else of it is needed.
 fn run_channels(bench: &Path, files: &Files) -> Result<RunChannels, CliError> {
-    let read = bench_text(bench, files)?.parse();
+    let read = dynoid::bench_text(bench, files)?.parse();
     let run: RunChannels = read.map_err(|source| Error::BenchFile { path: bench.to_owned(), source })?;
     if run.channels.is_empty() {
         return Err(Error::NoChannelsNamed { path: bench.to_owned() }.into());

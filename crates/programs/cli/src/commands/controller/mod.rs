@@ -2,9 +2,8 @@
 
 mod noise_test;
 
-use part_controller::SpeedControllers;
-use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
-use rig::Experiment;
+use dynoid::analyses;
+use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl};
 use rig::results::Validation;
 use serde_json::{Value, json};
 
@@ -28,8 +27,7 @@ pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> R
 
 fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((given, result), terminal)?;
-    let all: Vec<&Experiment> = experiments.iter().collect();
-    let found = speed_control(&SpeedControllers::of(&all, bench.limits.torque_nm), terminal.work());
+    let found = analyses::controller(&experiments, &bench, terminal.work());
     if found.controllers.is_empty() {
         return Err(CliError::NoHeldSpeed { path: given.bench.clone() });
     }

@@ -2,24 +2,24 @@
 
 use std::path::Path;
 
-use dynoid::{Error, paths};
+use dynoid::{Bench, Error, Session, paths};
 use report::next::{best, command};
-use study::{NextError, NextExperiments, NextOptions, Prepared, next_experiments};
+use study::{NextError, NextExperiments, NextOptions};
 
 use crate::cli::experiment::NextArguments;
 use crate::commands::bench_model::MODEL;
-use crate::commands::study::{no_study, read_bench, read_recordings};
 use crate::error::{CliError, Outcome};
 use crate::summary::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let (file, _) = read_bench(&arguments.bench, &terminal.files())?;
+    let files = terminal.files();
+    let bench = Bench::load(&arguments.bench, &files)?;
     let step = terminal.work().step("looking for the next experiment", 3);
-    let recordings = match read_recordings(&arguments.bench, &file, &step, &terminal.files()) {
-        Err(CliError::Door { source: none @ (Error::NothingMatches { .. } | Error::NoRecordingsListed { .. }) }) => {
+    let session = match Session::open(bench.clone(), &files, &step) {
+        Err(none @ (Error::NothingMatches { .. } | Error::NoRecordingsListed { .. })) => {
             terminal.note(&format!("{none}; what follows is for a bench without recordings"));
-            Prepared::default()
+            Session::without_recordings(bench)
         }
         read => read?,
     };
@@ -29,9 +29,12 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
         enough: arguments.enough / 100.0,
         seed: arguments.seed,
     };
-    let found = next_experiments(&file, recordings, options, &step);
+    let found = session.next(options, &step);
     drop(step);
-    let found = found.map_err(|error| refused(&arguments.bench, error))?;
+    let found = found.map_err(|error| match error {
+        Error::Next { path, source } => refused(&path, source),
+        other => other.into(),
+    })?;
     if arguments.json {
         terminal.json(&found)?;
     } else if !terminal.is_quiet() {
@@ -42,7 +45,7 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
 
 fn refused(bench: &Path, error: NextError) -> CliError {
     match error {
-        NextError::Study(error) => no_study(bench, error),
+        NextError::Study(error) => Error::of_study(bench, error).into(),
         NextError::VirtualBench(source) => CliError::VirtualBench { path: bench.to_owned(), source },
         NextError::TooShort { .. } => CliError::Usage { what: format!("--duration: {error}") },
         NextError::UnknownShaft => CliError::Usage {

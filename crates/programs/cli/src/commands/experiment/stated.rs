@@ -14,7 +14,6 @@ use rig::facts::StatedInertia;
 use virtual_bench::StatedBench;
 
 use crate::commands::bench_model::{self, Kind};
-use crate::commands::study::read_bench;
 use crate::error::CliError;
 use crate::terminal::Terminal;
 
@@ -46,7 +45,7 @@ impl Bench {
             let what = "this is a model file, not a bench file; give it with --model";
             return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
         }
-        let (file, _) = read_bench(path, &terminal.files())?;
+        let file = dynoid::Bench::load(path, &terminal.files())?.into_file();
         let read = study.map(|path| read_model(path, &terminal.files())).transpose()?;
         let model_in_words = read.as_ref().map(|read| read.in_words.clone());
         let (assembled, validity) = read.map(|read| (read.assembled, read.validity)).unzip();

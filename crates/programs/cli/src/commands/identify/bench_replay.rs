@@ -22,7 +22,6 @@ use super::model_file::AnyModelFile;
 use super::recorded::check_output;
 use crate::cli::identify::{BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, RunArguments};
 use crate::commands::result::{check_plot, show, show_with};
-use crate::commands::study::read_bench;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -117,7 +116,7 @@ fn replays(
         return Err(of_linear_models("--detrend"));
     }
     let path = bench_file(models, bench)?;
-    let (file, _) = read_bench(&path, &terminal.files())?;
+    let file = dynoid::Bench::load(&path, &terminal.files())?.into_file();
     let mut all = Vec::new();
     for input in terminal.files().named(&meet.on)? {
         dynoid::refuse_model(&input)?;

@@ -1,0 +1,7 @@
+//! The library as a program uses it.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod examples;
+mod files;
+mod session;
