@@ -47,7 +47,7 @@ fn build(target: &str, is_host: bool) -> Result<PathBuf, String> {
     let target_folder = folder::target()?.join("release-build");
     let mut cargo = Command::new(env!("CARGO"));
     cargo.arg(if is_host { "build" } else { "zigbuild" });
-    cargo.args(["--release", "--locked", "--package", "dynoid", "--target", target]);
+    cargo.args(["--release", "--locked", "--package", "dynoid-cli", "--target", target]);
     cargo.arg("--target-dir").arg(&target_folder).env("RUSTFLAGS", flags()?);
     run("the build (for other machines it needs cargo-zigbuild, and `rustup target add`)", &mut cargo)?;
     let name = if target.contains("windows") { "dynoid.exe" } else { "dynoid" };

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 /// Crates that write files, print, or serve, and who alone may use them.
 const RESERVED: &[(&str, &[&str])] = &[
-    ("clap", &["dynoid"]),
-    ("indicatif", &["dynoid"]),
+    ("clap", &["cli"]),
+    ("indicatif", &["cli"]),
     ("tempfile", &["dynoid"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),

@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(of("crates/toolbox/lti/src/a.rs", "/// Open: it tells whether.\nfn f() {}\n"), [(1, "told")]);
         let help = "struct A {\n    /// What to export to\n    to: u8,\n}\n";
         assert_eq!(of("crates/bench/export/src/a.rs", help), [(2, "what first")]);
-        assert!(of("crates/programs/dynoid/src/cli/export.rs", help).is_empty());
+        assert!(of("crates/programs/cli/src/cli/export.rs", help).is_empty());
         assert!(of("docs/a.md", "What a room holds.\n").is_empty());
     }
 

@@ -117,7 +117,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[
     ("CONTRIBUTING.md", "stands", "the style sheet quotes what it forbids"),
     ("CONTRIBUTING.md", "inverted", "the style sheet quotes what it forbids"),
     ("CONTRIBUTING.md", "what, verb", "the style sheet quotes what it forbids"),
-    ("crates/programs/dynoid/src/cli/", "what first", "doc comments of arguments are the texts of --help"),
+    ("crates/programs/cli/src/cli/", "what first", "doc comments of arguments are the texts of --help"),
     ("docs/src/glossary.md", "told", "a column has the words that are not used"),
     ("xtask/src/wording/", "", "the patterns themselves"),
 ];

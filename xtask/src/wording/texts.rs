@@ -68,7 +68,7 @@ fn of_rust(name: &str, content: &str) -> Result<Vec<Text>, String> {
     let tokens = TokenStream::from_str(content).map_err(|error| format!("{name}: {error}"))?;
     let mut texts = Vec::new();
     // The help of the commands is made of doc comments.
-    literals(tokens, name.starts_with("crates/programs/dynoid/src/cli"), &mut texts);
+    literals(tokens, name.starts_with("crates/programs/cli/src/cli"), &mut texts);
     Ok(texts)
 }
 

@@ -1,5 +1,7 @@
 //! From decoded files to labelled experiments.
 
+use std::sync::Arc;
+
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare};
@@ -21,10 +23,10 @@ pub struct Source {
     pub recording: Result<Recording, RecordingError>,
 }
 
-/// Recordings that were checked and brought into SI: what a study is made from.
-#[derive(Debug, Default)]
+/// Recordings that were checked and brought into SI: what a study is made from. Copies share the samples.
+#[derive(Debug, Clone, Default)]
 pub struct Prepared {
-    pub(super) experiments: Vec<Experiment>,
+    pub(super) experiments: Arc<Vec<Experiment>>,
     pub(super) recordings: Vec<RecordingSummary>,
     pub(super) diagnostics: Vec<Diagnostic>,
     readable: usize,
@@ -69,13 +71,23 @@ impl Prepared {
                     summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
                     summary.sample_times_s = experiment.signals.iter().map(|(r, s)| (*r, s.sample_time_s)).collect();
                     self.diagnostics.extend(diagnostics);
-                    self.experiments.push(experiment);
+                    Arc::make_mut(&mut self.experiments).push(experiment);
                 }
                 Err(diagnostics) => self.diagnostics.extend(diagnostics),
             }
         }
         self.readable += sources.iter().filter(|source| source.recording.is_ok()).count();
         self.simulated.extend(sources.iter().filter(|source| is_simulated(source)).map(|s| s.file.clone()));
+    }
+
+    /// The recordings that can be used.
+    pub fn experiments(&self) -> &[Experiment] {
+        &self.experiments
+    }
+
+    /// Doubts about the recordings, and why some cannot be used.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
     }
 
     /// That recordings are from a virtual bench: a warning where others are measured.

@@ -5,6 +5,8 @@
 //! is what the experiment buys: choices of the study, its corrections, and its trust in time stamps are in it, which
 //! a count of information (see [`design::excitation_design`]) leaves out.
 
+use std::sync::Arc;
+
 use bench_model::analysis::results_of;
 use bench_model::disturbances::Disturbances;
 use bench_model::model::{AssembledModel, BenchModel};
@@ -205,7 +207,7 @@ pub fn next_experiments(
 ) -> Result<NextExperiments, NextError> {
     let experiments = match recordings.usable(bench) {
         Ok(prepared) => prepared.experiments,
-        Err(StudyError::NoRecordings) => Vec::new(),
+        Err(StudyError::NoRecordings) => Arc::default(),
         Err(error) => return Err(error.into()),
     };
     let all: Vec<&Experiment> = experiments.iter().collect();

@@ -5,7 +5,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use recording::StartTime;
 
 /// Today in UTC, as in 2026-05-03.
-pub(crate) fn today() -> String {
+pub fn today() -> String {
     written(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs())
 }
 

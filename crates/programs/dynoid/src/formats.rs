@@ -3,18 +3,17 @@
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
-use clap::ValueEnum;
 use recording::{Recording, RecordingError};
 
-use crate::error::CliError;
+use crate::error::Error;
+use crate::files::Files;
 use crate::mark::Mark;
 use crate::output::Staging;
 use crate::paths::ending;
-use crate::this_run;
 
 /// A format of files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FileFormat {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileFormat {
     /// MDF 4.10
     Mf4,
     /// Text, commas between the columns
@@ -33,7 +32,7 @@ const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
 
 impl FileFormat {
     /// The ending of its files.
-    pub(crate) fn ending(self) -> &'static str {
+    pub fn ending(self) -> &'static str {
         match self {
             FileFormat::Mf4 => "mf4",
             FileFormat::Csv => "csv",
@@ -45,7 +44,7 @@ impl FileFormat {
     }
 
     /// The format that a file's ending says.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
+    pub fn of(path: &Path) -> Option<Self> {
         Some(match ending(path)?.to_lowercase().as_str() {
             "mf4" | "mdf" => FileFormat::Mf4,
             "csv" => FileFormat::Csv,
@@ -58,29 +57,27 @@ impl FileFormat {
     }
 
     /// As [`Self::of`], of a file to be written.
-    pub(crate) fn of_output(path: &Path) -> Result<Self, CliError> {
-        let unknown = || CliError::Usage {
-            what: format!("{}: the ending of the output says what it is: {ENDINGS}", path.display()),
-        };
-        Self::of(path).ok_or_else(unknown)
+    pub fn of_output(path: &Path) -> Result<Self, Error> {
+        Self::of(path).ok_or_else(|| Error::OutputEnding { path: path.to_owned(), endings: ENDINGS })
     }
 
     /// Tells whether its files are text.
-    pub(crate) fn is_text(self) -> bool {
+    pub fn is_text(self) -> bool {
         matches!(self, FileFormat::Csv | FileFormat::Tsv)
     }
 
     /// Writes a recording in this format, piece by piece.
-    pub(crate) fn write(self, recording: &Recording, path: &Path) -> Result<(), CliError> {
-        let mut staging = Staging::default();
+    pub fn write(self, recording: &Recording, path: &Path, files: &Files) -> Result<(), Error> {
+        let mut staging = Staging::of(files);
         self.stage(recording, path, &mut staging)?;
         staging.finish()
     }
 
     /// Writes a recording as [`Self::write`] does, to get its name together with other files.
-    pub(crate) fn stage(self, recording: &Recording, path: &Path, staging: &mut Staging) -> Result<(), CliError> {
-        let program = this_run::generator();
-        staging.add(path, Some(&Mark::of_run()), |out| {
+    pub fn stage(self, recording: &Recording, path: &Path, staging: &mut Staging) -> Result<(), Error> {
+        let program = staging.files().generator();
+        let mark = Mark::of_run(staging.files());
+        staging.add(path, Some(&mark), |out| {
             let written = match self {
                 FileFormat::Mf4 => recording::write_mdf4(recording, &program, out),
                 FileFormat::Csv => recording::write_csv(recording, out),
@@ -90,14 +87,14 @@ impl FileFormat {
                 FileFormat::Arrow => arrow(recording, out),
             };
             written.map_err(|source| match source {
-                RecordingError::Unwritable { kind, detail } => CliError::write(path, io::Error::new(kind, detail)),
-                source => CliError::Encode { source },
+                RecordingError::Unwritable { kind, detail } => Error::write(path, io::Error::new(kind, detail)),
+                source => Error::Encode { source },
             })
         })
     }
 
     /// Gives channels names that the format can hold. Returns what was done, and what it has no place for.
-    pub(crate) fn fit(self, recording: &mut Recording) -> Vec<String> {
+    pub fn fit(self, recording: &mut Recording) -> Vec<String> {
         let mut notes = Vec::new();
         if !self.is_text() {
             return notes;
@@ -154,21 +151,21 @@ fn lost_in_text(recording: &Recording) -> Option<String> {
 }
 
 /// A recording as a table for data frames; where this build leaves Parquet out, as MDF.
-pub(crate) fn encode_table(recording: &Recording) -> Result<Vec<u8>, CliError> {
+pub fn encode_table(recording: &Recording, files: &Files) -> Result<Vec<u8>, Error> {
     #[cfg(feature = "parquet")]
     {
         let mut bytes = Vec::new();
-        parquet(recording, &this_run::generator(), &mut bytes).map_err(CliError::internal)?;
+        parquet(recording, &files.generator(), &mut bytes).map_err(Error::internal)?;
         Ok(bytes)
     }
     #[cfg(not(feature = "parquet"))]
-    encode_mdf4(recording)
+    encode_mdf4(recording, files)
 }
 
 /// A recording as MDF, in memory.
-pub(crate) fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, CliError> {
+pub fn encode_mdf4(recording: &Recording, files: &Files) -> Result<Vec<u8>, Error> {
     let mut bytes = Cursor::new(Vec::new());
-    recording::write_mdf4(recording, &this_run::generator(), &mut bytes).map_err(CliError::internal)?;
+    recording::write_mdf4(recording, &files.generator(), &mut bytes).map_err(Error::internal)?;
     Ok(bytes.into_inner())
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use bench_model::document::{BenchModelDocument, format_of};
 use ident::DocumentHeader;
 
-use crate::this_run;
+use crate::files::Files;
 
 const PROGRAM: &[u8] = b"dynoid ";
 /// Bytes at the beginning of a file in which its mark is.
@@ -25,15 +25,20 @@ const LARGEST_BENCH_FILE: u64 = 1 << 20;
 
 /// Kind of a text, by its `format`; also where it cannot be read to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// A bench model.
     Bench,
+    /// A linear model.
     Linear,
+    /// The data of a study.
     Study,
+    /// Any other text.
     Other,
 }
 
 impl Kind {
-    pub(crate) fn of(text: &str) -> Self {
+    /// Of a text.
+    pub fn of(text: &str) -> Self {
         match format_of(text) {
             Some(format) if BenchModelDocument::is_format(&format) => Kind::Bench,
             Some(format) if report::is_study(&format) => Kind::Study,
@@ -45,7 +50,7 @@ impl Kind {
 
 /// Statement of a file on its maker.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Mark {
+pub enum Mark {
     /// A command of this program, by its words.
     Command(String),
     /// This program.
@@ -57,13 +62,13 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
-    /// The mark of pages, pictures and recordings of this run.
-    pub(crate) fn of_run() -> Self {
-        Mark::Command(this_run::command().to_owned())
+    /// The mark of pages, pictures and recordings of a run.
+    pub fn of_run(files: &Files) -> Self {
+        Mark::Command(files.maker().to_owned())
     }
 
     /// Maker of files of this mark, in words.
-    pub(crate) fn maker(&self) -> String {
+    pub fn maker(&self) -> String {
         match self {
             Mark::Command(command) => format!("`dynoid {command}`"),
             Mark::Program => "dynoid".to_owned(),
@@ -74,7 +79,7 @@ impl Mark {
     }
 
     /// The mark of a file; none where it has none, or cannot be read.
-    pub(crate) fn of_file(path: &Path) -> Option<Self> {
+    pub fn of_file(path: &Path) -> Option<Self> {
         // Opening a pipe waits for who writes to it.
         let mut file = path.is_file().then(|| File::open(path).ok())??;
         let mut head = Vec::new();
@@ -91,7 +96,7 @@ impl Mark {
     }
 
     /// The mark of what is to be written.
-    pub(crate) fn of_content(content: &[u8]) -> Option<Self> {
+    pub fn of_content(content: &[u8]) -> Option<Self> {
         of_ends(&content[..content.len().min(HEAD)], &content[content.len().saturating_sub(TAIL)..])
     }
 }
@@ -128,23 +133,23 @@ fn generator(bytes: &[u8]) -> Option<String> {
 }
 
 /// Tells whether a file is a bench file: TOML with the table that every bench file begins with. Nothing larger is read.
-pub(crate) fn is_bench_file(path: &Path) -> bool {
+pub fn is_bench_file(path: &Path) -> bool {
     let is_small = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < LARGEST_BENCH_FILE);
     let text = if is_small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };
     text.parse::<toml::Table>().is_ok_and(|table| table.get("bench").is_some_and(toml::Value::is_table))
 }
 
-/// A drawing with the mark of this run.
-pub(crate) fn in_svg(drawing: &str) -> String {
-    drawing.replacen(">\n", &format!(">\n<metadata>{}</metadata>\n", this_run::generator()), 1)
+/// A drawing with the mark of a run.
+pub fn in_svg(drawing: &str, files: &Files) -> String {
+    drawing.replacen(">\n", &format!(">\n<metadata>{}</metadata>\n", files.generator()), 1)
 }
 
-/// A picture with the mark of this run: a chunk of text behind the header (PNG 3rd edition, 11.3.3.2).
-pub(crate) fn in_png(picture: &[u8]) -> Vec<u8> {
+/// A picture with the mark of a run: a chunk of text behind the header (PNG 3rd edition, 11.3.3.2).
+pub fn in_png(picture: &[u8], files: &Files) -> Vec<u8> {
     /// Signature, and the header with length, type and checksum.
     const BEGINNING: usize = 8 + 25;
     let (beginning, rest) = picture.split_at(picture.len().min(BEGINNING));
-    let text = [b"tEXtSoftware\0", this_run::generator().as_bytes()].concat();
+    let text = [b"tEXtSoftware\0", files.generator().as_bytes()].concat();
     let length = u32::try_from(text.len() - 4).unwrap_or_default();
     [beginning, &length.to_be_bytes(), &text, &crc32(&text).to_be_bytes(), rest].concat()
 }

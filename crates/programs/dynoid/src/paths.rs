@@ -4,25 +4,25 @@ use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 /// A file's ending, as it is spelled.
-pub(crate) fn ending(path: &Path) -> Option<&str> {
+pub fn ending(path: &Path) -> Option<&str> {
     path.extension().and_then(OsStr::to_str)
 }
 
 /// The absolute folder a file is in.
-pub(crate) fn folder_of(file: &Path) -> PathBuf {
+pub fn folder_of(file: &Path) -> PathBuf {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     absolute.parent().map(Path::to_owned).unwrap_or_default()
 }
 
 /// A path written with `/`, as bench files write them everywhere.
-pub(crate) fn with_slashes(path: &Path) -> String {
+pub fn with_slashes(path: &Path) -> String {
     let text = path.to_string_lossy();
     if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
 }
 
 /// A path as seen from a folder, with `..` where needed; the absolute path where there is no way (another drive). Both
 /// must exist.
-pub(crate) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
+pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {
     let (Ok(path), Ok(folder)) = (path.canonicalize(), folder.canonicalize()) else { return path.to_owned() };
     let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     if common == 0 {
@@ -33,6 +33,6 @@ pub(crate) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
 }
 
 /// Tells whether a path names a pipe or a device: neither a file nor a folder.
-pub(crate) fn is_stream(path: &Path) -> bool {
+pub fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
 }

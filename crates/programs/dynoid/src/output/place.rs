@@ -1,13 +1,12 @@
 //! Where a result goes: the file that a name or a link stands for, or a pipe or device.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use crate::files::Files;
 use crate::paths;
 
 /// Links that may follow one another, as on Linux (path_resolution(7)).
@@ -27,21 +26,18 @@ pub(super) fn behind_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("the link leads back to itself"))
 }
 
-/// Pipes and devices that were opened before the work, and are written to after it.
-static STREAMS: Mutex<BTreeMap<PathBuf, File>> = Mutex::new(BTreeMap::new());
-
 /// Opens a pipe or device, and keeps it open until [`stream`] takes it: the reader of a pipe that is closed sees its
 /// end.
-pub(super) fn open_stream(path: &Path) -> io::Result<()> {
-    let stream = stream(path)?;
-    STREAMS.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), stream);
+pub(super) fn open_stream(path: &Path, files: &Files) -> io::Result<()> {
+    let stream = stream(path, files)?;
+    files.streams().insert(path.to_owned(), stream);
     Ok(())
 }
 
 /// A pipe or device to write to. The system opens a pipe when another program reads it; what nobody reads is an error
 /// after a few seconds.
-pub(super) fn stream(path: &Path) -> io::Result<File> {
-    if let Some(stream) = STREAMS.lock().unwrap_or_else(PoisonError::into_inner).remove(path) {
+pub(super) fn stream(path: &Path, files: &Files) -> io::Result<File> {
+    if let Some(stream) = files.streams().remove(path) {
         return Ok(stream);
     }
     let (send, receive) = mpsc::channel();

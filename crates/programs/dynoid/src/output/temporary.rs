@@ -155,7 +155,7 @@ fn locked_folder(folder: &Path) -> Option<File> {
 /// From now on, signals that end the program remove its temporary files first. A file that grows beyond the limit of
 /// the shell is an error of writing.
 #[cfg(unix)]
-pub(crate) fn remove_when_ended() {
+pub fn remove_when_ended() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
@@ -177,7 +177,7 @@ pub(crate) fn remove_when_ended() {
 }
 
 #[cfg(not(unix))]
-pub(crate) fn remove_when_ended() {}
+pub fn remove_when_ended() {}
 
 /// The signals that whoever started the program lets it ignore, as `nohup` does: bit n - 1 is signal n
 /// (proc_pid_status(5)). None are known where the system has no such file.

@@ -1,0 +1,68 @@
+//! `dynoid engine`: the engine's torque, rebuilt.
+
+use std::path::Path;
+
+use dynoid::analyses;
+use part_engine::{EngineRecording, EngineTorque};
+use report::wording::reasons;
+use rig::results::Reason;
+use serde_json::json;
+
+use super::experiments::{self, Campaign};
+use super::rebuilt::{self, Rebuilt};
+use super::result::show_with;
+use crate::cli::engine::EngineArguments;
+use crate::error::{CliError, Outcome};
+use crate::terminal::Terminal;
+
+pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    rebuilt::check(arguments.out.as_deref(), &terminal.files())?;
+    let Campaign { bench, experiments, refused } = experiments::all(&arguments.given, &arguments.result, terminal)?;
+    let found = analyses::engine(&experiments, &bench, terminal.work());
+    if let Some(out) = &arguments.out {
+        write(&found, out, terminal)?;
+    }
+    let page = || report::pages::engine(&found);
+    let json = || {
+        let recordings: Vec<_> = found.recordings.iter().map(short).collect();
+        json!({"masses": found.masses.written(), "recordings": recordings, "refused": refused})
+    };
+    show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
+    let tells = found.recordings.iter().any(|recording| recording.engine.estimated().is_some());
+    Ok(Outcome::of(tells, &refused))
+}
+
+/// A recording's results without the samples.
+fn short(recording: &EngineRecording) -> serde_json::Value {
+    let engine = recording.engine.written_as(|engine| {
+        json!({
+            "start_s": engine.start_s, "sample_time_s": engine.sample_time_s, "samples": engine.smoothed_nm.len(),
+            "torque": engine.torque, "noise": engine.noise, "once_a_turn_nm": engine.once_a_turn_nm,
+        })
+    });
+    json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles.written()})
+}
+
+/// Writes the engine torque of the one recording there is.
+fn write(found: &EngineTorque, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
+    let recording = rebuilt::only(&found.recordings, "the engine torque", out)?;
+    let missing = |needs: &[Reason]| CliError::Usage {
+        what: format!("{}: no engine torque: {}", recording.file, reasons(needs)),
+    };
+    let engine = recording.engine.as_ref().map_err(missing)?;
+    let rebuilt = Rebuilt {
+        comment: format!("engine torque rebuilt from {}", recording.file),
+        start_s: engine.start_s,
+        sample_time_s: engine.sample_time_s,
+        channels: vec![
+            ("engine_torque", "by a fixed-interval smoother", &engine.smoothed_nm),
+            (
+                "engine_torque_standard_deviation",
+                "of noise, masses and shaft; a once-a-turn error of the encoder only as far as the speeds show it",
+                &engine.standard_deviation_nm,
+            ),
+            ("engine_torque_zero_phase", "by a filter without phase shift", &engine.zero_phase_nm),
+        ],
+    };
+    rebuilt::write(&rebuilt, out, terminal)
+}

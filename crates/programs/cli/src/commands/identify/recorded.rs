@@ -1,0 +1,79 @@
+//! Responses of models as recordings.
+
+use std::path::Path;
+
+use dataset::instant_s;
+use dynoid::{FileFormat, Files, Mark, check_file};
+use faer::Mat;
+use ident::prediction::Response;
+use ident::{IdentError, Label, ModelDocument};
+use recording::{Channel, Format, Raster, Recording};
+
+use super::data::Loaded;
+use crate::error::CliError;
+
+/// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
+pub(super) fn recording_of(
+    document: &ModelDocument,
+    loaded: &Loaded,
+    response: &Response,
+    what: &str,
+) -> Result<Recording, IdentError> {
+    let (mut rasters, mut channels) = (Vec::new(), Vec::new());
+    for (number, source) in loaded.sources.iter().enumerate() {
+        let parts: Vec<usize> = (0..loaded.recording.len()).filter(|n| loaded.recording[*n] == number).collect();
+        let Some((start_s, values)) = whole(loaded, response, number, &parts)? else { continue };
+        let sample_time_s = loaded.data.sample_time_s();
+        let time_s = (0..values.nrows()).map(|tick| instant_s(start_s, tick, sample_time_s)).collect();
+        let channel = |(output, label): (usize, &Label)| Channel {
+            name: format!("{}_{what}", label.name),
+            unit: label.unit.clone(),
+            comment: String::new(),
+            raster: rasters.len(),
+            samples: values.col_as_slice(output).to_vec(),
+        };
+        channels.extend(document.outputs.iter().enumerate().map(channel));
+        rasters.push(Raster { time_s, name: Some(source.file.clone()) });
+    }
+    let format = Format::Csv { delimiter: ',', decimal_comma: false };
+    Ok(Recording { format, comment: None, start_time: None, rasters, channels, findings: Vec::new() })
+}
+
+/// The parts of one recording put together: when it starts, and its outputs; nothing where it has no part.
+fn whole(
+    loaded: &Loaded,
+    response: &Response,
+    recording: usize,
+    parts: &[usize],
+) -> Result<Option<(f64, Mat<f64>)>, IdentError> {
+    let (experiments, sample_time_s) = (loaded.data.experiments(), loaded.data.sample_time_s());
+    let (Some(first), Some(last)) = (parts.first(), parts.last()) else { return Ok(None) };
+    let start_s = experiments[*first].start_s;
+    let place = |part: usize| ((experiments[part].start_s - start_s) / sample_time_s).round() as usize;
+    let rows = place(*last) + experiments[*last].len();
+    let mut all = Mat::full(rows, loaded.data.outputs(), f64::NAN);
+    for part in parts {
+        let values = response.outputs[*part].as_ref();
+        let values = match &loaded.trend {
+            Some(trend) => trend.restore_outputs(values, recording, experiments[*part].start_s, sample_time_s)?,
+            None => values.to_owned(),
+        };
+        all.subrows_mut(place(*part), values.nrows()).copy_from(&values);
+    }
+    Ok(Some((start_s, all)))
+}
+
+/// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it
+/// for one.
+pub(super) fn check_output(path: &Path, recordings: usize, files: &Files) -> Result<(), CliError> {
+    match FileFormat::of_output(path)? {
+        format if format.is_text() && recordings > 1 => Err(CliError::Usage {
+            what: format!(
+                "{}: .{} holds one recording, and {recordings} are given; write .mf4, or one after the other",
+                path.display(),
+                format.ending()
+            ),
+        }),
+        _ => Ok(check_file(path, &Mark::of_run(files), files)?),
+    }
+}

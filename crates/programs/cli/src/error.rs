@@ -1,0 +1,280 @@
+//! Errors between the files and the terminal, each with its remedy, and the program's exit codes.
+
+use std::io;
+use std::path::PathBuf;
+
+use dynoid::Error;
+
+/// The command line is wrong.
+const USAGE: u8 = 2;
+/// An input cannot be read or understood.
+const INPUT: u8 = 3;
+/// An output cannot be written.
+const OUTPUT: u8 = 4;
+/// A fault in dynoid itself.
+pub(crate) const INTERNAL: u8 = 5;
+
+/// How a command ended that did its work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// All is well.
+    Done,
+    /// The study finds the data insufficient for a model.
+    Insufficient,
+    /// The check does not find the experiment safe, or the bench cannot run the test, or a run of it is not valid.
+    NotSafe,
+    /// The bench is not the same any more.
+    Changed,
+    /// The model explains next to nothing of an output.
+    ExplainsLittle,
+    /// Some inputs could not be read; each was named.
+    SomeUnreadable,
+    /// No recording gave a result; the reasons were named.
+    NothingFound,
+}
+
+impl Outcome {
+    /// The outcome of a command that handles recordings one by one: whether it found anything, and what it refused.
+    pub(crate) fn of(found: bool, refused: &[String]) -> Self {
+        match (found, refused) {
+            (true, []) => Outcome::Done,
+            (true, _) => Outcome::SomeUnreadable,
+            (false, _) => Outcome::NothingFound,
+        }
+    }
+
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Outcome::Done => 0,
+            Outcome::Insufficient | Outcome::NotSafe | Outcome::Changed | Outcome::ExplainsLittle => 1,
+            Outcome::SomeUnreadable | Outcome::NothingFound => INPUT,
+        }
+    }
+}
+
+/// Why a command cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    /// An error of the library.
+    #[error("{source}{}", hint(.source))]
+    Door {
+        #[from]
+        source: Error,
+    },
+    /// None of the recordings given can be decoded.
+    #[error("no recording can be read ({count} tried); the reasons are above")]
+    NoneReadable { count: usize },
+    /// Something that is no bench file where one is to be written.
+    #[error("{}: there is a file of this name, and it is no bench file; choose another name with --out, or replace it with --overwrite", .path.display())]
+    NotABenchFile { path: PathBuf },
+    /// A bench file that must not be overwritten.
+    #[error("{}: the bench file exists already; write another with --out, add to it with --update, or replace it with --force", .path.display())]
+    BenchFileExists { path: PathBuf },
+    /// An FMU of another version of FMI, which must not be overwritten.
+    #[error(
+        "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name with --out, or replace it with \
+         --overwrite",
+        .path.display()
+    )]
+    OtherFmi { path: PathBuf, found: &'static str, wanted: &'static str },
+    /// A source in C that other models in the folder use.
+    #[error(
+        "{}: this source is another one than that of this dynoid, and other models in the folder may need it; choose another folder with \
+         --out, or replace it with --overwrite",
+        .path.display()
+    )]
+    OtherSource { path: PathBuf },
+    /// The demo's folder holds other things.
+    #[error(
+        "{}: the folder contains other files ({found}); choose another folder with --out",
+        .path.display()
+    )]
+    NotADemoFolder { path: PathBuf, found: String },
+    /// Standard output cannot be written.
+    #[error("the standard output cannot be written: {source}; is the disk full?")]
+    StandardOutput { source: io::Error },
+    /// Nothing is left of a recording.
+    #[error("{file}: nothing to convert: no numeric channel has a sample in this time{}", because(.reasons))]
+    NothingToConvert { file: String, reasons: Vec<String> },
+    /// Channels that make no data set.
+    #[error(transparent)]
+    Dataset(#[from] dataset::DatasetError),
+    /// A channel from which nothing can be computed.
+    #[error("{data}: \"{channel}\": {fault}")]
+    UnusableChannel { data: String, channel: String, fault: String },
+    /// No output was named.
+    #[error("{file}: name outputs with --output and inputs with --input; the channels are {channels}")]
+    NoOutputNamed { file: String, channels: String },
+    /// No recording from which PI and delay can be estimated.
+    #[error(
+        "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
+        .path.display()
+    )]
+    NoHeldSpeed { path: PathBuf },
+    /// No recording in speed control.
+    #[error("{}: no recording has speed control (NT) with N_d and N_d*; name one, or omit the bench file to use a virtual bench", .path.display())]
+    NoSpeedControl { path: PathBuf },
+    /// The noise test of the controller is impossible.
+    #[error("{source}")]
+    NoiseTest { source: rig::estimation::EstimateError },
+    /// No recording can be used.
+    #[error("{}: none of the recordings can be used", .path.display())]
+    NothingToLookAt { path: PathBuf },
+    /// A wrong command line.
+    #[error("{what}")]
+    Usage { what: String },
+    /// An estimate, or something computed from one, is impossible.
+    #[error("{what} is not possible: {source}")]
+    Identify { what: &'static str, source: ident::IdentError },
+    /// An estimate is impossible.
+    #[error("{data}: the estimate is not possible: {source}{remedy}")]
+    Estimate { data: String, source: ident::IdentError, remedy: String },
+    /// A model meets a channel in another unit.
+    #[error(
+        "{data}: \"{channel}\" has the unit {found}, but {expected} in the model; convert the recording, or fit the model again"
+    )]
+    UnitOfModel { data: String, channel: String, found: String, expected: String },
+    /// Nothing is left between gaps.
+    #[error(
+        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
+    )]
+    OnlyGaps { data: String, channels: String, shortest: usize },
+    /// A plot file of an unknown kind.
+    #[error("{}: a plot file ends in .html, .pdf, .svg or .png", .path.display())]
+    PlotEnding { path: PathBuf },
+    /// A model file with a fault.
+    #[error("{}: {reason}; copy the file again, correct it, or let `dynoid fit … --out` write it again", .path.display())]
+    ModelFile { path: PathBuf, reason: String },
+    /// A file that is none of dynoid's.
+    #[error("{}: this is not a model file ({reason}); give {wanted}", .path.display())]
+    NoModel { path: PathBuf, reason: String, wanted: &'static str },
+    /// A model file of another version.
+    #[error("{}: {source}", .path.display())]
+    ModelVersion { path: PathBuf, source: ident::IdentError },
+    /// A file that is not a structure of a grey-box model.
+    #[error("{}: this is not a structure of a grey-box model: {reason}\n`dynoid fit greybox --help` shows the layout", .path.display())]
+    StructureFile { path: PathBuf, reason: String },
+    /// A file of demands that makes no experiment.
+    #[error("{}: {source}", .path.display())]
+    Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
+    /// A file without a bench model.
+    #[error("{}: {source}", .path.display())]
+    BenchModel { path: PathBuf, source: report::BenchModelError },
+    /// A study where a bench model is wanted.
+    #[error(
+        "{}: this is a study; its bench model is the file model.json beside it. If there is none, `dynoid study bench.toml` writes it",
+        .path.display()
+    )]
+    IsStudy { path: PathBuf },
+    /// A study and a bench model side by side that are of different studies.
+    #[error(
+        "{}: this study is another one than that of {}; run `dynoid study bench.toml` again, or name the model file itself",
+        .study.display(), .model.display()
+    )]
+    OfTwoStudies { study: PathBuf, model: PathBuf },
+    /// An FMU that holds no model file of dynoid.
+    #[error(
+        "{}: this is no FMU with a model of dynoid; take one that `dynoid export` of this version made, or its model.json",
+        .path.display()
+    )]
+    NoModelInside { path: PathBuf },
+    /// A linear model where a bench model is wanted.
+    #[error(
+        "{}: this is a linear model of `dynoid fit`, and a bench model is needed; give the model.json of `dynoid study`, or an FMU of it",
+        .path.display()
+    )]
+    IsLinearModel { path: PathBuf },
+    /// A bench model where a linear model is wanted.
+    #[error(
+        "{}: this is a bench model, and a linear model is needed; `dynoid export --to linear` makes linear models of it. \
+         `dynoid model bode`, `step`, `poles`, `compare` and `simulate` take it as it is",
+        .path.display()
+    )]
+    IsBenchModel { path: PathBuf },
+    /// A model that cannot be exported.
+    #[error("{}: {source}", .path.display())]
+    Export { path: PathBuf, source: export::ExportError },
+    /// An experiment that cannot be checked.
+    #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
+    NotCheckable { path: PathBuf, reason: String },
+    /// A table of an engine, a cycle or a vehicle.
+    #[error("{}: {reason}", .path.display())]
+    CycleTable { path: PathBuf, reason: String },
+    /// A recording that is no run of the test.
+    #[error("{}: the run cannot be judged: {reason}", .path.display())]
+    NotAsTest { path: PathBuf, reason: String },
+    /// A recording that a bench model cannot be run on.
+    #[error("the recording cannot be replayed on a bench model: {reason}")]
+    NotReplayed { reason: String },
+    /// A bench that cannot be simulated.
+    #[error("{}: {source}", .path.display())]
+    VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },
+}
+
+impl CliError {
+    pub(crate) fn identify(what: &'static str, source: ident::IdentError) -> Self {
+        CliError::Identify { what, source }
+    }
+
+    pub(crate) fn internal(what: impl ToString) -> Self {
+        Error::internal(what).into()
+    }
+
+    /// Tells whether an input is the cause.
+    pub(crate) fn is_of_input(&self) -> bool {
+        self.code() == INPUT || matches!(self, CliError::Door { source: Error::Encode { .. } })
+    }
+
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            CliError::Door { source } => code_of(source),
+            CliError::BenchFileExists { .. }
+            | CliError::NotABenchFile { .. }
+            | CliError::OtherFmi { .. }
+            | CliError::OtherSource { .. }
+            | CliError::NotADemoFolder { .. }
+            | CliError::StandardOutput { .. } => OUTPUT,
+            CliError::Usage { .. } | CliError::PlotEnding { .. } | CliError::NoOutputNamed { .. } => USAGE,
+            _ => INPUT,
+        }
+    }
+}
+
+fn code_of(error: &Error) -> u8 {
+    match error {
+        Error::Write { .. }
+        | Error::InTheWay { .. }
+        | Error::Occupied { .. }
+        | Error::IsReadOnly { .. }
+        | Error::IsDevice { .. }
+        | Error::AmongRecordings { .. }
+        | Error::Encode { .. } => OUTPUT,
+        Error::IsRead { .. } | Error::OutputEnding { .. } => USAGE,
+        Error::Internal { .. } => INTERNAL,
+        _ => INPUT,
+    }
+}
+
+/// The options that are the remedy of an error, behind its text.
+fn hint(error: &Error) -> &'static str {
+    match error {
+        Error::Write { .. } => " with --out or --plot",
+        Error::InTheWay { .. } | Error::IsDevice { .. } => " with --out",
+        Error::Occupied { .. } | Error::IsReadOnly { .. } => ", or replace it with --overwrite",
+        Error::Recording { untimed: true, .. } => {
+            "; if no column is time, give the time from row to row with --sample-time"
+        }
+        Error::Encode { .. } => " with --channels",
+        _ => "",
+    }
+}
+
+/// The first reasons, one a line.
+fn because(reasons: &[String]) -> String {
+    const MOST: usize = 5;
+    let mut lines: Vec<String> = reasons.iter().take(MOST).map(|reason| format!("\n  {reason}")).collect();
+    if reasons.len() > MOST {
+        lines.push(format!("\n  and {} more", reasons.len() - MOST));
+    }
+    lines.concat()
+}
