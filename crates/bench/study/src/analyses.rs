@@ -60,19 +60,22 @@ impl Analyses {
     pub const ORDERS_TRIED: OrdersTried = ORDERS;
 }
 
+/// The lines of the spectra of each recording, and their causes.
+pub fn lines(experiments: &[Experiment], bench: &BenchFile, context: &Context) -> Vec<RecordingLines> {
+    let step = context.step("finding lines", experiments.len() as u64);
+    let found = parallel::map(experiments, |experiment| {
+        let _part = step.step(format!("finding lines in {}", experiment.file), 0);
+        find_lines(experiment, bench)
+    });
+    on_one_mains(found)
+}
+
 /// Makes all analyses that the recordings allow.
 pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &Context) -> Analyses {
     let (all, bench) = (&parts.experiments, parts.bench);
     let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
     let step = context.step("analysing", COUNT);
-    let lines = {
-        let step = step.step("finding lines", experiments.len() as u64);
-        let found = parallel::map(experiments, |experiment| {
-            let _part = step.step(format!("finding lines in {}", experiment.file), 0);
-            find_lines(experiment, bench)
-        });
-        on_one_mains(found)
-    };
+    let lines = lines(experiments, bench, &step);
     let torque_signals = torque_signals(controllers, torque_controls, bench, &step);
     let speed_control = speed_control(controllers, &step);
     let pi_study = held_speed(parts).map(|experiment| {

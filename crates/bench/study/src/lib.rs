@@ -24,7 +24,7 @@ mod struck;
 mod validity;
 mod whole;
 
-pub use analyses::Analyses;
+pub use analyses::{Analyses, lines};
 pub use assemble::{StudyParts, assemble};
 pub use comparison::{
     CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges, WaldTest,

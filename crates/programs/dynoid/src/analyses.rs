@@ -5,7 +5,6 @@ use part_controller::SpeedControllers;
 use part_controller::speed_control::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{Friction, FrictionError, FrictionOptions};
-use part_lines::lines::{RecordingLines, find_lines, on_one_mains};
 use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
 use part_torque::TorqueControls;
@@ -14,15 +13,7 @@ use part_torque::torque_signals::TorqueSignals;
 use rig::{BenchFile, Experiment};
 use work::Context;
 
-/// The lines of the spectra of each recording, and their causes.
-pub fn lines(experiments: &[Experiment], bench: &BenchFile, context: &Context) -> Vec<RecordingLines> {
-    let step = context.step("finding lines", experiments.len() as u64);
-    let found = experiments.iter().map(|experiment| {
-        let _part = step.step(format!("finding lines in {}", experiment.file), 0);
-        find_lines(experiment, bench)
-    });
-    on_one_mains(found.collect())
-}
+pub use study::lines;
 
 /// The torque signals against each other, and the shaft torque rebuilt.
 pub fn torque_signals(experiments: &[Experiment], bench: &BenchFile, context: &Context) -> TorqueSignals {

@@ -94,8 +94,8 @@ pub(crate) fn study(
 ) -> Result<Written, CliError> {
     let files = terminal.files();
     let bench = Bench::load(bench, &files)?;
-    let folder = OutputFolder::check(out, &terminal.files())?;
-    check_results(out, wanted, &terminal.files())?;
+    let folder = OutputFolder::check(out, &files)?;
+    check_results(out, wanted, &files)?;
     let earlier = earlier_model(&out.join(MODEL), terminal);
     let logo = bench.logo(&files)?;
     // Reading, studying, analysing, and writing.
