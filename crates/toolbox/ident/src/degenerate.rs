@@ -72,7 +72,7 @@ pub(crate) fn dependent_inputs(data: &Dataset) -> Vec<Combination> {
     let mut triangle = Triangle::new(m + 1);
     let mut row = vec![1.0; m + 1];
     for e in data.experiments() {
-        for t in 0..e.len() {
+        for t in work::checked(0..e.len()) {
             for (k, slot) in row[1..].iter_mut().enumerate() {
                 *slot = if sizes[k] > 0.0 { e.input(k)[t] / sizes[k] } else { 0.0 };
             }

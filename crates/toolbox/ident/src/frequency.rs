@@ -474,7 +474,7 @@ impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
         residuals: &mut [f64],
         mut jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
-        for (k, bin) in self.bins.iter().enumerate() {
+        for (k, bin) in work::checked(self.bins).enumerate() {
             let (error, variance) = self.error_and_variance(*bin, theta, jacobian.is_some());
             let deviation = variance.sqrt() / self.weight(k);
             let residual = error / deviation;

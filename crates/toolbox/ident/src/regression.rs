@@ -157,6 +157,7 @@ impl<'a> Regression<'a> {
         for batch in 0..batches {
             let rows = batch * self.rows / batches..(batch + 1) * self.rows / batches;
             for stretch in self.within(rows).flat_map(in_chunks) {
+                work::checkpoint();
                 let mut top = 0;
                 for (equation, theta) in equations {
                     let errors = &mut errors[..stretch.range.len()];

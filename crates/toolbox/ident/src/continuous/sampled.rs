@@ -167,7 +167,7 @@ impl Sampled {
             k.checked_sub(back).map_or(if j == 0 { *past } else { 0.0 }, |i| columns[j][i])
         };
         let (mut next, mut now, mut before) = (vec![0.0; n], vec![0.0; width], vec![0.0; width]);
-        for k in first..length {
+        for k in work::checked(first..length) {
             for j in 0..width {
                 (now[j], before[j]) = (at(k, self.whole, j), at(k, self.whole + 1, j));
             }
@@ -190,7 +190,7 @@ impl Sampled {
         let (mut row, mut scratch) = (c.to_vec(), vec![0.0; c.len()]);
         let mut columns = vec![Vec::new(); c.len()];
         let mut largest = vec![0.0_f64; c.len()];
-        for _ in 0..length {
+        for _ in work::checked(0..length) {
             columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
             self.advance_row(&mut row, &mut scratch);
             largest.iter_mut().zip(&row).for_each(|(most, value)| *most = most.max(value.abs()));

@@ -109,7 +109,7 @@ fn simulate_experiment(model: &PolynomialModel, experiment: &Experiment) -> Mat<
     };
     let u: Vec<Vec<f64>> = (0..inputs).map(|k| held(experiment.input(k))).collect();
     let mut x = vec![vec![0.0; rows]; outputs];
-    for t in 0..rows {
+    for t in work::checked(0..rows) {
         for (i, e) in model.equations().iter().enumerate() {
             let of = |p: &[f64], first: usize, s: &[f64]| -> f64 {
                 let lags = p.iter().enumerate().take_while(|(l, _)| first + l <= t);

@@ -126,6 +126,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
     }
 
     fn attempt(&mut self, free: &[usize], factor: &Mat<f64>) -> Result<Attempt, IdentError> {
+        work::checkpoint();
         let step = self.damped_step(free, factor, self.damping);
         let mut trial = self.parameters.clone();
         for (position, j) in free.iter().enumerate() {

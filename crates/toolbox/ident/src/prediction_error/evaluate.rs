@@ -197,6 +197,7 @@ impl<'a> Evaluator<'a> {
         rows: &mut [f64],
         errors: &mut [f64],
     ) {
+        work::checkpoint();
         if first == 0 {
             self.lines.clear();
         }

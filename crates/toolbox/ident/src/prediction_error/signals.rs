@@ -100,7 +100,10 @@ impl<'b> Block<'b> {
     /// The blocks of a segment, in order.
     pub(super) fn all(segment: &'b Segment<'b>, state: &'b [f64]) -> impl Iterator<Item = Block<'b>> {
         let total = segment.len();
-        let block = move |first| Block { segment, first, rows: BLOCK.min(total - first), state };
+        let block = move |first| {
+            work::checkpoint();
+            Block { segment, first, rows: BLOCK.min(total - first), state }
+        };
         (0..total).step_by(BLOCK).map(block)
     }
 

@@ -155,7 +155,7 @@ impl Recursive {
         let (mut inputs, mut row) = (vec![0.0; data.inputs()], 0);
         for e in data.experiments() {
             self.regressor.forget_past();
-            for (t, y) in e.output(0).iter().enumerate() {
+            for (t, y) in work::checked(e.output(0)).enumerate() {
                 (0..data.inputs()).for_each(|k| inputs[k] = e.input(k)[t]);
                 trajectory.updates.push(self.step(&inputs, *y)?);
                 let standard_errors = self.gain.standard_errors();

@@ -38,7 +38,7 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
     // N at a sample and the covariance of its state, by the forward step and N at the sample after it.
     let mut memory: Memory<usize, Known> = Memory::new();
     let mut left = forward.innovations.len();
-    for sample in (0..samples).rev() {
+    for sample in work::checked((0..samples).rev()) {
         let measured = forward.measured_at(sample, &mut left);
         let root = &later.root;
         let column = &mut later.column;
@@ -72,7 +72,7 @@ pub(super) fn smoothed_states(forward: &Forward, samples: usize) -> Mat<f64> {
     let mut states = Mat::zeros(samples, n);
     let (mut gradient, mut column) = (vec![0.0; n], vec![0.0; n]);
     let mut left = forward.innovations.len();
-    for sample in (0..samples).rev() {
+    for sample in work::checked((0..samples).rev()) {
         if sample + 1 < samples {
             // r ← Aᵀ r.
             add_columns(&forward.by_rows, &gradient, &mut column);

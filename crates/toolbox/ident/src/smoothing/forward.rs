@@ -99,7 +99,7 @@ impl Forward {
             column: vec![0.0; n],
             seen: vec![0.0; n],
         };
-        for sample in 0..samples {
+        for sample in work::checked(0..samples) {
             if keep {
                 forward.predicted.extend_from_slice(&filter.x);
             }

@@ -108,7 +108,7 @@ impl<'a> Hankel<'a> {
     fn rows(&self, experiment: &Experiment, range: std::ops::Range<usize>) -> Mat<f64> {
         let mut triangle = Triangle::new(self.columns());
         let mut row = vec![0.0; self.columns()];
-        for t in range {
+        for t in work::checked(range) {
             for channel in 0..self.channels() {
                 let values = self.channel(experiment, channel);
                 for block in 0..self.horizons.total() {
