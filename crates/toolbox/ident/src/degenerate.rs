@@ -3,8 +3,8 @@
 use faer::Mat;
 use numerics::linalg::{self, Cholesky};
 
-use crate::equation::factor_of;
 use crate::{Dataset, Doubt, Fit, Triangle};
+use fitting::equation::factor_of;
 
 /// Unexplained part of an input, relative to its variation, below which it counts as a combination of others.
 const SAME_INPUT: f64 = 1e-11;

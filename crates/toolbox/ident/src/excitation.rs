@@ -5,8 +5,8 @@ use numerics::linalg;
 
 use crate::data::check_range;
 use crate::regression::{Lagged, Regression};
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Experiment, IdentError};
+use fitting::{Count, StructureError};
 
 /// How to look for excitation.
 ///

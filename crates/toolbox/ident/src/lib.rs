@@ -54,9 +54,7 @@ mod arx;
 mod band_limited;
 pub mod closed_loop;
 mod colour;
-mod condition;
 mod continuous;
-pub mod covariance;
 mod covariance_root;
 mod criteria;
 mod data;
@@ -64,21 +62,15 @@ mod degenerate;
 pub mod delay;
 mod dense;
 pub mod document;
-mod equation;
-mod error;
 mod excitation;
 mod excited_lines;
 mod feedback;
 mod fit;
 mod focus;
-pub mod frequency;
 mod frequency_domain;
-mod gram;
 mod grey_box;
 mod impulse_response;
 mod instrumental;
-pub mod least_squares;
-pub mod nonlinear;
 mod on_data;
 mod origin;
 pub mod prediction;
@@ -87,17 +79,20 @@ pub mod prelude;
 mod process;
 pub mod recursive;
 mod regression;
-pub mod smoothing;
 mod state_space;
 mod state_space_pem;
-mod structure_error;
 mod subspace;
 mod summary;
-mod termination;
-mod triangle;
 pub mod uncertainty;
 pub mod validate;
 mod variance_course;
+
+// The core of every fit.
+pub use fitting::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
+pub use fitting::{
+    BoundsFault, ChannelKind, Count, IdentError, RefinedLimit, StructureError, StructureFault, UnstablePart,
+};
+pub use fitting::{LinearFit, Termination, Triangle, covariance, frequency, least_squares, nonlinear, smoothing};
 
 // Data.
 pub use advice::{Advice, SampleIndex, advise};
@@ -112,7 +107,6 @@ pub use continuous::{
     ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel,
 };
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
-pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};
 pub use grey_box::{
@@ -122,7 +116,6 @@ pub use grey_box::{
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
-pub use structure_error::{BoundsFault, ChannelKind, Count, RefinedLimit, StructureError, UnstablePart};
 
 // Estimators and their options.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
@@ -132,16 +125,12 @@ pub use frequency_domain::{FrequencyGreyBox, FrequencyTransferFunction};
 pub use grey_box::GreyBox;
 pub use impulse_response::{ImpulseResponse, Kernel};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
-pub use least_squares::{LinearFit, least_squares};
-pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
 pub use origin::Origin;
 pub use prediction::InitialState;
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use process::ProcessFit;
 pub use state_space_pem::StateSpacePem;
 pub use subspace::{StateOrder, Subspace, Weighting};
-pub use termination::Termination;
-pub use triangle::Triangle;
 
 // Judgement; more in `validate` and `uncertainty`.
 pub use criteria::Criteria;

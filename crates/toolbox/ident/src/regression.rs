@@ -6,9 +6,9 @@ use faer::Mat;
 use numerics::parallel;
 use numerics::vector::{dot, variation};
 
-use crate::equation::{Equation, Solution};
 use crate::least_squares::{LinearFit, solve_factor};
 use crate::{Dataset, IdentError, Triangle};
+use fitting::equation::{Equation, Solution};
 
 /// Multiplications from which a second thread pays.
 const WORTH_A_THREAD: usize = 4_000_000;

@@ -4,11 +4,11 @@ use faer::Mat;
 use lti::{PolynomialEquation, PolynomialModel};
 
 use super::ArxOrders;
-use crate::condition::ILL_CONDITIONED;
 use crate::dense::spectral_radius;
-use crate::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};
 use crate::regression::{Regression, robust_covariance};
 use crate::{Doubt, Fit, IdentError, Termination};
+use fitting::condition::ILL_CONDITIONED;
+use fitting::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};
 
 /// Assumption about the equation errors.
 #[derive(Debug, Clone, Copy, PartialEq)]

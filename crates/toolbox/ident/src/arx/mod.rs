@@ -12,9 +12,9 @@ pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};
 
-use crate::equation::Equation;
 use crate::regression::{Lagged, Regression, outputs_then_inputs};
 use crate::{Dataset, Fit, IdentError};
+use fitting::equation::Equation;
 
 /// Estimates an ARX model, one equation an output:
 ///

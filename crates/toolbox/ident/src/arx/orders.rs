@@ -1,8 +1,8 @@
 //! [`ArxOrders`]: how many coefficients every polynomial of an ARX model has.
 
 use crate::regression::Lagged;
-use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
+use fitting::StructureError;
 
 /// Orders and delays of an ARX model: `na[i][j]` coefficients of output `j` in equation `i`, `nb[i][k]` of input `k`,
 /// the first of them `nk[i][k]` samples back.

@@ -7,10 +7,10 @@ use numerics::linalg;
 use work::Context;
 
 use super::{Arx, ArxOrders, index_of};
-use crate::equation::factor_of;
 use crate::regression::{Lagged, Regression, outputs_then_inputs};
-use crate::structure_error::StructureError;
 use crate::{Criteria, Dataset, IdentError};
+use fitting::StructureError;
+use fitting::equation::factor_of;
 
 /// A diagonal element of the factor below this fraction of its column: the column depends on those before it.
 const DEPENDENT: f64 = 1e-11;

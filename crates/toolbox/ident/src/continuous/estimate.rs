@@ -9,11 +9,11 @@ use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, liveliest};
 use crate::colour::{Colour, Sandwich, no_less_than};
 use crate::distributions::student_t_quantile;
-use crate::nonlinear::lowest_point;
-use crate::structure_error::StructureError;
 use crate::{
     Bounds, Dataset, Doubt, IdentError, Minimum, NonlinearOptions, Parametric, ResidualModel, Termination, minimise,
 };
+use fitting::StructureError;
+use fitting::nonlinear::lowest_point;
 
 /// Samples that starting models are compared on.
 const COMPARED: usize = 20_000;

@@ -25,10 +25,10 @@ pub use channel::{ContinuousChannel, Degrees};
 pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
 use crate::band_limited::Ground;
-use crate::structure_error::{RefinedLimit, StructureError};
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
 use estimate::{OutputFit, Settings, fit_output, judge_at};
+use fitting::{RefinedLimit, StructureError};
 use output_error::Nuisance;
 use past::{begun, with_ends};
 use record::{Beginning, Record, records};

@@ -15,8 +15,8 @@ use super::model::ContinuousModel;
 use super::projection::Basis;
 use super::record::{Course, Record};
 use super::sampled::Sampled;
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
+use fitting::{StructureError, UnstablePart};
 
 /// Assumptions about the time before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -32,8 +32,8 @@ pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
 use crate::regression::Lagged;
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
+use fitting::{Count, StructureError};
 
 /// A delay to a fraction of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

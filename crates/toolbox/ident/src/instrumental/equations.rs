@@ -5,9 +5,9 @@ use lti::PolynomialModel;
 
 use crate::arx::{ArxOrders, Noise, filter, index_of, largest_pole, layout, polynomial_fit, solve_equations};
 use crate::data::column;
-use crate::equation::Equation;
 use crate::regression::{Lagged, Regression, Signals, outputs_then_inputs};
 use crate::{Dataset, Experiment, Fit, IdentError};
+use fitting::equation::Equation;
 
 /// Radius that poles on the unit circle are pulled to.
 const INSIDE: f64 = 0.9999;

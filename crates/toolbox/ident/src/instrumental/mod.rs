@@ -8,8 +8,8 @@ use lti::PolynomialModel;
 
 use self::equations::{Instrumented, simulate, stabilised};
 use crate::arx::{ArxOrders, Noise};
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Fit, IdentError};
+use fitting::{Count, StructureError};
 
 pub use four_step::Iv4;
 

@@ -9,8 +9,8 @@ use super::orders::Orders;
 use super::stability_boundary;
 use super::unseen_modes;
 use super::{joint, noise_roots};
-use crate::condition::ILL_CONDITIONED;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
+use fitting::condition::ILL_CONDITIONED;
 
 /// The model of these coefficients, one list an equation, with noise of variance one.
 pub(super) fn model(orders: &Orders, data: &Dataset, thetas: &[Vec<f64>]) -> Result<PolynomialModel, IdentError> {

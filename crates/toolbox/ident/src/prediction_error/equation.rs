@@ -17,9 +17,9 @@ use super::segment::{Segment, segments};
 use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
 use super::start::{self, Long, candidates};
-use crate::nonlinear::{Lowest, SumOfSquares, descend, descend_unless};
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::{Bounds, Dataset, Focus, IdentError, NonlinearOptions};
+use fitting::nonlinear::{Lowest, SumOfSquares, descend, descend_unless};
+use fitting::{StructureError, UnstablePart};
 
 /// Rows that starting values are sought on.
 const START_ROWS: usize = 16_384;

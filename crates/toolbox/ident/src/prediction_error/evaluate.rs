@@ -11,9 +11,9 @@ use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::{Aim, Block, Column, Lines, Polynomials, columns};
 use super::split::Split;
-use crate::nonlinear::SumOfSquares;
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Triangle};
+use fitting::nonlinear::SumOfSquares;
+use fitting::{StructureError, UnstablePart};
 
 /// How much farther from the unit circle a search may go on its way.
 const WIDER: f64 = 10.0;

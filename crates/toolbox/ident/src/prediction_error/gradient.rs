@@ -9,7 +9,7 @@ use super::evaluate::Evaluator;
 use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::Aim;
-use crate::nonlinear::SumOfSquares;
+use fitting::nonlinear::SumOfSquares;
 
 fn segment(rows: usize, seed: u64) -> Segment<'static> {
     let mut state = seed;

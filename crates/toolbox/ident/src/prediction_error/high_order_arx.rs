@@ -5,7 +5,7 @@ use faer::Mat;
 use super::orders::Orders;
 use super::segment::Segment;
 use crate::distributions::chi_squared_quantile;
-use crate::gram;
+use fitting::gram;
 
 /// Order of the long model.
 const ORDER: usize = 36;

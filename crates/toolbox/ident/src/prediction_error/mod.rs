@@ -29,8 +29,8 @@ use signal::filter::Sos;
 pub use self::options::Polynomial;
 use self::orders::Orders;
 pub use self::orders::PerInput;
-use crate::structure_error::StructureError;
 use crate::{Dataset, Fit, Focus, IdentError, NonlinearOptions};
+use fitting::StructureError;
 
 impl Polynomial {
     /// Orders of `A`, `B`, `C`, `D`, `F` and the delays; `nb`, `nf` and `nk` are one number, or one an input.

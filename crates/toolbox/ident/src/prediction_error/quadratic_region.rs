@@ -1,6 +1,6 @@
 //! A minimum and what surely leads to it.
 
-use crate::nonlinear::Lowest;
+use fitting::nonlinear::Lowest;
 
 /// The cost near a minimum is that of the linearised errors to this fraction of what it has risen.
 const ALIKE: f64 = 0.1;

@@ -10,9 +10,9 @@ use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::Aim;
 use crate::distributions::chi_squared_quantile;
-use crate::nonlinear::SumOfSquares;
-use crate::triangle::upper_factor;
 use crate::{IdentError, Triangle};
+use fitting::nonlinear::SumOfSquares;
+use fitting::triangle::upper_factor;
 
 /// Order of the long ARX model where the data allow it.
 const LONG_ORDER: usize = 30;

@@ -14,8 +14,8 @@ use crate::continuous::output_error::Nuisance;
 use crate::continuous::past::{begun, with_ends};
 use crate::continuous::record::{Beginning, Record, records};
 use crate::continuous::{ContinuousChannel, ProcessSystem, check_delays, first_sample, one_each};
-use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
+use fitting::StructureError;
 
 /// Longest delay searched at first, in samples, ...
 const FIRST_DELAY_SAMPLES: f64 = 30.0;

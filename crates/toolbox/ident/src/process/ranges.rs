@@ -4,8 +4,8 @@ use faer::Mat;
 use lti::ProcessModel;
 
 use crate::continuous::{ProcessSystem, check_delays};
-use crate::structure_error::{BoundsFault, StructureError};
 use crate::{Bounds, IdentError, Parametric};
+use fitting::{BoundsFault, StructureError};
 
 /// Damping of a pair of poles is searched up to here.
 const MOST_DAMPED: f64 = 10.0;

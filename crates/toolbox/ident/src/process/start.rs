@@ -9,8 +9,8 @@ use crate::continuous::estimate::{Settings, errors};
 use crate::continuous::record::{Record, liveliest};
 use crate::continuous::start::grid;
 use crate::least_squares::least_squares;
-use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError, Parametric, ResidualModel};
+use fitting::StructureError;
 
 /// Samples that starting values rest on.
 const SAMPLES: usize = 4_000;

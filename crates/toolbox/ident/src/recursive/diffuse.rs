@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::condition::checked_condition;
+use fitting::condition::checked_condition;
 
 /// Columns scaled to one must be conditioned better than this before the information is inverted.
 const CONDITION: f64 = 1e4;

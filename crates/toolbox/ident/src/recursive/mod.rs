@@ -18,8 +18,8 @@ use faer::Mat;
 use lti::PolynomialModel;
 use regressor::Regressor;
 
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
+use fitting::{Count, StructureError};
 
 /// How often a step that would leave an unstable predictor is halved before it is given up.
 const HALVINGS: usize = 12;

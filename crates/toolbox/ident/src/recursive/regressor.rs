@@ -4,7 +4,7 @@ use lti::PolynomialEquation;
 
 use super::stability::is_stable;
 use crate::IdentError;
-use crate::structure_error::StructureError;
+use fitting::StructureError;
 
 /// The structure followed, with one output. Lists have one entry an input; see [`PolynomialEquation`] for the signs.
 #[derive(Debug, Clone, PartialEq, Eq)]

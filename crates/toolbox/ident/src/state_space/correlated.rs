@@ -6,9 +6,10 @@ use numerics::linalg;
 
 use super::lineariser::Linearised;
 use super::predictor::Predictor;
+use crate::Dataset;
 use crate::data::Experiment;
 use crate::dense::spectral_radius;
-use crate::{Dataset, Triangle, gram};
+use fitting::{Triangle, gram};
 
 /// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which the factor is still used.
 const WELL_CONDITIONED: f64 = 1e-4;

@@ -3,8 +3,9 @@
 use faer::Mat;
 use numerics::parallel;
 
+use crate::Dataset;
 use crate::data::Experiment;
-use crate::{Dataset, Triangle, gram};
+use fitting::{Triangle, gram};
 
 /// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which the factor is still used. The
 /// Gram matrix squares the condition of the data: at this bound its rounding is a millionth of the smallest direction.

@@ -10,8 +10,8 @@ use numerics::linalg;
 
 use crate::data::{Experiment, check_missing};
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
-use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Fit, IdentError};
+use fitting::StructureError;
 use hankel::{Hankel, HankelFactor, Horizons};
 use predictor::PredictorStates;
 use realise::{Projection, Realised};

@@ -7,7 +7,7 @@ use numerics::vector::dot;
 use super::JointTest;
 use crate::IdentError;
 use crate::covariance_root::inverse_root;
-use crate::triangle::upper_factor;
+use fitting::triangle::upper_factor;
 
 /// Directions with less than this part of the largest variance count as not moving.
 pub(super) const STILL: f64 = 1e-8;

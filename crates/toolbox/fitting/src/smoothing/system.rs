@@ -13,7 +13,7 @@ use crate::IdentError;
 /// # Example
 /// ```
 /// use faer::{Mat, mat};
-/// use ident::smoothing::{Belief, NoisySystem};
+/// use fitting::smoothing::{Belief, NoisySystem};
 /// // A level that wanders, measured three times, the second time not at all.
 /// let level = lti::StateSpace::discrete(mat![[1.0]], Mat::zeros(1, 0), mat![[1.0]], Mat::zeros(1, 0), 1.0)?;
 /// let system = NoisySystem::new(level, mat![[1.0]], vec![1.0])?;
@@ -23,7 +23,7 @@ use crate::IdentError;
 /// // Between two readings whose difference has the variance 1 + 1 + 1 + 1.
 /// assert!((smoothed.states[(1, 0)] - 2.5).abs() < 1e-6);
 /// assert!((smoothed.states[(0, 0)] - 1.75).abs() < 1e-6);
-/// # Ok::<(), ident::IdentError>(())
+/// # Ok::<(), fitting::IdentError>(())
 /// ```
 ///
 /// # Source

@@ -39,7 +39,7 @@ fn batched_middle(fit: &Minimum, batches: usize) -> Result<Mat<f64>, IdentError>
 }
 
 /// The middle of the sandwich from the sums of J_tᵀε_t, one row a batch.
-pub(crate) fn middle_of_batches(sums: &Mat<f64>) -> Mat<f64> {
+pub fn middle_of_batches(sums: &Mat<f64>) -> Mat<f64> {
     let batches = sums.nrows() as f64;
     // The sums add up to the gradient, which is zero at the minimum: one degree of freedom is spent on that.
     faer::Scale(batches / (batches - 1.0)) * (sums.transpose() * sums)

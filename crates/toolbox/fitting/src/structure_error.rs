@@ -339,11 +339,13 @@ pub enum UnstablePart {
 }
 
 impl StructureError {
-    pub(crate) fn inputs(method: &'static str, allowed: Count, found: usize) -> Self {
+    /// A wrong number of inputs.
+    pub fn inputs(method: &'static str, allowed: Count, found: usize) -> Self {
         StructureError::Channels { method, of: ChannelKind::Inputs, allowed, found }
     }
 
-    pub(crate) fn outputs(method: &'static str, allowed: Count, found: usize) -> Self {
+    /// A wrong number of outputs.
+    pub fn outputs(method: &'static str, allowed: Count, found: usize) -> Self {
         StructureError::Channels { method, of: ChannelKind::Outputs, allowed, found }
     }
 }

@@ -9,7 +9,7 @@ use numerics::vector::sum_of_squares;
 use crate::structure_error::StructureError;
 use crate::{IdentError, Termination, Triangle};
 pub use problem::{Bounds, NonlinearOptions};
-pub(crate) use problem::{Lowest, LowestPoint, SumOfSquares};
+pub use problem::{Lowest, LowestPoint, SumOfSquares};
 use search::Search;
 
 /// Residuals ε(θ) and their Jacobian ∂ε/∂θ.
@@ -167,7 +167,7 @@ pub fn minimise<M: ResidualModel>(
 ///
 /// # Errors
 /// Those of [`minimise`] at the start.
-pub(crate) fn lowest_point<M: ResidualModel>(
+pub fn lowest_point<M: ResidualModel>(
     model: &mut M,
     start: &[f64],
     bounds: &[Bounds],
@@ -184,7 +184,7 @@ pub(crate) fn lowest_point<M: ResidualModel>(
 ///
 /// # Errors
 /// Those of [`minimise`].
-pub(crate) fn descend<O: SumOfSquares>(
+pub fn descend<O: SumOfSquares>(
     objective: &mut O,
     start: &[f64],
     bounds: &[Bounds],
@@ -198,7 +198,7 @@ pub(crate) fn descend<O: SumOfSquares>(
 ///
 /// # Errors
 /// Those of [`minimise`].
-pub(crate) fn descend_unless<O: SumOfSquares>(
+pub fn descend_unless<O: SumOfSquares>(
     objective: &mut O,
     start: &[f64],
     bounds: &[Bounds],

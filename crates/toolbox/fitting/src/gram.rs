@@ -13,13 +13,13 @@ const PART: usize = 8 * BLOCK;
 /// The upper triangular R with `RᵀR` = `gram`, of which the lower half is read; `None` where a diagonal of R, with the
 /// columns scaled to one, falls below `least`. The Gram matrix squares the condition of the data: at this bound its
 /// rounding is `1e-16/least²` of the smallest direction.
-pub(crate) fn cholesky(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
+pub fn cholesky(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
     let is_zero = |i: usize| gram[(i, i)] == 0.0;
     if (0..gram.nrows()).any(is_zero) { None } else { cholesky_with_zeros(gram, least) }
 }
 
 /// The same where a column may be zero, as that of a parameter that is held: its column and row of R are zero too.
-pub(crate) fn cholesky_with_zeros(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
+pub fn cholesky_with_zeros(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
     let n = gram.nrows();
     let size: Vec<f64> = (0..n).map(|i| gram[(i, i)].sqrt()).collect();
     if size.iter().any(|s| !(s.is_normal() || *s == 0.0)) {
@@ -45,7 +45,7 @@ pub(crate) fn cholesky_with_zeros(gram: &Mat<f64>, least: f64) -> Option<Mat<f64
 /// # Source
 /// Mastronardi, Kressner, Sima, Van Dooren & Van Huffel, *A fast algorithm for subspace state-space system
 /// identification via exploitation of the displacement structure*, J. Comput. Appl. Math. 132, 2001.
-pub(crate) fn of_windows(channels: &[&[f64]], width: usize) -> Mat<f64> {
+pub fn of_windows(channels: &[&[f64]], width: usize) -> Mat<f64> {
     let q = channels.len();
     let mut gram = Mat::zeros(width * q, width * q);
     let Some(windows) = channels.first().and_then(|c| (c.len() + 1).checked_sub(width)) else { return gram };

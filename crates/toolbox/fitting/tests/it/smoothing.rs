@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::prelude::Solve;
 use faer::{Mat, mat};
-use ident::smoothing::{Belief, NoisySystem, likeliest};
-use ident::{Bounds, IdentError, least_squares};
+use fitting::smoothing::{Belief, NoisySystem, likeliest};
+use fitting::{Bounds, IdentError, least_squares};
 use lti::StateSpace;
 use signal::excitation::Random;
 

@@ -1,5 +1,5 @@
 use faer::{Mat, MatMut, mat};
-use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
+use fitting::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
 
 /// y = a exp(−b t) + c.
 struct Decay {
@@ -159,7 +159,7 @@ impl ResidualModel for Fenced {
         jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
         if p[0] >= 1.0 {
-            return Err(ident::StructureError::GivenUp.into());
+            return Err(fitting::StructureError::GivenUp.into());
         }
         residuals.copy_from_slice(&[p[0] - 2.0, p[0] - 3.0]);
         if let Some(mut j) = jacobian {

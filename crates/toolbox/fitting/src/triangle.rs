@@ -19,7 +19,7 @@ const TALL: usize = 4;
 /// # Example
 /// ```
 /// let column = [3.0, 4.0];
-/// let mut triangle = ident::Triangle::new(1);
+/// let mut triangle = fitting::Triangle::new(1);
 /// triangle.push_columns(2, |_, start, target| target.copy_from_slice(&column[start..start + target.len()]));
 /// assert!((triangle.finish()[(0, 0)].abs() - 5.0).abs() < 1e-15);
 /// ```
@@ -37,7 +37,7 @@ pub struct Triangle {
 
 impl Triangle {
     /// Rows held before they are folded into the factor: small enough for the cache, large enough for blocked QR.
-    pub(crate) const BLOCK: usize = 4096;
+    pub const BLOCK: usize = 4096;
 
     /// An empty factor for matrices of `columns` columns.
     pub fn new(columns: usize) -> Self {
@@ -92,7 +92,7 @@ impl Triangle {
     }
 
     /// An empty factor that is to hold few rows, in less memory.
-    pub(crate) fn for_rows(columns: usize, rows: usize) -> Self {
+    pub fn for_rows(columns: usize, rows: usize) -> Self {
         let block = Mat::zeros(rows.min(Self::BLOCK) + columns, columns);
         Triangle { block, filled: 0, rows: 0, well_conditioned: true }
     }
@@ -128,7 +128,7 @@ impl Triangle {
 }
 
 /// The upper triangular factor of a matrix of few rows, as many rows as the smaller of its sizes.
-pub(crate) fn upper_factor(mut matrix: Mat<f64>) -> Mat<f64> {
+pub fn upper_factor(mut matrix: Mat<f64>) -> Mat<f64> {
     let kept = linalg::triangularise(matrix.as_mut());
     matrix.get(..kept, ..).to_owned()
 }

@@ -48,9 +48,9 @@ impl LinearFit {
 /// ```
 /// use faer::mat;
 /// let phi = mat![[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]];
-/// let fit = ident::least_squares(phi.as_ref(), &[1.0, 3.0, 5.0])?;
+/// let fit = fitting::least_squares(phi.as_ref(), &[1.0, 3.0, 5.0])?;
 /// assert!((fit.parameters[1] - 2.0).abs() < 1e-12);
-/// # Ok::<(), ident::IdentError>(())
+/// # Ok::<(), fitting::IdentError>(())
 /// ```
 ///
 /// # Source
@@ -89,7 +89,7 @@ pub fn solve_triangle(triangle: Triangle) -> Result<LinearFit, IdentError> {
 ///
 /// # Errors
 /// Those of [`solve_triangle`].
-pub(crate) fn solve_factor(factor: &Mat<f64>, samples: usize) -> Result<LinearFit, IdentError> {
+pub fn solve_factor(factor: &Mat<f64>, samples: usize) -> Result<LinearFit, IdentError> {
     let n = factor.ncols() - 1;
     if samples <= n {
         return Err(IdentError::TooFewSamples { samples, parameters: n });

@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::{IdentError, Termination};
 
 /// A sum of squares ‖ε(θ)‖² that yields the triangular factor of [J ε] without keeping J.
-pub(crate) trait SumOfSquares {
+pub trait SumOfSquares {
     /// Number of parameters n.
     fn parameter_count(&self) -> usize;
 
@@ -44,7 +44,7 @@ impl Bounds {
     }
 
     /// The value, or the bound that it is beyond.
-    pub(crate) fn clamp(&self, value: f64) -> f64 {
+    pub fn clamp(&self, value: f64) -> f64 {
         value.max(self.lower).min(self.upper)
     }
 }
@@ -66,25 +66,36 @@ impl Default for NonlinearOptions {
     }
 }
 
-/// Where a search ended, whether the data separate all parameters there or not; the fields are those of [`Minimum`].
+/// Where a search ended, whether the data separate all parameters there or not; as [`Minimum`](super::Minimum).
 #[derive(Debug, Clone)]
-pub(crate) struct LowestPoint {
-    pub(crate) parameters: Vec<f64>,
-    pub(crate) cost: f64,
-    pub(crate) termination: Termination,
-    pub(crate) iterations: usize,
+pub struct LowestPoint {
+    /// θ.
+    pub parameters: Vec<f64>,
+    /// ‖ε‖².
+    pub cost: f64,
+    /// How it ended.
+    pub termination: Termination,
+    /// Iterations taken.
+    pub iterations: usize,
 }
 
-/// Where a search ended; the fields are those of [`Minimum`].
+/// Where a search ended that keeps the factor of the Jacobian alone.
 #[derive(Debug, Clone)]
-pub(crate) struct Lowest {
-    pub(crate) parameters: Vec<f64>,
+pub struct Lowest {
+    /// θ.
+    pub parameters: Vec<f64>,
     /// Triangular factor of [J ε].
-    pub(crate) factor: Mat<f64>,
-    pub(crate) unscaled_covariance: Mat<f64>,
-    pub(crate) cost: f64,
-    pub(crate) at_bound: Vec<bool>,
-    pub(crate) iterations: usize,
-    pub(crate) termination: Termination,
-    pub(crate) condition: f64,
+    pub factor: Mat<f64>,
+    /// (JᵀJ)⁻¹ over the free parameters.
+    pub unscaled_covariance: Mat<f64>,
+    /// ‖ε‖².
+    pub cost: f64,
+    /// Parameters that rest on a bound.
+    pub at_bound: Vec<bool>,
+    /// Iterations taken.
+    pub iterations: usize,
+    /// How it ended.
+    pub termination: Termination,
+    /// Condition number of the Jacobian with its columns scaled to one.
+    pub condition: f64,
 }

@@ -10,21 +10,26 @@ use crate::triangle::upper_factor;
 /// One equation `target = regressorsᵀ θ + ε` by the indices of its columns. Least squares where the instruments are the
 /// regressors.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Equation {
-    pub(crate) regressors: Vec<usize>,
-    pub(crate) instruments: Vec<usize>,
-    pub(crate) target: usize,
+pub struct Equation {
+    /// Columns that the parameters multiply.
+    pub regressors: Vec<usize>,
+    /// Columns that the errors are uncorrelated with.
+    pub instruments: Vec<usize>,
+    /// The column that is explained.
+    pub target: usize,
 }
 
 /// θ of one equation, and how it depends on the data.
 #[derive(Debug, Clone)]
-pub(crate) struct Solution {
-    pub(crate) theta: Vec<f64>,
+pub struct Solution {
+    /// θ.
+    pub theta: Vec<f64>,
     /// `G` in `θ̂ − θ = G Σ z(t) ε(t)`, parameters × instruments.
-    pub(crate) gain: Mat<f64>,
+    pub gain: Mat<f64>,
     /// `G Zᵀ` in the coordinates of the factor's rows.
     influence: Mat<f64>,
-    pub(crate) condition: f64,
+    /// Condition number of the regressors with their columns scaled to one, or of the instruments where it is larger.
+    pub condition: f64,
 }
 
 /// Solves one equation: least squares where instruments and regressors are the same, otherwise two-stage least squares
@@ -33,7 +38,7 @@ pub(crate) struct Solution {
 ///
 /// # Errors
 /// [`IdentError::RankDeficient`] where regressors or instruments are collinear, or unrelated to each other.
-pub(crate) fn solve(factor: &Mat<f64>, equation: &Equation) -> Result<Solution, IdentError> {
+pub fn solve(factor: &Mat<f64>, equation: &Equation) -> Result<Solution, IdentError> {
     let (z, phi) = (&equation.instruments, &equation.regressors);
     if z == phi {
         return least_squares(factor, equation);
@@ -76,7 +81,7 @@ fn least_squares(factor: &Mat<f64>, equation: &Equation) -> Result<Solution, Ide
 }
 
 /// The triangular factor of some columns of what `factor` is the factor of, square if they are no more than its rows.
-pub(crate) fn factor_of(factor: &Mat<f64>, indices: &[usize]) -> Mat<f64> {
+pub fn factor_of(factor: &Mat<f64>, indices: &[usize]) -> Mat<f64> {
     upper_factor(columns(factor, indices))
 }
 
@@ -135,7 +140,7 @@ fn error_products(factor: &Mat<f64>, equations: &[Equation], thetas: &[&[f64]]) 
 
 /// The covariance of the errors with degrees of freedom taken off, `parameters` an equation, and the determinant of
 /// their mean product.
-pub(crate) fn noise_covariance(
+pub fn noise_covariance(
     factor: &Mat<f64>,
     equations: &[Equation],
     thetas: &[&[f64]],
@@ -154,7 +159,7 @@ pub(crate) fn noise_covariance(
 ///
 /// # Source
 /// Ljung 1999, §9.3, and §9.5 for instruments.
-pub(crate) fn parameter_covariance(solutions: &[Solution], noise: &Mat<f64>) -> Mat<f64> {
+pub fn parameter_covariance(solutions: &[Solution], noise: &Mat<f64>) -> Mat<f64> {
     let owner = owners(solutions);
     let rows: Vec<_> = solutions.iter().flat_map(|s| (0..s.theta.len()).map(|i| s.influence.row(i))).collect();
     Mat::from_fn(rows.len(), rows.len(), |i, j| noise[(owner[i], owner[j])] * (rows[i] * rows[j].transpose()))

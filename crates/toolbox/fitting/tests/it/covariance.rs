@@ -1,9 +1,9 @@
 use faer::{Mat, MatMut};
-use ident::covariance::{batched_sandwich, delta_variance};
-use ident::distributions::interval;
-use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, minimise};
+use fitting::covariance::{batched_sandwich, delta_variance};
+use fitting::{Bounds, IdentError, NonlinearOptions, ResidualModel, minimise};
+use signal::distributions::interval;
 
-use crate::noise::Noise;
+use signal::excitation::Random;
 
 /// A constant in noise.
 struct Level(Vec<f64>);
@@ -33,8 +33,8 @@ impl ResidualModel for Level {
     }
 }
 
-/// Noise of a first-order lag: ε(t) = 0.9 ε(t − 1) + e(t).
-fn coloured(noise: &mut Noise, count: usize) -> Vec<f64> {
+/// Random of a first-order lag: ε(t) = 0.9 ε(t − 1) + e(t).
+fn coloured(noise: &mut Random, count: usize) -> Vec<f64> {
     let mut state = 0.0;
     (0..count + 100)
         .map(|_| {
@@ -49,7 +49,7 @@ fn coloured(noise: &mut Noise, count: usize) -> Vec<f64> {
 fn stat_batched_sandwich_covers_under_coloured_noise_where_the_plain_covariance_fails() {
     let runs = 1000;
     let (mut sandwich, mut plain) = (0, 0);
-    let mut noise = Noise::new(3);
+    let mut noise = Random::new(3);
     for _ in 0..runs {
         let mut model = Level(coloured(&mut noise, 4000));
         let fit = minimise(&mut model, &[1.0], &[Bounds::NONE], NonlinearOptions::default()).unwrap();
