@@ -50,42 +50,24 @@
 //! ```
 
 mod advice;
-mod arx;
-mod band_limited;
 pub mod closed_loop;
 mod colour;
 mod continuous;
-mod covariance_root;
-mod criteria;
 mod data;
-mod degenerate;
 pub mod delay;
 mod dense;
 pub mod document;
-mod excitation;
-mod excited_lines;
-mod feedback;
 mod fit;
-mod focus;
 mod frequency_domain;
 mod grey_box;
 mod impulse_response;
-mod instrumental;
-mod on_data;
-mod origin;
+mod polynomial;
 pub mod prediction;
-pub mod prediction_error;
 pub mod prelude;
-mod process;
-pub mod recursive;
-mod regression;
 mod state_space;
-mod state_space_pem;
-mod subspace;
 mod summary;
 pub mod uncertainty;
 pub mod validate;
-mod variance_course;
 
 // The core of every fit.
 pub use fitting::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
@@ -96,16 +78,16 @@ pub use fitting::{LinearFit, Termination, Triangle, covariance, frequency, least
 
 // Data.
 pub use advice::{Advice, SampleIndex, advise};
+pub use data::excitation::{Excitation, ExcitationOptions};
 pub use data::{Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split};
 pub use data::{Line, Trend, TrendScope, TrendShape};
-pub use excitation::{Excitation, ExcitationOptions};
 pub use frequency_domain::{FrequencyData, Lines, Measured, SharedNoise, SpectralData};
 
 // Models and fits.
-pub use band_limited::BandLimitedForm;
 pub use continuous::{
     ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel,
 };
+pub use data::band_limited::BandLimitedForm;
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};
@@ -118,21 +100,22 @@ pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
 
 // Estimators and their options.
-pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use continuous::process::ProcessFit;
 pub use continuous::{ContinuousTransferFunction, TransferFunctionMethod};
-pub use focus::Focus;
+pub use data::origin::Origin;
+pub use fit::focus::Focus;
 pub use frequency_domain::{FrequencyGreyBox, FrequencyTransferFunction};
 pub use grey_box::GreyBox;
 pub use impulse_response::{ImpulseResponse, Kernel};
-pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
-pub use origin::Origin;
+pub use polynomial::arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use polynomial::instrumental::{InstrumentalVariables, Instruments, Iv4};
+pub use polynomial::prediction_error::{self, Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
+pub use polynomial::recursive;
 pub use prediction::InitialState;
-pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
-pub use process::ProcessFit;
-pub use state_space_pem::StateSpacePem;
-pub use subspace::{StateOrder, Subspace, Weighting};
+pub use state_space::pem::StateSpacePem;
+pub use state_space::subspace::{StateOrder, Subspace, Weighting};
 
 // Judgement; more in `validate` and `uncertainty`.
-pub use criteria::Criteria;
+pub use fit::criteria::Criteria;
 pub use frequency_domain::CostTest;
 pub use signal::distributions;

@@ -2,9 +2,9 @@
 
 use faer::Mat;
 
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::distributions::chi_squared_quantile;
 use crate::least_squares::{LinearFit, solve_factor};
-use crate::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, Experiment};
 use fitting::equation::factor_of;
 

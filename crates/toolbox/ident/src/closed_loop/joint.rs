@@ -7,8 +7,8 @@ use lti::{Complex64, FrequencyResponse, LtiError};
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
+use crate::data::regression::{Lagged, Regression};
 use crate::least_squares::solve_factor;
-use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 use fitting::equation::factor_of;
 

@@ -349,9 +349,9 @@ mod tests {
     use lti::ProcessModel;
 
     use super::*;
-    use crate::band_limited::Ground;
     use crate::continuous::ProcessSystem;
     use crate::continuous::record::{Beginning, records};
+    use crate::data::band_limited::Ground;
 
     #[test]
     fn regress_a_search_that_its_limit_ends_at_equal_lags_is_not_said_to_converge() {

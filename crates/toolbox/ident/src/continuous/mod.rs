@@ -10,6 +10,7 @@ mod joint;
 mod model;
 pub(crate) mod output_error;
 pub(crate) mod past;
+pub(crate) mod process;
 mod profile;
 mod projection;
 pub(crate) mod record;
@@ -24,7 +25,7 @@ pub(crate) use sampled::response_to_powers;
 pub use channel::{ContinuousChannel, Degrees};
 pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
-use crate::band_limited::Ground;
+use crate::data::band_limited::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
 use estimate::{OutputFit, Settings, fit_output, judge_at};

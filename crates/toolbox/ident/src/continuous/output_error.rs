@@ -247,7 +247,7 @@ mod tests {
     /// The coefficients of a band-limited course through samples.
     fn course(samples: &[f64]) -> Vec<Vec<f64>> {
         let data = crate::Dataset::siso(0.1, samples, samples).unwrap();
-        let courses = crate::band_limited::with_courses(&data, &[(0, 0.0)], true).unwrap();
+        let courses = crate::data::band_limited::with_courses(&data, &[(0, 0.0)], true).unwrap();
         (0..courses.inputs()).map(|j| courses.experiments()[0].input(j).to_vec()).collect()
     }
 

@@ -1,6 +1,6 @@
 //! Data of one output of one experiment for the search.
 
-use crate::band_limited::Ground;
+use crate::data::band_limited::Ground;
 use crate::{Dataset, IdentError};
 use fitting::{Count, StructureError};
 

@@ -6,7 +6,7 @@ use numerics::vector::dot;
 
 use super::record::Course;
 use crate::Intersample;
-use crate::band_limited::COEFFICIENTS;
+use crate::data::band_limited::COEFFICIENTS;
 
 /// States of a discrete system, one for each sample of a delay: its matrix takes 128 MB.
 const MOST_STATES: usize = 4_000;
@@ -26,7 +26,7 @@ const DECAYED: f64 = 1e-30;
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
 /// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the
-/// coefficients of its [course](crate::band_limited) from sample k on. A fractional delay puts the change from one
+/// coefficients of its [course](crate::data::band_limited) from sample k on. A fractional delay puts the change from one
 /// interval's `u` to the next within the interval.
 ///
 /// # Source

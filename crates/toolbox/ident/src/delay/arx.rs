@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::{past_outputs, signals};
 use crate::data::check_range;
-use crate::regression::{Lagged, Regression, Signals};
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, IdentError};
 use fitting::StructureError;
 use fitting::equation::factor_of;

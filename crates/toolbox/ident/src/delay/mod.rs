@@ -31,7 +31,7 @@ pub use modelled::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_li
 pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
-use crate::regression::Lagged;
+use crate::data::regression::Lagged;
 use crate::{Dataset, IdentError};
 use fitting::{Count, StructureError};
 

@@ -10,7 +10,7 @@ use faer::Mat;
 use lti::LtiError;
 use signal::excitation::Random;
 
-use crate::band_limited::{REACH, with_courses};
+use crate::data::band_limited::{REACH, with_courses};
 use crate::data::check_missing;
 use crate::prediction::{InitialState, residuals};
 use crate::state_space::{Information, Known, Search, Searchable, gather};

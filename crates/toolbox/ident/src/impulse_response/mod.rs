@@ -13,9 +13,9 @@ pub use response::{ImpulseFit, ResponseEstimate};
 
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
-use crate::arx::{ArxOrders, filter, layout, whitening_filter};
+use crate::data::regression::{Regression, Signals, outputs_then_inputs};
 use crate::least_squares::solve_factor;
-use crate::regression::{Regression, Signals, outputs_then_inputs};
+use crate::polynomial::arx::{ArxOrders, filter, layout, whitening_filter};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 use fitting::condition::ILL_CONDITIONED;
 use fitting::equation::{Equation, factor_of, noise_covariance};

@@ -12,7 +12,7 @@ use faer::Mat;
 
 use crate::data::check_missing;
 use crate::fit::check_channels;
-use crate::on_data::OnData;
+use crate::fit::on_data::OnData;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
 use fitting::StructureError;
 pub(crate) use form::Form;

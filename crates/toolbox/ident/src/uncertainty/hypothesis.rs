@@ -1,6 +1,6 @@
 //! Tests between estimates.
 
-use crate::covariance_root::inverse_root;
+use crate::dense::covariance_root::inverse_root;
 use crate::distributions::f_tail;
 use crate::{Fit, IdentError, Parametric};
 use fitting::StructureError;

@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::STEP;
-use crate::covariance_root;
+use crate::dense::covariance_root;
 use crate::prediction::{InitialState, residuals};
 use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
 

@@ -3,7 +3,7 @@
 use signal::excitation::Random;
 
 use super::Dynamics;
-use crate::covariance_root;
+use crate::dense::covariance_root;
 use crate::{Fit, IdentError, Parametric};
 
 /// One model drawn.

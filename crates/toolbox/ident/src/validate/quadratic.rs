@@ -6,7 +6,7 @@ use numerics::vector::dot;
 
 use super::JointTest;
 use crate::IdentError;
-use crate::covariance_root::inverse_root;
+use crate::dense::covariance_root::inverse_root;
 use fitting::triangle::upper_factor;
 
 /// Directions with less than this part of the largest variance count as not moving.

@@ -9,7 +9,7 @@ use signal::spectrum::fft_real;
 use signal::window::Window;
 
 use crate::Dataset;
-use crate::regression::{Lagged, Regression};
+use crate::data::regression::{Lagged, Regression};
 
 /// Lines counted at most: more than any model here takes.
 const MOST: usize = 8;

@@ -3,8 +3,8 @@
 use lti::Innovations;
 
 use crate::data::check_missing;
+use crate::state_space::subspace::{StateOrder, Subspace};
 use crate::state_space::{Information, Search, StateSpaceModel, estimate};
-use crate::subspace::{StateOrder, Subspace};
 use crate::{Arx, Dataset, Doubt, Fit, Focus, IdentError, LinearModel, Termination};
 
 /// Data of so many samples are searched in part first: the steps that are left from there are few ...

@@ -12,7 +12,7 @@ use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::Aim;
 use crate::colour::{Colour, Sandwich};
-use crate::covariance_root::{inverse_root, root};
+use crate::dense::covariance_root::{inverse_root, root};
 use crate::{Dataset, IdentError};
 
 /// Combinations of the outputs whose errors have less than this part of the variance have none.

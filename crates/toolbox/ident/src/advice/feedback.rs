@@ -4,9 +4,9 @@ use faer::{Mat, MatRef};
 use numerics::vector::variation;
 
 use crate::advice::repeats_exactly;
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::distributions::f_tail;
 use crate::prediction::{InitialState, residuals};
-use crate::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, Doubt, Fit, LinearModel};
 
 /// Past and future samples looked at, and past samples of an input that its own future is predicted from.

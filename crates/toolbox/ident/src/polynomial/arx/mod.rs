@@ -12,7 +12,7 @@ pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};
 
-use crate::regression::{Lagged, Regression, outputs_then_inputs};
+use crate::data::regression::{Lagged, Regression, outputs_then_inputs};
 use crate::{Dataset, Fit, IdentError};
 use fitting::equation::Equation;
 

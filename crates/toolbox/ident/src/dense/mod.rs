@@ -1,5 +1,7 @@
 //! Dense helpers: whitening and the stationary Kalman filter.
 
+pub(crate) mod covariance_root;
+
 use faer::{Mat, MatRef};
 use numerics::linalg::{self, Cholesky, DecompositionError, Lu};
 

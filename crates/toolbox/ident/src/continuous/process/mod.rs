@@ -7,13 +7,13 @@ use faer::Mat;
 use lti::ProcessModel;
 
 use self::ranges::{Asked, Ranges, Usual};
-use crate::band_limited::Ground;
 use crate::continuous::combine::combine;
 use crate::continuous::estimate::{OutputFit, Settings, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::past::{begun, with_ends};
 use crate::continuous::record::{Beginning, Record, records};
 use crate::continuous::{ContinuousChannel, ProcessSystem, check_delays, first_sample, one_each};
+use crate::data::band_limited::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 use fitting::StructureError;
 

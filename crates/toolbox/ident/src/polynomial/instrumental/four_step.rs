@@ -4,7 +4,7 @@ use lti::PolynomialModel;
 
 use super::equations::{Instrumented, simulate, stabilised};
 use super::{check_inputs, usual_batches};
-use crate::arx::{Arx, ArxOrders, Noise, whitening_filter};
+use crate::polynomial::arx::{Arx, ArxOrders, Noise, whitening_filter};
 use crate::{Dataset, Fit, IdentError};
 
 /// Estimates an ARX model (see [`Arx`]) by the four-step instrumental-variable method: consistent whatever the colour

@@ -1,9 +1,14 @@
 //! [`Fit`]: what every estimator returns, and what a model has to be able to do to be judged.
 
+pub(crate) mod criteria;
+pub(crate) mod degenerate;
+pub(crate) mod focus;
+pub(crate) mod on_data;
+
 use faer::Mat;
 use lti::{Innovations, LtiError, PolynomialModel};
 
-use crate::band_limited::BandLimitedForm;
+use crate::data::band_limited::BandLimitedForm;
 use crate::data::check_clock;
 use crate::{Dataset, Experiment, IdentError, Intersample, Origin, Termination};
 

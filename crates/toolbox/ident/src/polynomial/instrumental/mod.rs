@@ -7,7 +7,7 @@ use faer::Mat;
 use lti::PolynomialModel;
 
 use self::equations::{Instrumented, simulate, stabilised};
-use crate::arx::{ArxOrders, Noise};
+use crate::polynomial::arx::{ArxOrders, Noise};
 use crate::{Dataset, Fit, IdentError};
 use fitting::{Count, StructureError};
 

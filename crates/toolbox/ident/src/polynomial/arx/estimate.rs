@@ -4,8 +4,8 @@ use faer::Mat;
 use lti::{PolynomialEquation, PolynomialModel};
 
 use super::ArxOrders;
+use crate::data::regression::{Regression, robust_covariance};
 use crate::dense::spectral_radius;
-use crate::regression::{Regression, robust_covariance};
 use crate::{Doubt, Fit, IdentError, Termination};
 use fitting::condition::ILL_CONDITIONED;
 use fitting::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};

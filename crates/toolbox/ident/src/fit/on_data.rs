@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use lti::Innovations;
 
-use crate::band_limited::{BandLimitedForm, REACH, with_courses};
+use crate::data::band_limited::{BandLimitedForm, REACH, with_courses};
 use crate::{Dataset, IdentError, Intersample, LinearModel};
 
 /// A model's innovations form with the data that it is driven by.

@@ -7,7 +7,7 @@ use numerics::linalg;
 use work::Context;
 
 use super::{Arx, ArxOrders, index_of};
-use crate::regression::{Lagged, Regression, outputs_then_inputs};
+use crate::data::regression::{Lagged, Regression, outputs_then_inputs};
 use crate::{Criteria, Dataset, IdentError};
 use fitting::StructureError;
 use fitting::equation::factor_of;

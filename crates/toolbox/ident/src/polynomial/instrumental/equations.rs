@@ -3,9 +3,11 @@
 use faer::Mat;
 use lti::PolynomialModel;
 
-use crate::arx::{ArxOrders, Noise, filter, index_of, largest_pole, layout, polynomial_fit, solve_equations};
 use crate::data::column;
-use crate::regression::{Lagged, Regression, Signals, outputs_then_inputs};
+use crate::data::regression::{Lagged, Regression, Signals, outputs_then_inputs};
+use crate::polynomial::arx::{
+    ArxOrders, Noise, filter, index_of, largest_pole, layout, polynomial_fit, solve_equations,
+};
 use crate::{Dataset, Experiment, Fit, IdentError};
 use fitting::equation::Equation;
 

@@ -12,11 +12,13 @@
 //! 50, 1963, for the recursion; Berk, *Consistent autoregressive spectral estimates*, Ann. Statist. 2, 1974, for how
 //! certain the spectrum is.
 
+pub(crate) mod variance_course;
+
 use faer::{Mat, MatRef};
 use numerics::linalg::{self, Cholesky};
 
-use crate::covariance_root::root;
-use crate::{IdentError, variance_course};
+use crate::IdentError;
+use crate::dense::covariance_root::root;
 
 /// Most lags of the autoregression, times the decades of the number of residuals.
 const LAGS_PER_DECADE: f64 = 10.0;

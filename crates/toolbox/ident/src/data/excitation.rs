@@ -4,7 +4,7 @@ use faer::Mat;
 use numerics::linalg;
 
 use crate::data::check_range;
-use crate::regression::{Lagged, Regression};
+use crate::data::regression::{Lagged, Regression};
 use crate::{Dataset, Experiment, IdentError};
 use fitting::{Count, StructureError};
 

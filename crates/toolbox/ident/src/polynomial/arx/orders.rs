@@ -1,6 +1,6 @@
 //! [`ArxOrders`]: how many coefficients every polynomial of an ARX model has.
 
-use crate::regression::Lagged;
+use crate::data::regression::Lagged;
 use crate::{Dataset, IdentError};
 use fitting::StructureError;
 
