@@ -1,11 +1,11 @@
 //! The shaft's zero when nobody knows how late a speed is stamped.
 
-use ident::distributions::interval;
 use recording::Recording;
 use rig::BenchFile;
 use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::results::{Estimate, Quantity};
 use serde::Serialize;
+use signal::distributions::interval;
 use signal::filter::Sos;
 use study::{Campaign, Prepared, Source, run};
 use units::RPM_RAD_S;

@@ -1,8 +1,8 @@
 //! T_e of one recording.
 
 use faer::Mat;
-use ident::IdentError;
-use ident::smoothing::Smoothed;
+use fitting::IdentError;
+use fitting::smoothing::Smoothed;
 use numerics::parallel;
 use part_controller::speed_controller::SpeedControllerFit;
 use part_torque::torque_control::TorqueControlFit;

@@ -115,6 +115,6 @@ pub enum FrictionError {
         /// File.
         file: String,
         /// The estimator's reason.
-        source: ident::IdentError,
+        source: fitting::IdentError,
     },
 }

@@ -1,9 +1,9 @@
 //! Findings of a regression of friction.
 
 use faer::Mat;
-use ident::LinearFit;
-use ident::distributions::{interval, student_t_quantile};
+use fitting::LinearFit;
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
+use signal::distributions::{interval, student_t_quantile};
 
 use crate::options::{CurvePoint, POINTS, Term};
 

@@ -147,7 +147,7 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
         match problem.fit(&directions.with(&Term::ALL[..count]), drive) {
             Ok(fit) => fits.push(fit),
             // Speeds that lie too close together for terms of such order.
-            Err(ident::IdentError::RankDeficient { .. }) if count > 2 => {}
+            Err(fitting::IdentError::RankDeficient { .. }) if count > 2 => {}
             Err(source) => return Err(failed(source)),
         }
     }
@@ -222,7 +222,7 @@ fn drive(
     problem: &mut Problem<'_>,
     directions: Directions,
     stated_kg_m2: f64,
-) -> Result<(Drive, Option<Undetermined>), ident::IdentError> {
+) -> Result<(Drive, Option<Undetermined>), fitting::IdentError> {
     let usual = directions.with(&Term::ALL[..2]);
     let stated = Drive::Known { inertia_kg_m2: stated_kg_m2 };
     let why = match problem.excitation(stated_kg_m2) {
@@ -231,7 +231,7 @@ fn drive(
         Excitation::Little => Undetermined::LittleExcitation,
         Excitation::Enough => match problem.settle_delay(&usual) {
             Ok(fit) if fit.inertia_error() < DETERMINED => return Ok((Drive::Free, None)),
-            Ok(_) | Err(ident::IdentError::RankDeficient { .. }) => Undetermined::LittleExcitation,
+            Ok(_) | Err(fitting::IdentError::RankDeficient { .. }) => Undetermined::LittleExcitation,
             Err(error) => return Err(error),
         },
     };

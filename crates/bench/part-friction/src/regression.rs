@@ -3,13 +3,13 @@
 use std::ops::RangeInclusive;
 
 use faer::{Mat, mat};
-use ident::covariance::at_least_white;
-use ident::distributions::student_t_quantile;
-use ident::smoothing::{Belief, NoisySystem, likeliest};
-use ident::{Bounds, IdentError, Minimum, Termination, least_squares};
+use fitting::covariance::at_least_white;
+use fitting::smoothing::{Belief, NoisySystem, likeliest};
+use fitting::{Bounds, IdentError, Minimum, Termination, least_squares};
 use lti::StateSpace;
 use rig::estimation::timing_floor_s;
 use rig::results::{Parameter, Quantity};
+use signal::distributions::student_t_quantile;
 
 use super::fitted::Fitted;
 use super::fitted::{Drive, LEVEL};

@@ -208,7 +208,7 @@ impl<'a> Signals<'a> {
         Ok((shaft / squares).sqrt())
     }
 
-    fn ident(&self, source: ident::IdentError) -> EstimateError {
+    fn ident(&self, source: fitting::IdentError) -> EstimateError {
         EstimateError::Ident { file: self.file.to_owned(), source }
     }
 }
@@ -250,12 +250,12 @@ impl Cut {
     }
 
     /// Rest of the signals when the waves, constant and slope are taken away.
-    fn without_waves(&self, waves: &[f64]) -> Result<Cut, ident::IdentError> {
+    fn without_waves(&self, waves: &[f64]) -> Result<Cut, fitting::IdentError> {
         let rest = |x: &Signal| {
             let regressors = regressors(x, waves);
-            let fit = ident::least_squares(regressors.as_ref(), &x.samples)?;
+            let fit = fitting::least_squares(regressors.as_ref(), &x.samples)?;
             let value = |i: usize| fit.parameters.iter().enumerate().map(|(j, p)| regressors[(i, j)] * p).sum::<f64>();
-            Ok::<_, ident::IdentError>(x.with_samples((0..x.len()).map(|i| x.samples[i] - value(i)).collect()))
+            Ok::<_, fitting::IdentError>(x.with_samples((0..x.len()).map(|i| x.samples[i] - value(i)).collect()))
         };
         Ok(Cut {
             dyno: rest(&self.dyno)?,
@@ -282,8 +282,8 @@ fn regressors(x: &Signal, waves_hz: &[f64]) -> Mat<f64> {
     })
 }
 
-fn fitted_amplitude(x: &Signal, waves_hz: &[f64]) -> Result<Complex64, ident::IdentError> {
-    let fit = ident::least_squares(regressors(x, waves_hz).as_ref(), &x.samples)?;
+fn fitted_amplitude(x: &Signal, waves_hz: &[f64]) -> Result<Complex64, fitting::IdentError> {
+    let fit = fitting::least_squares(regressors(x, waves_hz).as_ref(), &x.samples)?;
     Ok(Complex64::new(fit.parameters[0], fit.parameters[1]))
 }
 

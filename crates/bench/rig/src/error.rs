@@ -113,7 +113,7 @@ pub enum EstimateError {
         /// File.
         file: String,
         /// The estimator's reason.
-        source: ident::IdentError,
+        source: fitting::IdentError,
     },
     /// A signal cannot be processed.
     #[error("{file}: {source}")]

@@ -50,69 +50,45 @@
 //! ```
 
 mod advice;
-mod arx;
-mod band_limited;
 pub mod closed_loop;
 mod colour;
-mod condition;
 mod continuous;
-pub mod covariance;
-mod covariance_root;
-mod criteria;
 mod data;
-mod degenerate;
 pub mod delay;
 mod dense;
 pub mod document;
-mod equation;
-mod error;
-mod excitation;
-mod excited_lines;
-mod feedback;
 mod fit;
-mod focus;
-pub mod frequency;
 mod frequency_domain;
-mod gram;
 mod grey_box;
 mod impulse_response;
-mod instrumental;
-pub mod least_squares;
-pub mod nonlinear;
-mod on_data;
-mod origin;
+mod polynomial;
 pub mod prediction;
-pub mod prediction_error;
 pub mod prelude;
-mod process;
-pub mod recursive;
-mod regression;
-pub mod smoothing;
 mod state_space;
-mod state_space_pem;
-mod structure_error;
-mod subspace;
 mod summary;
-mod termination;
-mod triangle;
 pub mod uncertainty;
 pub mod validate;
-mod variance_course;
+
+// The core of every fit.
+pub use fitting::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
+pub use fitting::{
+    BoundsFault, ChannelKind, Count, IdentError, RefinedLimit, StructureError, StructureFault, UnstablePart,
+};
+pub use fitting::{LinearFit, Termination, Triangle, covariance, frequency, least_squares, nonlinear, smoothing};
 
 // Data.
 pub use advice::{Advice, SampleIndex, advise};
+pub use data::excitation::{Excitation, ExcitationOptions};
 pub use data::{Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split};
 pub use data::{Line, Trend, TrendScope, TrendShape};
-pub use excitation::{Excitation, ExcitationOptions};
 pub use frequency_domain::{FrequencyData, Lines, Measured, SharedNoise, SpectralData};
 
 // Models and fits.
-pub use band_limited::BandLimitedForm;
 pub use continuous::{
     ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel,
 };
+pub use data::band_limited::BandLimitedForm;
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
-pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};
 pub use grey_box::{
@@ -122,28 +98,24 @@ pub use grey_box::{
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
-pub use structure_error::{BoundsFault, ChannelKind, Count, RefinedLimit, StructureError, UnstablePart};
 
 // Estimators and their options.
-pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use continuous::process::ProcessFit;
 pub use continuous::{ContinuousTransferFunction, TransferFunctionMethod};
-pub use focus::Focus;
+pub use data::origin::Origin;
+pub use fit::focus::Focus;
 pub use frequency_domain::{FrequencyGreyBox, FrequencyTransferFunction};
 pub use grey_box::GreyBox;
 pub use impulse_response::{ImpulseResponse, Kernel};
-pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
-pub use least_squares::{LinearFit, least_squares};
-pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
-pub use origin::Origin;
+pub use polynomial::arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use polynomial::instrumental::{InstrumentalVariables, Instruments, Iv4};
+pub use polynomial::prediction_error::{self, Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
+pub use polynomial::recursive;
 pub use prediction::InitialState;
-pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
-pub use process::ProcessFit;
-pub use state_space_pem::StateSpacePem;
-pub use subspace::{StateOrder, Subspace, Weighting};
-pub use termination::Termination;
-pub use triangle::Triangle;
+pub use state_space::pem::StateSpacePem;
+pub use state_space::subspace::{StateOrder, Subspace, Weighting};
 
 // Judgement; more in `validate` and `uncertainty`.
-pub use criteria::Criteria;
+pub use fit::criteria::Criteria;
 pub use frequency_domain::CostTest;
 pub use signal::distributions;

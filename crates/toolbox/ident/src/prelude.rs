@@ -16,7 +16,7 @@
 
 pub use crate::closed_loop;
 pub use crate::delay;
-pub use crate::recursive;
+pub use crate::polynomial::recursive;
 pub use crate::uncertainty::{BodeChart, Dynamics, Features, StepChart};
 pub use crate::validate::{Comparison, ResidualTest, TestData, compare, fit_percent, judge};
 pub use crate::{

@@ -207,7 +207,7 @@ pub(crate) fn check_matrix(what: &'static str, m: MatRef<'_, f64>) -> Result<(),
 pub(crate) fn map_rows(u: MatRef<'_, f64>, outputs: usize, mut step: impl FnMut(&[f64], &mut [f64])) -> Mat<f64> {
     let mut y = Mat::zeros(u.nrows(), outputs);
     let (mut input, mut output) = (vec![0.0; u.ncols()], vec![0.0; outputs]);
-    for k in 0..u.nrows() {
+    for k in work::checked(0..u.nrows()) {
         for (j, slot) in input.iter_mut().enumerate() {
             *slot = u[(k, j)];
         }

@@ -34,6 +34,7 @@ pub fn try_minimum<E>(
     let (mut a, mut b) = (left(low, high), right(low, high));
     let (mut at_a, mut at_b) = (function(a)?, function(b)?);
     while high - low > width {
+        work::checkpoint();
         if at_a > at_b {
             low = a;
             (a, at_a) = (b, at_b);
@@ -73,7 +74,7 @@ pub fn maximum(bounds: (f64, f64), width: f64, mut function: impl FnMut(f64) -> 
 #[must_use]
 pub fn global_maximum((low, high): (f64, f64), steps: usize, function: impl Fn(f64) -> f64) -> f64 {
     let spacing = (high - low) / steps as f64;
-    let points = (0..=steps).map(|k| low + k as f64 * spacing).map(|x| (x, function(x)));
+    let points = work::checked(0..=steps).map(|k| low + k as f64 * spacing).map(|x| (x, function(x)));
     let (best, _) = points.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((low, 0.0));
     maximum(((best - spacing).max(low), (best + spacing).min(high)), FINE * spacing, function)
 }
@@ -88,6 +89,7 @@ pub fn try_bisect<E>(
     mut holds: impl FnMut(f64) -> Result<bool, E>,
 ) -> Result<(f64, f64), E> {
     for _ in 0..HALVINGS {
+        work::checkpoint();
         let middle = 0.5 * (low + high);
         if holds(middle)? {
             low = middle;

@@ -80,7 +80,7 @@ impl ClockCheck {
 pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     check_at_least(2, times_s.len())?;
     check_finite(times_s)?;
-    let intervals = || times_s.windows(2).map(|w| w[1] - w[0]);
+    let intervals = || work::checked(times_s.windows(2)).map(|w| w[1] - w[0]);
     let positive = || intervals().filter(|d| *d > 0.0);
     let typical = lower_median_streamed(positive).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
     let short = || positive().filter(|&d| d <= LONGEST * typical);
@@ -176,7 +176,7 @@ impl Step {
 /// The mean sample time over stretches of [`MANY`] in which none is missing, from what it is about.
 fn over_many(times_s: &[f64], about_s: f64) -> f64 {
     let many = MANY.min(times_s.len() - 1);
-    let stretches = || times_s.windows(many + 1).map(|w| (w[many] - w[0]) / many as f64);
+    let stretches = || work::checked(times_s.windows(many + 1)).map(|w| (w[many] - w[0]) / many as f64);
     let Some(typical) = lower_median_streamed(|| stretches().filter(|d| *d > 0.0)) else { return about_s };
     let whole = || stretches().filter(|d| (d - typical).abs() < 0.5 * typical / many as f64);
     let found = mean(whole());

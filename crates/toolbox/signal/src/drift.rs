@@ -209,6 +209,7 @@ impl Stretches {
 
     /// First and second derivative of the likelihood of all stretches but one by the rate, but for its factor.
     fn derivatives(&self, rate: f64, out: usize) -> (f64, f64) {
+        work::checkpoint();
         let of_line = |(freq_hz, cross): (&f64, &[Complex64])| {
             let angle = TAU * freq_hz * self.stretch_s;
             let step = Complex64::cis(angle * rate);
@@ -245,6 +246,7 @@ impl Stretches {
 
     /// From the stretches and the lines that are kept.
     fn log_likelihood(&self, rate: f64, kept: impl Fn(usize) -> bool, kept_line: impl Fn(usize) -> bool) -> f64 {
+        work::checkpoint();
         let of_line = |(freq_hz, cross): (&f64, &[Complex64])| {
             let step = Complex64::cis(TAU * freq_hz * rate * self.stretch_s);
             let (mut sum, mut turn) = (Complex64::ZERO, Complex64::ONE);

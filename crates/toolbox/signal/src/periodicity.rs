@@ -194,7 +194,7 @@ impl Line {
 
     fn add(&self, x: &mut [f64], sign: f64) {
         let value = 2.0 * sign * self.value;
-        for (index, block) in x.chunks_mut(STRAIGHT).enumerate() {
+        for (index, block) in work::checked(x.chunks_mut(STRAIGHT)).enumerate() {
             let mut turning = Turning::new(value * from_start(self.turns, index * STRAIGHT), self.turns);
             for part in block.chunks_mut(LANES) {
                 part.iter_mut().zip(turning.re).for_each(|(v, re)| *v += re);
@@ -242,7 +242,7 @@ impl Demodulated {
         let of_block = |start: usize, block: &[f64]| {
             let middle = 0.5 * (block.len() as f64 - 1.0);
             let mut moments = [Complex64::ZERO; 3];
-            for (part, samples) in block.chunks(STRAIGHT).enumerate() {
+            for (part, samples) in work::checked(block.chunks(STRAIGHT)).enumerate() {
                 let first = part * STRAIGHT;
                 let factor = from_start(-centre, start + first);
                 add_moments(samples, Turning::new(factor, -centre), first as f64 - middle, &mut moments);
@@ -414,6 +414,7 @@ pub fn fit_harmonics(x: &[f64], sample_time_s: f64, freq_hz: f64, count: usize) 
 /// Least-squares coefficients `c` of `b + Σ_h 2 Re(c_h e^{j2π h turns t})` and the power they explain: Gauss and
 /// Seidel's iteration, which converges fast because harmonics over two periods or more are nearly orthogonal.
 fn harmonics_at(x: &[f64], turns: f64, count: usize) -> (Vec<Complex64>, f64) {
+    work::checkpoint();
     let n = x.len() as f64;
     let sums: Vec<Complex64> = (0..=count).map(|h| fourier_sum(x, TAU * turns * h as f64)).collect();
     let overlaps: Vec<Complex64> = (0..=2 * count).map(|m| geometric(TAU * turns * m as f64, x.len())).collect();

@@ -20,11 +20,13 @@ thread_local! {
 
 /// The transform of real signals of this length.
 pub(crate) fn forward(length: usize) -> Forward {
+    work::checkpoint();
     FORWARD.with_borrow_mut(|kept| of(kept, length, || RealFftPlanner::new().plan_fft_forward(length)))
 }
 
 /// The way back to a real signal of this length.
 pub(crate) fn inverse(length: usize) -> Inverse {
+    work::checkpoint();
     INVERSE.with_borrow_mut(|kept| of(kept, length, || RealFftPlanner::new().plan_fft_inverse(length)))
 }
 

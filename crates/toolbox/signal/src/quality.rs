@@ -142,7 +142,7 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
             && departure(*i).abs() > ALONE * size
             && size > BEYOND_AROUND * moved_around(x, *i, options.spike_half_window)
     };
-    let found: Vec<usize> = (0..x.len()).filter(&mut is_spike).collect();
+    let found: Vec<usize> = work::checked(0..x.len()).filter(&mut is_spike).collect();
     let found = with_neighbours(&found, x.len(), &mut departure);
     let found = no_longer_than(options.spike_half_window, &found);
     let most = (options.spike_max_fraction * x.len() as f64).max(1.0) as usize;
@@ -157,7 +157,7 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
 
 /// The finite ones of the sizes of so many values.
 fn sizes(count: usize, mut value: impl FnMut(usize) -> f64) -> impl Iterator<Item = f64> {
-    (0..count).map(move |i| value(i).abs()).filter(|size| size.is_finite())
+    work::checked(0..count).map(move |i| value(i).abs()).filter(|size| size.is_finite())
 }
 
 /// Bound that the largest of so many Gaussian values exceeds only with the probability of a false alarm.

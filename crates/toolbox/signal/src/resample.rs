@@ -37,7 +37,7 @@ pub enum Interpolation {
 /// ```
 pub fn interpolate_at(x: &Signal, times_s: &[f64], method: Interpolation) -> Result<Vec<f64>, SignalError> {
     let value = |&time_s: &f64| Ok(value_at(&x.samples, position(x, time_s)?, method));
-    times_s.iter().map(value).collect()
+    work::checked(times_s).map(value).collect()
 }
 
 /// The signal delayed by `delay_s` (negative advances it), on the same clock: `y(t) = x(t − delay_s)`.
@@ -61,7 +61,7 @@ pub fn fractional_delay(x: &Signal, delay_s: f64, method: Interpolation) -> Resu
     let shift = delay_s / x.sample_time_s;
     let last = (x.len() - 1) as f64;
     let value = |i| value_at(&x.samples, (i as f64 - shift).clamp(0.0, last), method);
-    Ok(x.with_samples((0..x.len()).map(value).collect()))
+    Ok(x.with_samples(work::checked(0..x.len()).map(value).collect()))
 }
 
 /// The value of a held (zero-order-hold) signal at arbitrary instants: the last sample at or before each.
@@ -85,7 +85,7 @@ pub fn hold(x: &Signal, times_s: &[f64]) -> Result<Vec<f64>, SignalError> {
         let position = (time_s - x.start_s) / x.sample_time_s + TIME_TOLERANCE_SAMPLES;
         if position >= 0.0 { Ok(x.samples[(position as usize).min(last)]) } else { Err(outside(x, time_s)) }
     };
-    times_s.iter().map(value).collect()
+    work::checked(times_s).map(value).collect()
 }
 
 /// Every `factor`-th sample, after a zero-phase anti-alias filter.
@@ -147,7 +147,7 @@ pub fn resample_rational(x: &Signal, up: usize, down: usize) -> Result<Signal, S
         let end = newest / up + reach as usize + 1;
         branch.iter().zip(padded[..end].iter().rev()).map(|(h, v)| h * v).sum()
     };
-    Signal::new(x.start_s, x.sample_time_s * down as f64 / up as f64, (0..length).map(value).collect())
+    Signal::new(x.start_s, x.sample_time_s * down as f64 / up as f64, work::checked(0..length).map(value).collect())
 }
 
 /// Content below the Nyquist frequency of the signal that holds each sample until the next, on the same clock.
@@ -201,7 +201,7 @@ fn averaged(x: &Signal, nodes: &[(f64, f64)]) -> Result<Signal, SignalError> {
     let taps: Vec<f64> = (-reach..=reach).map(tap).collect();
     let padded: Vec<f64> = (-reach..x.len() as i64 + reach).map(|i| odd_extended(&x.samples, i)).collect();
     let sum = |near: &[f64]| near.iter().zip(&taps).map(|(v, tap)| v * tap).sum();
-    Ok(x.with_samples(padded.windows(taps.len()).map(sum).collect()))
+    Ok(x.with_samples(work::checked(padded.windows(taps.len())).map(sum).collect()))
 }
 
 const MAX_FACTOR: f64 = 1e4;

@@ -77,6 +77,7 @@ impl UniformSpline {
 
 /// Solves M_{i−1} + 4 M_i + M_{i+1} = 6 (y_{i−1} − 2 y_i + y_{i+1}) with M = 0 at both ends.
 fn natural_curvature(y: &[f64]) -> Vec<f64> {
+    work::checkpoint();
     let n = y.len();
     let mut curvature = vec![0.0; n];
     let ratios = ratios();

@@ -126,10 +126,12 @@ fn straightened(x: &[f64]) -> Option<Stale> {
 
 /// Departure from a straight line that rounding of the last digits explains.
 fn rounding(x: &[f64]) -> f64 {
+    work::checkpoint();
     ROUNDING * x.iter().filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()))
 }
 
 fn repeated(x: &[f64]) -> Option<Stale> {
+    work::checkpoint();
     let (low, high) =
         x.iter().filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let rests = |v: f64| v == 0.0 || v == low || v == high;
@@ -155,6 +157,7 @@ fn regular(is_new: &[Option<bool>]) -> Option<(usize, usize)> {
         return None;
     }
     (2..=LARGEST_RATIO).rev().find_map(|every| {
+        work::checkpoint();
         let mut counts = vec![(0.0, 0.0); every];
         for (i, new) in is_new.iter().enumerate() {
             let Some(new) = new else { continue };
@@ -182,6 +185,7 @@ fn all_but(count: usize, every: usize, first: usize) -> Vec<bool> {
 /// ```
 #[must_use]
 pub fn resolution(x: &[f64]) -> Option<f64> {
+    work::checkpoint();
     let sizes = || (1..x.len()).filter_map(|i| difference(x, i)).filter(|d| *d > 0.0);
     let step = sizes().fold(f64::INFINITY, f64::min);
     let is_multiple = |d: &f64| (d / step - (d / step).round()).abs() < MULTIPLE_WITHIN;

@@ -53,7 +53,7 @@ impl ZeroPhase {
             let first = below as i64 - half;
             product(&x.samples, first, kernel)
         };
-        (0..count).map(value).collect()
+        work::checked(0..count).map(value).collect()
     }
 
     /// Weights of the samples −half … half + 1 about an instant `fraction` of a sample after sample 0.

@@ -86,6 +86,26 @@ pub fn guarded<R>(work: impl FnOnce() -> R) -> Option<R> {
     }
 }
 
+/// Rounds of a loop between two checkpoints of [`checked`]: some microseconds where each is short.
+const ROUNDS: usize = 256;
+
+/// The same items, with a [`checkpoint`] before the first and every 256th: for loops of many short rounds, such as
+/// those over samples.
+///
+/// # Example
+/// ```
+/// let sum: u64 = work::checked(0..1_000_000_u64).sum();
+/// assert_eq!(sum, 499_999_500_000);
+/// ```
+pub fn checked<I: IntoIterator>(items: I) -> impl Iterator<Item = I::Item> {
+    items.into_iter().enumerate().map(|(round, item)| {
+        if round % ROUNDS == 0 {
+            checkpoint();
+        }
+        item
+    })
+}
+
 /// Ends the work of this thread if its context was cancelled. It costs a few nanoseconds: call it in every loop that
 /// may take longer than some milliseconds. Outside of a context it does nothing.
 pub fn checkpoint() {

@@ -5,6 +5,6 @@ mod cancel;
 mod context;
 mod progress;
 
-pub use cancel::{Cancel, Cancelled, checkpoint, guarded};
+pub use cancel::{Cancel, Cancelled, checked, checkpoint, guarded};
 pub use context::Context;
 pub use progress::{Progress, State, Tree};

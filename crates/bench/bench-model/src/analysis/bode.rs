@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use ident::distributions::student_t_quantile;
 use lti::FrequencyResponse;
 use rig::ControlMode;
 use signal::Complex64;
+use signal::distributions::student_t_quantile;
 use units::RPM_RAD_S;
 
 use crate::analysis::BodeCurve;

@@ -137,7 +137,7 @@ impl ModelUncertainty {
                 let changed = parameters.iter().zip(values).fold(model.clone(), |m, (p, v)| m.with(*p, *v));
                 function(&changed)
             };
-            let variance = ident::covariance::delta_variance(&known, covariance, at).max(0.0);
+            let variance = fitting::covariance::delta_variance(&known, covariance, at).max(0.0);
             total += variance;
             weighted += variance * variance / degrees_of_freedom;
         }
@@ -162,7 +162,7 @@ impl ModelUncertainty {
                 let changed = parameters.iter().zip(values).fold(model.clone(), |m, (p, v)| m.with(*p, *v));
                 function(&changed)
             };
-            let slope = ident::covariance::gradient(&known, covariance, at);
+            let slope = fitting::covariance::gradient(&known, covariance, at);
             for (i, parameter) in parameters.iter().enumerate() {
                 let along: f64 = slope.iter().enumerate().map(|(j, slope)| covariance[(i, j)] * slope).sum();
                 total += slope[i] * along;

@@ -1,6 +1,6 @@
 //! Recorded against modelled, each quantity on its own raster.
 
-use ident::validate::{fit_percent, rms_error};
+use fitting::{fit_percent, rms_error};
 use rig::estimation::EstimateError;
 use rig::results::{Stretch, Trace, Validation};
 use rig::{Experiment, Role};

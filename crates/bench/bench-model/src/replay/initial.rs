@@ -26,7 +26,7 @@ impl Run<'_> {
         }
         let target: Vec<f64> = measured.iter().zip(&reference).map(|(m, r)| m - r).collect();
         let regressors = Mat::from_fn(target.len(), STEPS.len(), |i, j| columns[j][i]);
-        let fit = ident::least_squares(regressors.as_ref(), &target)
+        let fit = fitting::least_squares(regressors.as_ref(), &target)
             .map_err(|source| EstimateError::Ident { file: self.experiment.file.clone(), source })?;
         Ok(fit.parameters.iter().enumerate().fold(guess, |start, (which, by)| self.moved(&start, which, *by)))
     }

@@ -90,7 +90,7 @@ pub fn simulate_course(
     let mut course = Course::with_capacity(points, step_samples as f64 * bench.pi.sample_time_s);
     let near_nm = NEAR_LIMIT * bench.limit_nm;
     let mut wanted_nm = course.push(&bench, &now[states.clone()], &input);
-    for k in 0..points - 1 {
+    for k in work::checked(0..points - 1) {
         now[..INPUTS].copy_from_slice(&input);
         linear.apply(&now, &mut next);
         let at_end_nm = bench.wanted_nm(&next[states.clone()], &input, step_samples);

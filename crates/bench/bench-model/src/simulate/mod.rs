@@ -184,7 +184,7 @@ fn run(
         DynoInput::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
         DynoInput::TorqueDemand(_) | DynoInput::AirGapTorque(_) => None,
     };
-    for k in 0..samples {
+    for k in work::checked(0..samples) {
         let state = plant.state();
         let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s);
         response.dyno_speed_rad_s.push(reading);

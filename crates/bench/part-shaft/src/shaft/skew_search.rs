@@ -110,6 +110,7 @@ impl Bins {
         };
         let mut shaft = None;
         for _ in 0..ROUNDS {
+            work::checkpoint();
             let mut sums = Sums::default();
             for bin in &turned {
                 // Geman and McClure's weight.

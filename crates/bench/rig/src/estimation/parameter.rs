@@ -1,8 +1,8 @@
 //! Making [`Parameter`]s and [`Estimate`]s from numbers.
 
 use faer::Mat;
-use ident::Minimum;
-use ident::distributions::interval;
+use fitting::Minimum;
+use signal::distributions::interval;
 
 use crate::results::{Estimate, Parameter, Quantity, Stretch};
 
@@ -56,7 +56,7 @@ pub fn transformed(
     stretch: &Stretch,
 ) -> Estimate {
     let gradients: Vec<Vec<f64>> =
-        outputs.iter().map(|(_, g)| ident::covariance::gradient(&fit.parameters, covariance, g)).collect();
+        outputs.iter().map(|(_, g)| fitting::covariance::gradient(&fit.parameters, covariance, g)).collect();
     let joint = |a: &[f64], b: &[f64]| {
         let n = a.len();
         (0..n).map(|i| (0..n).map(|j| a[i] * covariance[(i, j)] * b[j]).sum::<f64>()).sum::<f64>()

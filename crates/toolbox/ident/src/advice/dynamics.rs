@@ -2,11 +2,11 @@
 
 use faer::Mat;
 
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::distributions::chi_squared_quantile;
-use crate::equation::factor_of;
 use crate::least_squares::{LinearFit, solve_factor};
-use crate::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, Experiment};
+use fitting::equation::factor_of;
 
 /// Past values of the output and of each input, at most.
 const PAST: usize = 10;

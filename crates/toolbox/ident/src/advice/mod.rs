@@ -1,6 +1,7 @@
 //! [`advise`]: what to know about data before a model is estimated from them.
 
 mod dynamics;
+pub(crate) mod feedback;
 
 use std::fmt;
 
@@ -8,9 +9,9 @@ use signal::frf::{RepeatedResponse, repeated_response};
 use signal::quality::{QualityOptions, check_quality};
 
 use self::dynamics::{Dynamics, TO_COME, look_for_dynamics, matters_beside_longer_past};
+use crate::data::excitation::ExcitationOptions;
 use crate::data::{Channel, Dataset, Experiment, Line, Trend, TrendScope, TrendShape};
-use crate::degenerate::dependent_inputs;
-use crate::excitation::ExcitationOptions;
+use crate::fit::degenerate::dependent_inputs;
 
 /// A mean above this many standard deviations is an offset.
 const OFFSET: f64 = 0.3;

@@ -5,8 +5,8 @@ use lti::polynomial::multiply;
 use lti::{LtiError, PolynomialEquation, PolynomialModel, TransferFunction};
 
 use super::{REFERENCE, check_loop};
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Fit, IdentError};
+use fitting::{Count, StructureError};
 
 /// Fits a model from `r` to `y`, `T = G S`, and solves it for the plant: `G = T/(1 − T R)`.
 ///

@@ -7,10 +7,10 @@ use lti::{Complex64, FrequencyResponse, LtiError};
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
-use crate::equation::factor_of;
+use crate::data::regression::{Lagged, Regression};
 use crate::least_squares::solve_factor;
-use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
+use fitting::equation::factor_of;
 
 /// Fits `A_u u = B_u r + e_u` and `A_y y = B_y r + e_y`, both of the same high order, and takes the plant as the ratio
 /// of the responses to `r`: `G = T_y/T_u`, `T = B/A`.

@@ -27,8 +27,8 @@ pub use indirect::Indirect;
 pub use joint::{ClosedLoopResponse, JointInputOutput};
 pub use two_stage::TwoStage;
 
-use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, ExcitationOptions, Fit, IdentError};
+use fitting::{Count, StructureError};
 
 /// Index of the plant's input.
 const INPUT: usize = 0;

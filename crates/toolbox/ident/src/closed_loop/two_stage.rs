@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
-use crate::regression::{Lagged, Regression};
+use crate::data::regression::{Lagged, Regression};
 use crate::{Dataset, Doubt, Experiment, Fit, IdentError};
 
 /// Regresses `u` on present, past and, where asked, future values of `r`, and fits the plant from the input so

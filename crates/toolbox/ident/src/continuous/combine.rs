@@ -9,8 +9,8 @@ use super::model::ContinuousModel;
 use super::output_error::Nuisance;
 use super::record::{Beginning, records};
 use super::{followed, initial, joint};
-use crate::band_limited::Ground;
-use crate::excited_lines::Lines;
+use crate::data::band_limited::Ground;
+use crate::data::excited_lines::Lines;
 use crate::{Dataset, Doubt, Fit, IdentError, Parametric, Termination};
 
 /// Ends of a profile this close to those of the covariance are the same, as a part of these.

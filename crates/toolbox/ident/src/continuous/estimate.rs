@@ -9,11 +9,11 @@ use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, liveliest};
 use crate::colour::{Colour, Sandwich, no_less_than};
 use crate::distributions::student_t_quantile;
-use crate::nonlinear::lowest_point;
-use crate::structure_error::StructureError;
 use crate::{
     Bounds, Dataset, Doubt, IdentError, Minimum, NonlinearOptions, Parametric, ResidualModel, Termination, minimise,
 };
+use fitting::StructureError;
+use fitting::nonlinear::lowest_point;
 
 /// Samples that starting models are compared on.
 const COMPARED: usize = 20_000;
@@ -349,9 +349,9 @@ mod tests {
     use lti::ProcessModel;
 
     use super::*;
-    use crate::band_limited::Ground;
     use crate::continuous::ProcessSystem;
     use crate::continuous::record::{Beginning, records};
+    use crate::data::band_limited::Ground;
 
     #[test]
     fn regress_a_search_that_its_limit_ends_at_equal_lags_is_not_said_to_converge() {

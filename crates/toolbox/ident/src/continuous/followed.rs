@@ -5,8 +5,8 @@ use super::estimate::OutputFit;
 use super::record::{Beginning, Record, liveliest, records};
 use super::srivc::Structure;
 use super::start::quick_candidate;
-use crate::band_limited::Ground;
 use crate::colour::Colour;
+use crate::data::band_limited::Ground;
 use crate::distributions::chi_squared_quantile;
 use crate::{Doubt, IdentError};
 

@@ -7,7 +7,7 @@ use numerics::linalg;
 use super::channel::ContinuousChannel;
 use super::model::ContinuousModel;
 use super::output_error::Nuisance;
-use crate::on_data::OnData;
+use crate::fit::on_data::OnData;
 use crate::{Dataset, Experiment, IdentError, Triangle};
 
 /// Samples from which an initial state is found, at most.

@@ -15,8 +15,8 @@ use super::estimate::{Combined, OutputFit, Settings, errors};
 use super::output_error::{OutputError, Ready};
 use super::projection::Basis;
 use super::record::{Beginning, Record, records};
-use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich, no_less_than};
+use crate::data::band_limited::Ground;
 use crate::dense::{WEIGHT_FLOOR, whitening};
 use crate::{Bounds, IdentError, Minimum, ResidualModel, minimise};
 

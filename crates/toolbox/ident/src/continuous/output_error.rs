@@ -15,8 +15,8 @@ use super::model::ContinuousModel;
 use super::projection::Basis;
 use super::record::{Course, Record};
 use super::sampled::Sampled;
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
+use fitting::{StructureError, UnstablePart};
 
 /// Assumptions about the time before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -247,7 +247,7 @@ mod tests {
     /// The coefficients of a band-limited course through samples.
     fn course(samples: &[f64]) -> Vec<Vec<f64>> {
         let data = crate::Dataset::siso(0.1, samples, samples).unwrap();
-        let courses = crate::band_limited::with_courses(&data, &[(0, 0.0)], true).unwrap();
+        let courses = crate::data::band_limited::with_courses(&data, &[(0, 0.0)], true).unwrap();
         (0..courses.inputs()).map(|j| courses.experiments()[0].input(j).to_vec()).collect()
     }
 

@@ -8,8 +8,8 @@ use super::channel::ContinuousChannel;
 use super::estimate::{OutputFit, Settings, fit_output};
 use super::profile::profiled;
 use super::record::{Beginning, Record, records};
-use crate::band_limited::Ground;
 use crate::colour::Colour;
+use crate::data::band_limited::Ground;
 use crate::distributions::f_quantile;
 use crate::{Dataset, IdentError};
 

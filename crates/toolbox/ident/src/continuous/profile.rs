@@ -13,8 +13,8 @@
 use super::channel::ContinuousChannel;
 use super::estimate::{Ends, OutputFit, Settings, errors, fit_output, quantile};
 use super::record::Record;
-use crate::nonlinear::lowest_point;
 use crate::{Bounds, Dataset, IdentError, NonlinearOptions, Parametric};
+use fitting::nonlinear::lowest_point;
 
 /// Steps of a search with a parameter held. It is over where one lowers the cost by less than this part of what an
 /// interval allows, or by next to nothing.

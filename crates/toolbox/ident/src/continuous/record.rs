@@ -1,8 +1,8 @@
 //! Data of one output of one experiment for the search.
 
-use crate::band_limited::Ground;
-use crate::structure_error::{Count, StructureError};
+use crate::data::band_limited::Ground;
 use crate::{Dataset, IdentError};
+use fitting::{Count, StructureError};
 
 /// Where the rows that count begin, and what the inputs are before the record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

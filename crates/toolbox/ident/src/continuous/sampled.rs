@@ -6,7 +6,7 @@ use numerics::vector::dot;
 
 use super::record::Course;
 use crate::Intersample;
-use crate::band_limited::COEFFICIENTS;
+use crate::data::band_limited::COEFFICIENTS;
 
 /// States of a discrete system, one for each sample of a delay: its matrix takes 128 MB.
 const MOST_STATES: usize = 4_000;
@@ -26,7 +26,7 @@ const DECAYED: f64 = 1e-30;
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
 /// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the
-/// coefficients of its [course](crate::band_limited) from sample k on. A fractional delay puts the change from one
+/// coefficients of its [course](crate::data::band_limited) from sample k on. A fractional delay puts the change from one
 /// interval's `u` to the next within the interval.
 ///
 /// # Source
@@ -167,7 +167,7 @@ impl Sampled {
             k.checked_sub(back).map_or(if j == 0 { *past } else { 0.0 }, |i| columns[j][i])
         };
         let (mut next, mut now, mut before) = (vec![0.0; n], vec![0.0; width], vec![0.0; width]);
-        for k in first..length {
+        for k in work::checked(first..length) {
             for j in 0..width {
                 (now[j], before[j]) = (at(k, self.whole, j), at(k, self.whole + 1, j));
             }
@@ -190,7 +190,7 @@ impl Sampled {
         let (mut row, mut scratch) = (c.to_vec(), vec![0.0; c.len()]);
         let mut columns = vec![Vec::new(); c.len()];
         let mut largest = vec![0.0_f64; c.len()];
-        for _ in 0..length {
+        for _ in work::checked(0..length) {
             columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
             self.advance_row(&mut row, &mut scratch);
             largest.iter_mut().zip(&row).for_each(|(most, value)| *most = most.max(value.abs()));

@@ -7,8 +7,8 @@ use super::projection::Basis;
 use super::record::{Record, liveliest};
 use super::sampled::Sampled;
 use super::srivc::{Estimate, Structure, stable_filter};
-use crate::structure_error::StructureError;
 use crate::{IdentError, Termination};
+use fitting::StructureError;
 
 /// Samples that a starting value may rest on, and a comparison of delays.
 const SAMPLES: usize = 30_000;

@@ -6,7 +6,7 @@ use signal::Sos;
 
 use super::{Dataset, Experiment, column};
 use crate::IdentError;
-use crate::structure_error::{StructureError, UnstablePart};
+use fitting::{StructureError, UnstablePart};
 
 /// A filter `L(q)` for all channels.
 #[derive(Debug, Clone, PartialEq)]

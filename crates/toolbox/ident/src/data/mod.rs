@@ -1,8 +1,13 @@
 //! [`Dataset`]: what estimators are given.
 
+pub(crate) mod band_limited;
 mod build;
+pub(crate) mod excitation;
+pub(crate) mod excited_lines;
 mod filter;
 mod missing;
+pub(crate) mod origin;
+pub(crate) mod regression;
 mod resample;
 mod select;
 mod trend;

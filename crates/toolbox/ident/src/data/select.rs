@@ -9,7 +9,7 @@ use signal::SignalError;
 
 use super::{Dataset, Experiment, Label};
 use crate::IdentError;
-use crate::structure_error::StructureError;
+use fitting::StructureError;
 
 /// Stretches of one experiment at most.
 const STRETCHES: usize = 4;

@@ -4,10 +4,10 @@ use faer::Mat;
 
 use super::{past_outputs, signals};
 use crate::data::check_range;
-use crate::equation::factor_of;
-use crate::regression::{Lagged, Regression, Signals};
-use crate::structure_error::StructureError;
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, IdentError};
+use fitting::StructureError;
+use fitting::equation::factor_of;
 
 /// Most combinations of delays that are compared jointly.
 const JOINT: usize = 2000;

@@ -4,8 +4,8 @@ use numerics::search;
 use numerics::vector::dot;
 
 use super::{ArxDelay, DelayEstimate, check_one_input, past_outputs, signals};
+use crate::data::regression::{Lagged, Regression};
 use crate::distributions::chi_squared_quantile;
-use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Step of the second difference, in samples.

@@ -2,8 +2,8 @@
 
 use super::{past_outputs, signals};
 use crate::data::check_range;
+use crate::data::regression::{Lagged, Regression};
 use crate::distributions::normal_quantile;
-use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Regresses the output on many lags of every input, `y(t) = −Σ a_i y(t−i) + Σ_k Σ_l b_{k,l} u_k(t − l) + e(t)`, and

@@ -31,9 +31,9 @@ pub use modelled::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_li
 pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
-use crate::regression::Lagged;
-use crate::structure_error::{Count, StructureError};
+use crate::data::regression::Lagged;
 use crate::{Dataset, IdentError};
+use fitting::{Count, StructureError};
 
 /// A delay to a fraction of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

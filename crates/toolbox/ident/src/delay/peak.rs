@@ -4,7 +4,7 @@ use signal::SignalError;
 use signal::correlation::delay_by_correlation;
 
 use super::{DelayEstimate, check_one_input, signals};
-use crate::regression::{Lagged, Regression, Signals};
+use crate::data::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, IdentError};
 
 /// Zeros beyond the longest delay that keep experiments apart, as many as the interpolation of the peak reaches.

@@ -9,8 +9,8 @@ use signal::spectrum::{Welch, cross_spectrum};
 use super::{DelayEstimate, check_one_input, signals};
 use crate::data::check_range;
 use crate::distributions::chi_squared_quantile;
-use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
+use fitting::StructureError;
 
 /// Confidence of the test whether a phase is a straight line, as that of a delay.
 const STRAIGHT: f64 = 0.999;

@@ -6,8 +6,8 @@ use faer::Mat;
 use lti::{from_rows, to_rows};
 use numerics::linalg;
 
-use crate::structure_error::StructureError;
 use crate::{Doubt, Fit, IdentError, Parametric, Termination};
+use fitting::StructureError;
 
 /// Data that an estimate rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub use estimate::{EstimateRecord, Source};
 pub use model::AnyModel;
 
-use crate::structure_error::StructureError;
 use crate::{Fit, IdentError, Intersample, Label, Trend};
+use fitting::StructureError;
 
 /// Text of the `format` field of a document.
 const FORMAT: &str = "dynoid model";

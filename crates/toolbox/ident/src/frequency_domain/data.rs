@@ -6,8 +6,8 @@ use signal::Complex64;
 use signal::frf::{FrequencyResponse, LocalEstimate, PeriodicSpectra, periodic_spectra};
 
 use super::shared_noise::SharedNoise;
-use crate::structure_error::StructureError;
 use crate::{ChannelPair, Dataset, IdentError};
+use fitting::StructureError;
 
 /// A measured frequency response: gains with the variance of each.
 #[derive(Debug, Clone, PartialEq)]

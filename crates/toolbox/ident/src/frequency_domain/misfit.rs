@@ -5,9 +5,9 @@ use signal::Complex64;
 
 use super::data::Lines;
 use super::shared_noise::SharedNoise;
-use crate::condition::ILL_CONDITIONED;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
 use crate::{Bounds, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Origin, Parametric, ResidualModel, minimise};
+use fitting::condition::ILL_CONDITIONED;
 
 /// Probability that a right model's cost lies between the limits.
 const LEVEL: f64 = 0.95;

@@ -9,9 +9,9 @@ use super::data::{Lines, Measured};
 use super::misfit::{Misfit, Response, SpectralFit, search, spectral_fit};
 use super::start;
 use crate::continuous::RationalChannel;
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::uncertainty::{Dynamics, Ratio};
 use crate::{Bounds, Doubt, IdentError, NonlinearOptions, Parametric};
+use fitting::{StructureError, UnstablePart};
 
 /// Delays tried to start from.
 const DELAYS: usize = 41;

@@ -10,12 +10,12 @@ use faer::Mat;
 use lti::LtiError;
 use signal::excitation::Random;
 
-use crate::band_limited::{REACH, with_courses};
+use crate::data::band_limited::{REACH, with_courses};
 use crate::data::check_missing;
 use crate::prediction::{InitialState, residuals};
 use crate::state_space::{Information, Known, Search, Searchable, gather};
-use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Experiment, Fit, IdentError, Intersample, Parametric, Termination};
+use fitting::StructureError;
 
 pub use formula::Formula;
 pub use formula_structure::{FormulaParts, FormulaStructure};

@@ -7,8 +7,8 @@ use lti::{Innovations, LtiError, StateSpace, from_rows, to_rows};
 use serde::{Deserialize, Serialize};
 
 use super::{GreyNoise, Structure};
-use crate::band_limited::{BandLimitedForm, COEFFICIENTS};
 use crate::continuous::response_to_powers;
+use crate::data::band_limited::{BandLimitedForm, COEFFICIENTS};
 use crate::data::check_clock;
 use crate::dense::kalman;
 use crate::{IdentError, Intersample, LinearModel, Parametric};

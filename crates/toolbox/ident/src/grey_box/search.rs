@@ -8,8 +8,8 @@ use signal::excitation::Random;
 
 use super::{GreyBoxModel, GreyNoise, GreyParameter, Structure};
 use crate::state_space::{Free, Searchable, entries};
-use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError, LinearModel, Parametric};
+use fitting::StructureError;
 
 /// Steps of central differences, as a part of the parameter: the cube root of the rounding.
 const STEP: f64 = 6e-6;

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::triangle::upper_factor;
+use fitting::triangle::upper_factor;
 
 /// Prior covariance of an impulse response `g(1), g(2), …` (counted from its delay on): smooth and decaying, to a
 /// degree that the data decide.

@@ -13,13 +13,13 @@ pub use response::{ImpulseFit, ResponseEstimate};
 
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
-use crate::arx::{ArxOrders, filter, layout, whitening_filter};
-use crate::condition::ILL_CONDITIONED;
-use crate::equation::{Equation, factor_of, noise_covariance};
+use crate::data::regression::{Regression, Signals, outputs_then_inputs};
 use crate::least_squares::solve_factor;
-use crate::regression::{Regression, Signals, outputs_then_inputs};
-use crate::structure_error::{Count, StructureError};
+use crate::polynomial::arx::{ArxOrders, filter, layout, whitening_filter};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
+use fitting::condition::ILL_CONDITIONED;
+use fitting::equation::{Equation, factor_of, noise_covariance};
+use fitting::{Count, StructureError};
 
 /// Estimates finite impulse responses, from every input to every output:
 ///

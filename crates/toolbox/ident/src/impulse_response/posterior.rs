@@ -4,7 +4,7 @@ use faer::Mat;
 use numerics::linalg;
 
 use crate::IdentError;
-use crate::triangle::upper_factor;
+use fitting::triangle::upper_factor;
 
 /// A regression as its triangular factor `[R₁ R₂]`, target last.
 pub(super) struct Evidence {

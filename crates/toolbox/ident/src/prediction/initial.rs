@@ -38,7 +38,7 @@ pub(super) fn estimate(form: &Form, experiment: &Experiment, feedback: bool) -> 
         return Ok(vec![0.0; n]);
     }
     let mut regression = Regression::new(form, experiment, &basis, feedback);
-    for t in 0..experiment.len() {
+    for t in work::checked(0..experiment.len()) {
         regression.step(t);
         if regression.forgotten(t) {
             break;

@@ -12,9 +12,9 @@ use faer::Mat;
 
 use crate::data::check_missing;
 use crate::fit::check_channels;
-use crate::on_data::OnData;
-use crate::structure_error::StructureError;
+use crate::fit::on_data::OnData;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
+use fitting::StructureError;
 pub(crate) use form::Form;
 pub(crate) use gain::Gain;
 use stepper::Stepper;
@@ -174,7 +174,7 @@ fn simulated(form: &Form, experiment: &Experiment, x0: &[f64]) -> Result<Mat<f64
     let mut stepper = Stepper::new(form, experiment, x0);
     let mut outputs = Mat::zeros(experiment.len(), form.outputs);
     let mut y = vec![0.0; form.outputs];
-    for t in 0..experiment.len() {
+    for t in work::checked(0..experiment.len()) {
         stepper.output(t, &mut y);
         store(&y, t, &mut outputs)?;
         stepper.advance();
@@ -189,7 +189,7 @@ fn predicted(form: &Form, experiment: &Experiment, x0: &[f64], horizon: usize) -
     let mut unused = Unused::new(form, (horizon - 1).min(experiment.len()));
     let mut outputs = Mat::zeros(experiment.len(), form.outputs);
     let (mut y, mut e, mut v) = (vec![0.0; form.outputs], vec![0.0; form.outputs], vec![0.0; form.states]);
-    for t in 0..experiment.len() {
+    for t in work::checked(0..experiment.len()) {
         stepper.output(t, &mut y);
         for (i, slot) in e.iter_mut().enumerate() {
             *slot = measured[i][t] - y[i];
@@ -232,7 +232,7 @@ impl Unused {
         let system = form.model.system();
         let mut weights = Vec::with_capacity(length * form.outputs * form.states);
         let mut row = system.c().to_owned();
-        for _ in 0..length {
+        for _ in work::checked(0..length) {
             weights.extend((0..form.outputs).flat_map(|i| (0..form.states).map(move |j| (i, j))).map(|at| row[at]));
             row = &row * system.a();
         }

@@ -6,9 +6,10 @@ use numerics::linalg;
 
 use super::lineariser::Linearised;
 use super::predictor::Predictor;
+use crate::Dataset;
 use crate::data::Experiment;
 use crate::dense::spectral_radius;
-use crate::{Dataset, Triangle, gram};
+use fitting::{Triangle, gram};
 
 /// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which the factor is still used.
 const WELL_CONDITIONED: f64 = 1e-4;
@@ -139,7 +140,7 @@ impl Shape<'_> {
         let mut all = vec![vec![0.0; n]; m + p];
         all.iter_mut().for_each(|signal| signal.reserve(experiment.len()));
         for (j, w) in all[..m].iter_mut().enumerate() {
-            for (t, u) in experiment.input(j).iter().enumerate() {
+            for (t, u) in work::checked(experiment.input(j)).enumerate() {
                 let past = w[t..t + n].iter().rev().zip(&self.denominator[1..]);
                 w.push(u - past.map(|(w, a)| w * a).sum::<f64>());
             }
@@ -160,7 +161,7 @@ impl Shape<'_> {
         let mut state = self.whitening * c;
         let least = DECAYED * state.norm_max();
         let mut row = vec![0.0; n + width];
-        for t in 0..channels[0].len() - n {
+        for t in work::checked(0..channels[0].len() - n) {
             if state.norm_max() <= least {
                 return;
             }

@@ -9,11 +9,11 @@ use super::lineariser::{Linearised, Lineariser};
 use super::predictor::{Free, Predictor, Scatter};
 use super::{StateSpaceModel, correlated};
 use crate::colour::{Colour, Sandwich};
-use crate::condition::checked_condition;
 use crate::data::Experiment;
 use crate::dense::whitening;
-use crate::structure_error::{StructureError, UnstablePart};
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
+use fitting::condition::checked_condition;
+use fitting::{StructureError, UnstablePart};
 
 /// Longer data give the information per sample from stretches: so many of them, of so many samples.
 const STRETCHES: usize = 8;

@@ -7,9 +7,11 @@ mod extrapolation;
 mod gather;
 mod lineariser;
 mod model;
+pub(crate) mod pem;
 mod predictor;
 mod search;
 mod sensitivities;
+pub(crate) mod subspace;
 
 pub(crate) use gather::{Information, Known, estimate, gather, regress_inputs};
 pub use model::StateSpaceModel;

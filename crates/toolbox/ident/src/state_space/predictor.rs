@@ -241,7 +241,7 @@ impl<'a> Walk<'a> {
     pub(super) fn advance(&mut self, instants: usize, mut visit: impl FnMut(&Instant<'_>)) {
         let Walk { predictor, inputs, outputs, x, next, u, e, filter, correction, .. } = self;
         let end = self.samples.min(self.instant + instants);
-        for t in self.instant..end {
+        for t in work::checked(self.instant..end) {
             u.iter_mut().zip(&*inputs).for_each(|(u, input)| *u = input[t]);
             e.fill(0.0);
             add_product(&predictor.c, x, e);

@@ -1,23 +1,8 @@
-//! Doubts and endings of a search in words.
-
-use std::fmt;
+//! Doubts in words.
 
 use lti::text::number;
 
-use crate::{Doubt, Termination};
-
-impl fmt::Display for Termination {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Termination::Direct => "solved directly",
-            Termination::SmallStep => "converged, the steps became negligible",
-            Termination::SmallDecrease => "converged, the errors no longer fall",
-            Termination::NoDescent => "converged as far as the arithmetic allows",
-            Termination::Edge => "stopped at the edge of the models that exist",
-            Termination::IterationLimit => "stopped at the limit of iterations",
-        })
-    }
-}
+use crate::Doubt;
 
 /// The doubts, one a line, below the other facts; nothing without any.
 pub(super) fn list(doubts: &[Doubt], parameters: &[String]) -> String {

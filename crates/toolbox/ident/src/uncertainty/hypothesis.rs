@@ -1,9 +1,9 @@
 //! Tests between estimates.
 
-use crate::covariance_root::inverse_root;
+use crate::dense::covariance_root::inverse_root;
 use crate::distributions::f_tail;
-use crate::structure_error::StructureError;
 use crate::{Fit, IdentError, Parametric};
+use fitting::StructureError;
 
 /// Directions with less than this part of the largest variance count as certain.
 const CERTAIN: f64 = 1e-13;

@@ -23,7 +23,7 @@ pub use sample::{Sample, Samples};
 use faer::Mat;
 use lti::LtiError;
 
-use crate::covariance_root;
+use crate::dense::covariance_root;
 use crate::distributions::interval;
 use crate::{Fit, IdentError, Parametric};
 

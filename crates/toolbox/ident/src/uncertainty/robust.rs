@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::STEP;
-use crate::covariance_root;
+use crate::dense::covariance_root;
 use crate::prediction::{InitialState, residuals};
 use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
 
@@ -77,6 +77,7 @@ fn spread(scores: &Mat<f64>, lengths: &[usize], lags: usize) -> Mat<f64> {
     let mut first = 0;
     for length in lengths {
         for lag in 0..=lags.min(length.saturating_sub(1)) {
+            work::checkpoint();
             let weight = 1.0 - lag as f64 / (lags + 1) as f64;
             let now = scores.get(first + lag..first + length, ..);
             let before = scores.get(first..first + length - lag, ..);

@@ -3,7 +3,7 @@
 use signal::excitation::Random;
 
 use super::Dynamics;
-use crate::covariance_root;
+use crate::dense::covariance_root;
 use crate::{Fit, IdentError, Parametric};
 
 /// One model drawn.
@@ -39,6 +39,7 @@ impl<M: Parametric + Dynamics> Fit<M> {
         let root = covariance_root::root(&self.covariance)?;
         let mut samples = Samples { models: Vec::with_capacity(count), refused: 0 };
         for _ in 0..count {
+            work::checkpoint();
             let normal: Vec<f64> = (0..root.ncols()).map(|_| random.normal()).collect();
             let offset = |i: usize| normal.iter().enumerate().map(|(k, v)| root[(i, k)] * v).sum::<f64>();
             let drawn: Vec<f64> = theta.iter().enumerate().map(|(i, v)| v + offset(i)).collect();

@@ -163,7 +163,7 @@ fn loss(data: &Dataset, modelled: &[Mat<f64>]) -> (f64, usize) {
     let mut sum = Mat::<f64>::zeros(outputs, outputs);
     let mut samples = 0;
     for (experiment, m) in data.experiments().iter().zip(modelled) {
-        for t in 0..experiment.len() {
+        for t in work::checked(0..experiment.len()) {
             let error = |i: usize| experiment.outputs[(t, i)] - m[(t, i)];
             if (0..outputs).any(|i| error(i).is_nan()) {
                 continue;

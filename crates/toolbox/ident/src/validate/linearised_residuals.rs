@@ -183,7 +183,7 @@ impl LinearisedResiduals {
         let mut rows = vec![0.0; p * width];
         for (m, input) in u.parts.iter().enumerate() {
             let along = self.lagged_along_block(m, output, there, u, lags);
-            for t in 0..input.len() {
+            for t in work::checked(0..input.len()) {
                 rows.fill(0.0);
                 if there.is_there(m, t) {
                     let row = &mut rows[output * width..][..width];
@@ -220,7 +220,7 @@ impl LinearisedResiduals {
         let (count, first) = (2 * lags + 1, self.stack.range(m, output).start - block.rows.start);
         let mut along = vec![vec![0.0; count]; block.removed.ncols()];
         let mut row = vec![0.0; count];
-        for t in (0..u.parts[m].len()).filter(|t| there.is_there(m, *t)) {
+        for t in work::checked(0..u.parts[m].len()).filter(|t| there.is_there(m, *t)) {
             lagged(&mut row, &u.parts[m], t, lags);
             for (q, along) in along.iter_mut().enumerate() {
                 let weight = block.removed[(first + t, q)];
@@ -266,7 +266,7 @@ impl LinearisedResiduals {
         let mut sandwich = Sandwich::of_rows(&self.colour, r);
         let mut row = vec![0.0; p * r];
         for (m, length) in self.stack.lengths().iter().enumerate() {
-            for t in 0..*length {
+            for t in work::checked(0..*length) {
                 for (slot, (i, k)) in row.iter_mut().zip((0..p).flat_map(|i| (0..r).map(move |k| (i, k)))) {
                     *slot = self.weights[(self.stack.range(m, i).start + t, k)];
                 }

@@ -6,8 +6,8 @@ use numerics::vector::dot;
 
 use super::JointTest;
 use crate::IdentError;
-use crate::covariance_root::inverse_root;
-use crate::triangle::upper_factor;
+use crate::dense::covariance_root::inverse_root;
+use fitting::triangle::upper_factor;
 
 /// Directions with less than this part of the largest variance count as not moving.
 pub(super) const STILL: f64 = 1e-8;
@@ -200,12 +200,13 @@ fn whiten_toeplitz(covariances: &[f64], columns: &Mat<f64>) -> Result<(Mat<f64>,
 /// # Source
 /// Brockwell & Davis, *Time Series: Theory and Methods*, 2nd ed., 1991, proposition 5.2.1 (Durbin and Levinson).
 fn by_recursion(covariances: &[f64], columns: &Mat<f64>, floor: f64) -> Option<(Mat<f64>, f64)> {
+    work::checkpoint();
     let m = columns.nrows();
     let (mut variance, mut trace) = (covariances[0] + floor, 0.0);
     let mut white = Mat::zeros(m, columns.ncols());
     // The oldest sum's coefficient first.
     let (mut predictor, mut longer) = (Vec::with_capacity(m), Vec::with_capacity(m));
-    for k in 0..m {
+    for k in work::checked(0..m) {
         if k > 0 {
             let reflection = (covariances[k] - dot(&predictor, &covariances[1..k])) / variance;
             longer.clear();

@@ -6,8 +6,8 @@ use numerics::parallel;
 use numerics::vector::norm;
 
 use super::tangent::Tangent;
-use crate::covariance_root::root_beyond_rounding;
-use crate::on_data::OnData;
+use crate::dense::covariance_root::root_beyond_rounding;
+use crate::fit::on_data::OnData;
 use crate::prediction::{InitialState, Response, residuals};
 use crate::{Dataset, Experiment, Fit, IdentError, Intersample, LinearModel, Parametric};
 

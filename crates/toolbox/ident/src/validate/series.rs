@@ -95,6 +95,7 @@ const BLOCK: usize = 1024;
 fn add_one_by_one<'a>(x: &[f64], y: &[f64], sums: impl Iterator<Item = &'a mut f64>) {
     let mut sums: Vec<&mut f64> = sums.take(x.len()).collect();
     for (first, x) in (0..).step_by(BLOCK).zip(x.chunks(BLOCK)) {
+        work::checkpoint();
         for (k, slot) in sums.iter_mut().enumerate() {
             let y = &y[y.len().min(first + k)..];
             let there = x.len().min(y.len());

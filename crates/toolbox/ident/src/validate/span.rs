@@ -7,7 +7,7 @@ use numerics::linalg;
 use numerics::vector::dot;
 
 use super::sensitivity::Stack;
-use crate::covariance_root::inverse_root;
+use crate::dense::covariance_root::inverse_root;
 use crate::{IdentError, Triangle};
 
 /// Singular values below this part of the largest are directions that do not show.

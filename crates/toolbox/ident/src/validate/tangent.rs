@@ -155,7 +155,7 @@ impl Tangent {
         let (mut s, mut next_s) = (self.start.clone(), vec![0.0; states * width]);
         let (mut de, mut next_x, mut y) = (vec![0.0; outputs * width], vec![0.0; states], vec![0.0; outputs]);
         let mut largest = 0.0_f64;
-        for t in 0..length {
+        for t in work::checked(0..length) {
             de.fill(0.0);
             self.c.add_product(-1.0, &s, width, &mut de);
             if self.is_driven() {

@@ -8,8 +8,9 @@ use super::linearised_residuals::LinearisedResiduals;
 use super::quadratic::{Covariance, HELD, STILL, Sums};
 use super::series::{Series, later_products, pair_counts};
 use super::span::{Block, square_root_of, weigh};
-use crate::covariance_root::inverse_root;
-use crate::{IdentError, variance_course};
+use crate::IdentError;
+use crate::colour::variance_course;
+use crate::dense::covariance_root::inverse_root;
 
 /// Residuals below this part of what they were before their mean was taken off are a constant and rounding.
 const VARYING: f64 = 1e-12;

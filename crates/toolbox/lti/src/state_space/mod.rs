@@ -228,7 +228,7 @@ impl StateSpace {
     /// The gains at angular frequencies in rad/s, one matrix (outputs × inputs) each, at `jω` or `e^{jωT}`.
     #[must_use]
     pub fn gains(&self, omega_rad_s: &[f64]) -> Vec<Mat<Complex64>> {
-        omega_rad_s.iter().map(|w| self.evaluate(frequency_point(*w, self.sample_time_s))).collect()
+        work::checked(omega_rad_s).map(|w| self.evaluate(frequency_point(*w, self.sample_time_s))).collect()
     }
 
     /// The frequency response from one input to one output.

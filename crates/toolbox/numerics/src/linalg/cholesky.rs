@@ -15,6 +15,7 @@ impl Cholesky {
     /// # Errors
     /// [`DecompositionError::NotPositiveDefinite`].
     pub fn new(m: MatRef<'_, f64>) -> Result<Self, DecompositionError> {
+        work::checkpoint();
         m.llt(Side::Lower).map(Cholesky).map_err(|_| DecompositionError::NotPositiveDefinite)
     }
 

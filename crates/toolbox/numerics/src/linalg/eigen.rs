@@ -27,6 +27,7 @@ pub struct SymmetricEigen {
 /// # Errors
 /// [`DecompositionError::Eigenvalues`].
 pub fn eigen(m: MatRef<'_, f64>) -> Result<Eigen, DecompositionError> {
+    work::checkpoint();
     let found = m.eigen().map_err(|_| DecompositionError::Eigenvalues)?;
     let values = found.S().column_vector().iter().copied().collect();
     Ok(Eigen { values, vectors: found.U().to_owned() })
@@ -37,6 +38,7 @@ pub fn eigen(m: MatRef<'_, f64>) -> Result<Eigen, DecompositionError> {
 /// # Errors
 /// [`DecompositionError::Eigenvalues`].
 pub fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<c64>, DecompositionError> {
+    work::checkpoint();
     m.eigenvalues().map_err(|_| DecompositionError::Eigenvalues)
 }
 
@@ -45,6 +47,7 @@ pub fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<c64>, DecompositionError> {
 /// # Errors
 /// [`DecompositionError::Eigenvalues`].
 pub fn symmetric_eigen(m: MatRef<'_, f64>) -> Result<SymmetricEigen, DecompositionError> {
+    work::checkpoint();
     let found = m.self_adjoint_eigen(Side::Lower).map_err(|_| DecompositionError::Eigenvalues)?;
     let values = found.S().column_vector().iter().copied().collect();
     Ok(SymmetricEigen { values, vectors: found.U().to_owned() })
@@ -55,5 +58,6 @@ pub fn symmetric_eigen(m: MatRef<'_, f64>) -> Result<SymmetricEigen, Decompositi
 /// # Errors
 /// [`DecompositionError::Eigenvalues`].
 pub fn symmetric_eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<f64>, DecompositionError> {
+    work::checkpoint();
     m.self_adjoint_eigenvalues(Side::Lower).map_err(|_| DecompositionError::Eigenvalues)
 }

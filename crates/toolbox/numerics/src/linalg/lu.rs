@@ -68,5 +68,6 @@ pub fn determinant(a: MatRef<'_, f64>) -> f64 {
 /// `X` with `A X = B`, of complex matrices.
 #[must_use]
 pub fn complex_solve(a: MatRef<'_, c64>, b: MatRef<'_, c64>) -> Mat<c64> {
+    work::checkpoint();
     a.partial_piv_lu().solve(b)
 }

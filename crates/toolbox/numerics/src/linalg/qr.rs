@@ -13,6 +13,7 @@ impl Qr {
     /// Factorises a matrix.
     #[must_use]
     pub fn new(m: MatRef<'_, f64>) -> Self {
+        work::checkpoint();
         Qr(m.qr())
     }
 
@@ -44,6 +45,7 @@ impl Qr {
 /// assert!((m[(0, 0)].abs() - 5.0).abs() < 1e-12);
 /// ```
 pub fn triangularise(mut m: MatMut<'_, f64>) -> usize {
+    work::checkpoint();
     let (rows, columns) = m.shape();
     let kept = rows.min(columns);
     if kept == 0 {

@@ -32,6 +32,7 @@ pub struct ComplexSvd {
 /// # Errors
 /// [`DecompositionError::SingularValues`].
 pub fn svd(m: MatRef<'_, f64>) -> Result<Svd, DecompositionError> {
+    work::checkpoint();
     m.svd().map(parts).map_err(|_| DecompositionError::SingularValues)
 }
 
@@ -40,6 +41,7 @@ pub fn svd(m: MatRef<'_, f64>) -> Result<Svd, DecompositionError> {
 /// # Errors
 /// [`DecompositionError::SingularValues`].
 pub fn thin_svd(m: MatRef<'_, f64>) -> Result<Svd, DecompositionError> {
+    work::checkpoint();
     m.thin_svd().map(parts).map_err(|_| DecompositionError::SingularValues)
 }
 
@@ -48,6 +50,7 @@ pub fn thin_svd(m: MatRef<'_, f64>) -> Result<Svd, DecompositionError> {
 /// # Errors
 /// [`DecompositionError::SingularValues`].
 pub fn singular_values(m: MatRef<'_, f64>) -> Result<Vec<f64>, DecompositionError> {
+    work::checkpoint();
     m.singular_values().map_err(|_| DecompositionError::SingularValues)
 }
 
@@ -56,6 +59,7 @@ pub fn singular_values(m: MatRef<'_, f64>) -> Result<Vec<f64>, DecompositionErro
 /// # Errors
 /// [`DecompositionError::SingularValues`].
 pub fn complex_svd(m: MatRef<'_, c64>) -> Result<ComplexSvd, DecompositionError> {
+    work::checkpoint();
     let svd = m.svd().map_err(|_| DecompositionError::SingularValues)?;
     let values = svd.S().column_vector().iter().map(|v| v.re).collect();
     Ok(ComplexSvd { u: svd.U().to_owned(), values, v: svd.V().to_owned() })

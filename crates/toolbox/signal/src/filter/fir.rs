@@ -140,7 +140,7 @@ impl Fir {
         line.extend_from_slice(&state.0);
         line.extend_from_slice(x);
         let extra = line.len() - x.len() - memory;
-        let y = line[extra..].windows(memory + 1).map(|w| self.output(w)).collect();
+        let y = work::checked(line[extra..].windows(memory + 1)).map(|w| self.output(w)).collect();
         state.0 = line.split_off(line.len() - memory);
         y
     }
@@ -164,7 +164,7 @@ impl Fir {
         let half = taps / 2;
         check_at_least(half + 1, x.len())?;
         let line: Vec<f64> = (-(half as i64)..(x.len() + half) as i64).map(|i| odd_extended(x, i)).collect();
-        Ok(line.windows(taps).map(|w| self.output(w)).collect())
+        Ok(work::checked(line.windows(taps)).map(|w| self.output(w)).collect())
     }
 
     /// Filters `x` forwards and backwards: no phase whatever the taps, the gain squared.

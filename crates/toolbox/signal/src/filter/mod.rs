@@ -145,7 +145,7 @@ impl Sos {
     /// ```
     #[must_use]
     pub fn filter(&self, x: &[f64], state: &mut SosState) -> Vec<f64> {
-        x.iter().map(|&v| self.step(state, v)).collect()
+        work::checked(x).map(|&v| self.step(state, v)).collect()
     }
 
     /// Filters `x` forwards and backwards: no phase, the magnitude squared.
@@ -164,10 +164,10 @@ impl Sos {
         let pad = self.padding();
         check_at_least(pad + 1, x.len())?;
         let indices = -(pad as i64)..(x.len() + pad) as i64;
-        let mut y: Vec<f64> = indices.map(|i| odd_extended(x, i)).collect();
+        let mut y: Vec<f64> = work::checked(indices).map(|i| odd_extended(x, i)).collect();
         for _ in 0..2 {
             let mut state = self.state_at_level(y[0]);
-            for v in &mut y {
+            for v in work::checked(&mut y) {
                 *v = self.step(&mut state, *v);
             }
             y.reverse();
@@ -201,5 +201,5 @@ pub fn moving_average(x: &[f64], n: usize) -> Result<Vec<f64>, SignalError> {
         let window = &x[(t + 1).saturating_sub(n)..=t];
         window.iter().sum::<f64>() / window.len() as f64
     };
-    Ok((0..x.len()).map(window_mean).collect())
+    Ok(work::checked(0..x.len()).map(window_mean).collect())
 }

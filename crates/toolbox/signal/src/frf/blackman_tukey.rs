@@ -144,6 +144,7 @@ impl Analysis {
         let (mut density, mut degrees_of_freedom) = (vec![], vec![]);
         let mut problem = LeastSquares::new(inputs, inputs);
         for &freq_hz in freqs_hz {
+            work::checkpoint();
             let spectra = self.spectra(freq_hz);
             let Some((row, factors)) = self.solve(&mut problem, &spectra) else { continue };
             let output = self.inputs;

@@ -57,7 +57,7 @@ impl Etfe {
         let bins = 1..=(period - 1) / 2;
         let strongest = u.iter().map(|v| v.norm_sqr()).fold(0.0, f64::max);
         let mut found = FrequencyResponse::empty(1, 1);
-        for k in bins.clone() {
+        for k in work::checked(bins.clone()) {
             let window = k.saturating_sub(self.half_width).max(1)..=k.saturating_add(self.half_width).min(*bins.end());
             let sums = Sums::over(window.map(|i| (self.weight(i.abs_diff(k)), u[i], y[i])));
             if sums.input > NO_POWER * strongest {

@@ -144,7 +144,7 @@ impl LocalModel {
         let bin_hz = 1.0 / (length as f64 * sample_time_s);
         let mut response = FrequencyResponse::empty(y.len(), u.len());
         let (mut noise_density, mut first_bin, mut noise_weights) = (Vec::new(), Vec::new(), Vec::new());
-        for k in 1..=(length - 1) / 2 {
+        for k in work::checked(1..=(length - 1) / 2) {
             if window.solve(k, (length - 1) / 2) {
                 response.freq_hz.push(k as f64 * bin_hz);
                 response.response.extend_from_slice(&window.response);

@@ -162,7 +162,7 @@ fn average(records: &[PeriodicSpectra], inputs: usize) -> Result<PeriodicRespons
     let powers =
         |j: usize| records.iter().flat_map(move |r| r.mean[j..].iter().step_by(r.channels)).map(|v| v.norm_sqr());
     let no_power: Vec<f64> = (0..inputs).map(|j| 1e-24 * powers(j).fold(0.0, f64::max)).collect();
-    for (k, &freq_hz) in records[0].freq_hz.iter().enumerate() {
+    for (k, &freq_hz) in work::checked(&records[0].freq_hz).enumerate() {
         let solutions: Option<Vec<_>> =
             records.chunks(inputs).map(|group| solve_group(&mut problem, group, &no_power, k)).collect();
         let Some(solutions) = solutions else { continue };

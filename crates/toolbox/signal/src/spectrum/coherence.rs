@@ -46,7 +46,7 @@ impl CrossSpectrum {
             // The probability of less than was found falls as the true coherence rises.
             [coherence_where(found, averages, 1.0 - tail), coherence_where(found, averages, tail).max(found).min(1.0)]
         };
-        Ok(self.coherence().into_iter().enumerate().map(|(k, found)| interval(k, found)).collect())
+        Ok(work::checked(self.coherence()).enumerate().map(|(k, found)| interval(k, found)).collect())
     }
 
     /// The interval that holds the magnitude of the cross density at each frequency with probability `confidence`. With
@@ -81,7 +81,7 @@ impl CrossSpectrum {
             let end = |probability: f64| magnitude * freedom / chi_squared_quantile(probability, freedom);
             [end(1.0 - tail).min(low), end(tail)]
         };
-        Ok(self.coherence().into_iter().enumerate().map(|(k, coherence)| interval(k, coherence)).collect())
+        Ok(work::checked(self.coherence()).enumerate().map(|(k, coherence)| interval(k, coherence)).collect())
     }
 
     /// The interval in radians that holds the phase of the cross density, and of the frequency response, at each
@@ -104,7 +104,7 @@ impl CrossSpectrum {
             if is_known { sine.asin() } else { PI }
         };
         let phases = self.pxy.iter().map(|p| p.arg());
-        let reaches = self.coherence().into_iter().enumerate().map(|(k, coherence)| reach(k, coherence));
+        let reaches = work::checked(self.coherence()).enumerate().map(|(k, coherence)| reach(k, coherence));
         Ok(phases.zip(reaches).map(|(phase, reach)| [phase - reach, phase + reach]).collect())
     }
 

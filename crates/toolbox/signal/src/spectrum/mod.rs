@@ -59,7 +59,7 @@ pub(crate) fn fourier_sum(x: &[f64], angle: f64) -> Complex64 {
     const BLOCK: usize = 256;
     let turn = Complex64::cis(-angle);
     let mut sum = Complex64::ZERO;
-    for (index, block) in x.chunks(BLOCK).enumerate() {
+    for (index, block) in work::checked(x.chunks(BLOCK)).enumerate() {
         let mut factor = Complex64::cis(-angle * (index * BLOCK) as f64);
         for v in block {
             sum += factor * *v;

@@ -196,6 +196,7 @@ impl<'a> SegmentTransform<'a> {
     }
 
     pub(crate) fn apply(&mut self, segment: &[f64]) -> Result<&[Complex64], SignalError> {
+        work::checkpoint();
         let mean = mean(segment).unwrap_or(0.0);
         for ((slot, v), w) in self.input.iter_mut().zip(segment).zip(self.window) {
             *slot = (v - mean) * w;

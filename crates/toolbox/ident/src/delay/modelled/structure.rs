@@ -4,10 +4,10 @@ use faer::Mat;
 
 use super::model::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use super::ripple::Ripple;
-use crate::band_limited::Ground;
 use crate::continuous::estimate::{OutputFit, quantile};
 use crate::continuous::record::Beginning;
 use crate::continuous::{ContinuousTransferFunction, RationalChannel, TransferFunctionModel};
+use crate::data::band_limited::Ground;
 use crate::delay::DelayEstimate;
 use crate::distributions::student_t_quantile;
 use crate::validate::{Independence, ResidualReport, ResidualTest, TestData};
