@@ -5,6 +5,7 @@ mod assemble;
 mod comparison;
 mod demand_clock;
 mod disturbances;
+pub mod document;
 mod estimates;
 mod findings;
 mod firing;

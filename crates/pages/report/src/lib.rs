@@ -39,6 +39,7 @@ pub mod wording;
 
 pub use bench_model::{Origin, bench_model};
 pub use effects::page as effects;
-pub use json::{BenchModelError, FORMAT_VERSION, is_study, json, model, model_with_validity};
+pub use json::{BenchModelError, model, model_with_validity};
 pub use sections::{full_study, study, summary_page};
+pub use study::document::{FORMAT_VERSION, is_study, json};
 pub use verdict::verdict;
