@@ -12,8 +12,10 @@ mod firing;
 mod fits;
 mod folded_pulses;
 mod gather;
+mod model_json;
 mod next;
 pub mod noise_test;
+mod parts;
 mod pulse_path;
 mod recorded;
 mod replayed;
@@ -23,6 +25,7 @@ mod run;
 mod series;
 mod struck;
 mod validity;
+pub mod verdict;
 mod whole;
 
 pub use analyses::{Analyses, lines};
@@ -32,9 +35,11 @@ pub use comparison::{
     compare_models,
 };
 pub use gather::{Prepared, Source, StudyError, experiment_of};
+pub use model_json::{BenchModelError, Origin, Words, bench_model, model, model_with_validity, parameters};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use recorded::{RecordedCourse, StepResponse};
 pub use replayed::{REPLAYED_S, ReplayModel, replayed_stretch};
 pub use result::*;
 pub use run::{Campaign, run, run_full};
 pub use series::series;
+pub use verdict::verdict;

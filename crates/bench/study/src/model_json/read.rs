@@ -3,7 +3,8 @@
 use bench_model::document::{BenchModelDocument, DocumentError, JsonFault, Validity, format_of, from_json};
 use bench_model::model::AssembledModel;
 use serde::Deserialize;
-use study::document::{FORMAT_VERSION, is_study};
+
+use crate::document::{FORMAT_VERSION, is_study};
 
 /// The earliest version whose model is read; it had the series in the document.
 const EARLIEST: u32 = 2;
@@ -80,7 +81,7 @@ struct ModelAlone {
     validity: Validity,
 }
 
-/// The bench model that a text holds: a model.json, or the study.json that [`study::document::json`] wrote.
+/// The bench model that a text holds: a model.json, or the study.json that [`crate::document::json`] wrote.
 ///
 /// # Errors
 /// [`BenchModelError`] with what to do.
