@@ -6,6 +6,7 @@
 //! friction. It also holds the bearing friction of the dynamometer at the mean speed, which nothing with the shaft on
 //! separates from it.
 
+mod certainty;
 mod cycles;
 mod pulses;
 mod rebuild;
@@ -20,6 +21,7 @@ use rig::{Experiment, ExperimentLabel};
 use serde::Serialize;
 use work::Context;
 
+pub use self::certainty::Certainty;
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
 pub use self::pulses::engine_pulses;
 pub use self::rebuild::RebuiltEngine;

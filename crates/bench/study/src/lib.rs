@@ -12,6 +12,7 @@ mod firing;
 mod fits;
 mod folded_pulses;
 mod gather;
+pub mod known;
 mod model_json;
 mod next;
 pub mod noise_test;
@@ -35,6 +36,7 @@ pub use comparison::{
     compare_models,
 };
 pub use gather::{Prepared, Source, StudyError, experiment_of};
+pub use known::known;
 pub use model_json::{BenchModelError, Origin, Words, bench_model, model, model_with_validity, parameters};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use recorded::{RecordedCourse, StepResponse};

@@ -1,7 +1,7 @@
 //! The verdict on a study, by rules that are stated and shown with their outcome.
 //!
-//! Nothing is estimated here: every rule compares numbers of the study with a threshold. The verdict is the worst outcome
-//! of all rules.
+//! Nothing is estimated here: every rule compares numbers of the study with a threshold. The verdict is the worst
+//! outcome of all rules.
 
 use std::ops::RangeInclusive;
 
@@ -129,7 +129,7 @@ pub struct ReplayFits {
     pub file: String,
 }
 
-/// What a finding puts in doubt.
+/// A part or a quantity that a finding puts in doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Doubted {

@@ -25,7 +25,7 @@ pub struct Words {
     pub headline: fn(Level) -> &'static str,
     /// A rule that is not met, as a sentence without its full stop.
     pub reservation: fn(&Rule) -> String,
-    /// What a part needs that is not estimated.
+    /// Needs of a part that is not estimated.
     pub needs: fn(&[Reason]) -> String,
 }
 

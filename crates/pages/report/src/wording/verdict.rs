@@ -74,7 +74,7 @@ fn whole(value: f64) -> String {
     fixed(value, 0)
 }
 
-/// What the study says to a rule.
+/// Finding of the study on a rule.
 pub fn found(rule: &Rule) -> String {
     match &rule.found {
         Found::Parts { missing } => match missing.as_slice() {
