@@ -8,6 +8,10 @@
 
 mod certainty;
 mod cycles;
+pub mod firing;
+pub mod folded_pulses;
+pub mod orders;
+pub mod pulse_path;
 mod pulses;
 mod rebuild;
 mod source;

@@ -2,26 +2,22 @@
 
 mod analyses;
 mod assemble;
+mod clocks_and_pulses;
 mod comparison;
-mod demand_clock;
 mod disturbances;
 pub mod document;
 mod estimates;
 mod findings;
-mod firing;
 mod fits;
-mod folded_pulses;
 mod gather;
 pub mod known;
 mod model_json;
 mod next;
 pub mod noise_test;
 mod parts;
-mod pulse_path;
 mod recorded;
 mod replayed;
 mod result;
-mod ripple_clock;
 mod run;
 mod series;
 mod struck;
