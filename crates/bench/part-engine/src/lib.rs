@@ -6,7 +6,12 @@
 //! friction. It also holds the bearing friction of the dynamometer at the mean speed, which nothing with the shaft on
 //! separates from it.
 
+mod certainty;
 mod cycles;
+pub mod firing;
+pub mod folded_pulses;
+pub mod orders;
+pub mod pulse_path;
 mod pulses;
 mod rebuild;
 mod source;
@@ -20,6 +25,7 @@ use rig::{Experiment, ExperimentLabel};
 use serde::Serialize;
 use work::Context;
 
+pub use self::certainty::Certainty;
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
 pub use self::pulses::engine_pulses;
 pub use self::rebuild::RebuiltEngine;

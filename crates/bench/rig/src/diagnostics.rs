@@ -1,15 +1,15 @@
 //! Doubts about data that can be used: structured findings, each with its place. Their wording belongs to the report.
 
 use recording::RecordingError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Role;
 use crate::experiment::ExperimentLabel;
-use crate::results::{Part, Quantity, Reason, write_symbol};
-use crate::words::write_words;
+use crate::results::{Part, Quantity, Reason, read_symbol, write_symbol};
+use crate::words::InWords;
 
 /// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
     /// Worth knowing; nothing to do.
@@ -31,7 +31,7 @@ impl Severity {
 }
 
 /// Where a finding was made; what does not apply is `None`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Place {
     /// File, as the user knows it.
     pub file: Option<String>,
@@ -42,7 +42,7 @@ pub struct Place {
 }
 
 /// One doubt about the data or a result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostic {
     /// How much it matters.
     pub severity: Severity,
@@ -53,7 +53,7 @@ pub struct Diagnostic {
 }
 
 /// Units that a torque with a wrong gain may hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LikelyUnit {
     /// Per cent of the drive's torque limit.
@@ -65,7 +65,7 @@ pub enum LikelyUnit {
 }
 
 /// Content of a recording that its label excludes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "seen", rename_all = "snake_case")]
 pub enum SeenInstead {
     /// T_d* answers to every change of N_d: the dynamometer controls speed.
@@ -84,7 +84,7 @@ pub enum SeenInstead {
 }
 
 /// Why a recording could not be replayed on a model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NotReplayed {
     /// The recording or the model lacks something.
@@ -101,20 +101,20 @@ pub enum NotReplayed {
 }
 
 /// Kinds of findings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Finding {
     /// The recording could not be decoded.
     UnreadableRecording {
         /// The reader's error; it serialises as its words.
-        #[serde(rename = "reason", serialize_with = "write_words")]
-        error: RecordingError,
+        #[serde(rename = "reason")]
+        error: InWords<RecordingError>,
     },
     /// The reader returned data, with a reservation.
     ReaderDoubt {
         /// The reader's finding; it serialises as its words.
-        #[serde(rename = "reason", serialize_with = "write_words")]
-        doubt: recording::Finding,
+        #[serde(rename = "reason")]
+        doubt: InWords<recording::Finding>,
     },
     /// Neither file name nor bench file gives the experiment's label.
     NoLabel,
@@ -358,7 +358,7 @@ pub enum Finding {
     /// The inertia in the bench file does not fit the measured torque and acceleration.
     ImplausibleInertia {
         /// Which: J_d or J_e.
-        #[serde(rename = "symbol", serialize_with = "write_symbol")]
+        #[serde(rename = "symbol", serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         inertia: Quantity,
         /// Value in the bench file, kg m².
         given_kg_m2: f64,
@@ -370,7 +370,7 @@ pub enum Finding {
     /// A recording would give the bench an inertia or a skew that it cannot have, so that its K and B check nothing.
     NoCheckOfShaft {
         /// Which: J_d or a skew.
-        #[serde(rename = "symbol", serialize_with = "write_symbol")]
+        #[serde(rename = "symbol", serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// Value from the recording alone, SI.
         value: f64,
@@ -442,7 +442,7 @@ pub enum Finding {
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
         /// Quantity that was estimated twice.
-        #[serde(serialize_with = "write_symbol")]
+        #[serde(serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// First value and standard error, SI.
         first: (f64, f64),

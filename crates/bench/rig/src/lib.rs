@@ -20,6 +20,7 @@ mod error;
 pub mod estimation;
 pub mod experiment;
 pub mod facts;
+pub mod numbers;
 pub mod prepare;
 mod quantity;
 pub mod random;
@@ -34,4 +35,4 @@ pub use prepare::{PrepareError, prepare, prepare_run};
 pub use role::Role;
 /// How the comment of a recording ends that a virtual bench made.
 pub const SIMULATED: &str = "virtual bench";
-pub use words::{write_words, write_words_if_any};
+pub use words::{InWords, write_words_if_any};

@@ -1,18 +1,52 @@
 //! Values that are written as their words.
 
-use std::fmt::Display;
+use std::fmt::{self, Display};
 
-use serde::Serializer;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Serialises a value, such as an error, as what it displays.
-///
-/// # Errors
-/// Those of the serialiser.
-pub fn write_words<T: Display, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(value)
+/// An error of the program, or the words that a document keeps of one. Two that say the same are equal.
+#[derive(Debug, Clone)]
+pub enum InWords<E> {
+    /// The error itself.
+    Known(E),
+    /// Its words, as a document has them.
+    Read(String),
 }
 
-/// The same of a value that may be missing.
+impl<E> From<E> for InWords<E> {
+    fn from(error: E) -> Self {
+        InWords::Known(error)
+    }
+}
+
+impl<E: Display> Display for InWords<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            InWords::Known(error) => error.fmt(f),
+            InWords::Read(words) => f.write_str(words),
+        }
+    }
+}
+
+impl<E: Display> PartialEq for InWords<E> {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl<E: Display> Serialize for InWords<E> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de, E> Deserialize<'de> for InWords<E> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer).map(InWords::Read)
+    }
+}
+
+/// Serialises a value that may be missing, such as an error, as what it displays.
 ///
 /// # Errors
 /// Those of the serialiser.

@@ -10,6 +10,8 @@ use bench_model::skews::SignalSkews;
 use numerics::order::upper_median;
 use numerics::parallel::map;
 use part_controller::speed_controller::SpeedControllerFit;
+use part_engine::folded_pulses::Folded;
+use part_engine::pulse_path::Answer;
 use part_shaft::{Parts, shaft};
 use part_torque::timing;
 use rig::estimation::{EstimateError, first};
@@ -22,10 +24,8 @@ use rig::{Experiment, Finding, Role, Severity};
 
 use crate::findings::Findings;
 use crate::fits::Fits;
-use crate::folded_pulses::Folded;
-use crate::pulse_path::Answer;
 use crate::whole::{self, Whole};
-use crate::{demand_clock, firing, pulse_path, ripple_clock, struck};
+use crate::{clocks_and_pulses, struck};
 
 /// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds.
 /// Rightly named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and
@@ -73,13 +73,13 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     }
     let comparing = findings.context.step("comparing the recordings", 0);
     doubt_controllers(findings, parts, &fits);
-    let pulses = firing::doubt(findings);
-    ripple_clock::doubt(findings, &pulses);
+    let pulses = clocks_and_pulses::doubt_firing(findings);
+    clocks_and_pulses::doubt_clocks(findings, &pulses);
     doubt_exchange(findings, parts);
     let mut timing = timing(findings, parts);
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
         let answer = Answer::of(fits.controller.as_ref().ok().copied(), fits.torque_control.as_ref().ok());
-        pulse_path::doubt(findings, &parts.experiments, shaft, answer);
+        clocks_and_pulses::doubt_pulse_path(findings, &parts.experiments, shaft, answer);
         cross_check(findings, parts, shaft, chosen.experiment);
     }
     drop(comparing);
@@ -127,7 +127,10 @@ fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits
         findings.diagnostics.extend(fit.diagnostics.iter().cloned());
         // The shortest lag that the data allow: a lag that they do not show is none.
         let bandwidth = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
-        demand_clock::doubt(findings, bandwidth.filter(|_| fit.has_lag()).map_or(0.0, |a| 1.0 / a.interval.1));
+        clocks_and_pulses::doubt_demand_clock(
+            findings,
+            bandwidth.filter(|_| fit.has_lag()).map_or(0.0, |a| 1.0 / a.interval.1),
+        );
     }
 }
 

@@ -156,7 +156,7 @@ fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<()
 pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
     let recording = match &source.recording {
         Ok(recording) => recording,
-        Err(error) => return Err(refused(source, Finding::UnreadableRecording { error: error.clone() })),
+        Err(error) => return Err(refused(source, Finding::UnreadableRecording { error: error.clone().into() })),
     };
     let Some(label) = bench.label_of(&source.file) else {
         return Err(refused(source, Finding::NoLabel));

@@ -2,26 +2,27 @@
 
 mod analyses;
 mod assemble;
+mod clocks_and_pulses;
 mod comparison;
-mod demand_clock;
 mod disturbances;
+pub mod document;
 mod estimates;
 mod findings;
-mod firing;
 mod fits;
-mod folded_pulses;
 mod gather;
+pub mod known;
+mod model_json;
 mod next;
 pub mod noise_test;
-mod pulse_path;
+mod parts;
 mod recorded;
 mod replayed;
 mod result;
-mod ripple_clock;
 mod run;
 mod series;
 mod struck;
 mod validity;
+pub mod verdict;
 mod whole;
 
 pub use analyses::{Analyses, lines};
@@ -31,9 +32,12 @@ pub use comparison::{
     compare_models,
 };
 pub use gather::{Prepared, Source, StudyError, experiment_of};
+pub use known::known;
+pub use model_json::{BenchModelError, Origin, Words, bench_model, model, model_with_validity, parameters};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use recorded::{RecordedCourse, StepResponse};
 pub use replayed::{REPLAYED_S, ReplayModel, replayed_stretch};
 pub use result::*;
 pub use run::{Campaign, run, run_full};
 pub use series::series;
+pub use verdict::verdict;

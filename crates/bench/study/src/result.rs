@@ -9,12 +9,14 @@ use bench_model::skews::SignalSkews;
 use rig::bench_file::ReportIdentity;
 use rig::experiment::Choice;
 use rig::facts::BenchFacts;
-use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl, write_status};
+use rig::results::{
+    FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl, read_status, write_status,
+};
 use rig::{Diagnostic, ExperimentLabel, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// Everything learnt from one campaign.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Everything learnt from one campaign. [`crate::document`] has its form in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// Where it came from.
     pub provenance: Provenance,
@@ -25,22 +27,22 @@ pub struct Study {
     /// Which recording each part is from, and why.
     pub choices: Vec<Choice>,
     /// Delay of each torque signal.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub timing: Outcome<Timing>,
     /// PI with delay.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub speed_controller: Outcome<SpeedController>,
     /// Feed-forward of the speed controller.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub feed_forward: Outcome<FeedForward>,
     /// Torque control, closed loop from T_d* to T_d.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub torque_control: Outcome<TorqueControl>,
     /// Stiffness and damping, with gate and skew.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub shaft: Outcome<Shaft>,
     /// The assembled model's analysis.
-    #[serde(serialize_with = "write_status")]
+    #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub whole: Outcome<WholeModel>,
     /// The assembled model itself, in SI, for those who compute with it.
     pub model: Option<AssembledModel>,
@@ -57,7 +59,7 @@ pub struct Study {
 }
 
 /// Where a study came from: enough to repeat it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of dynoid.
     pub version: String,
@@ -72,7 +74,7 @@ pub struct Provenance {
 }
 
 /// One recording as the study saw it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordingSummary {
     /// File, as the user knows it.
     pub file: String,

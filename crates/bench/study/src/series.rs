@@ -1,7 +1,7 @@
 //! The measured and modelled series of a study as one table.
 
 use recording::{Channel, Format, Raster, Recording};
-use rig::results::{Trace, Validation};
+use rig::results::{Outcome, Trace, Validation};
 
 use crate::Study;
 
@@ -32,6 +32,42 @@ pub fn series(study: &Study) -> Option<Recording> {
         }
     }
     table.recording()
+}
+
+impl Study {
+    /// Fills in the values of the traces that a table of [`series`] holds. A trace that the table does not have, or has
+    /// with another number of samples, stays as it is.
+    pub fn take_series(&mut self, table: &Recording) {
+        let take = |place: &str, validation: &mut Validation| {
+            for (what, trace) in [("measured", &mut validation.measured), ("modelled", &mut validation.modelled)] {
+                let name = format!("{place}/{what}");
+                let channel = table.channels.iter().find(|channel| channel.name == name);
+                if let Some(channel) = channel.filter(|channel| channel.samples.len() == trace.values.len()) {
+                    trace.values.clone_from(&channel.samples);
+                }
+            }
+        };
+        if let Outcome::Estimated(controller) = &mut self.speed_controller {
+            take("speed_controller/validation", &mut controller.validation);
+            take("speed_controller/without_delay", &mut controller.without_delay);
+        }
+        if let Outcome::Estimated(feed_forward) = &mut self.feed_forward {
+            take("feed_forward/validation", &mut feed_forward.validation);
+            take("feed_forward/pi_alone", &mut feed_forward.pi_alone);
+        }
+        if let Outcome::Estimated(control) = &mut self.torque_control {
+            take("torque_control/pure_delay_validation", &mut control.pure_delay_validation);
+            take("torque_control/delay_and_lag_validation", &mut control.delay_and_lag_validation);
+        }
+        if let Outcome::Estimated(shaft) = &mut self.shaft {
+            take("shaft/validation", &mut shaft.validation);
+        }
+        for (number, replay) in self.replays.iter_mut().enumerate() {
+            for (place, signal) in replay.signals.iter_mut().enumerate() {
+                take(&format!("replays/{number}/signals/{place}"), signal);
+            }
+        }
+    }
 }
 
 /// Start in s, sample time in s, and number of samples: traces that agree in them share a clock.

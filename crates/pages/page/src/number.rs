@@ -26,17 +26,6 @@ pub fn to_place_of(value: f64, uncertainty: f64) -> String {
     if value.is_finite() { fixed(value, decimals_for(uncertainty)) } else { NOT_KNOWN.to_owned() }
 }
 
-/// The middle of some values, of an even number the mean of both in the middle; NaN of none.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match (sorted.len(), sorted.len() / 2) {
-        (0, _) => f64::NAN,
-        (count, middle) if count % 2 == 0 => 0.5 * (sorted[middle - 1] + sorted[middle]),
-        (_, middle) => sorted[middle],
-    }
-}
-
 /// A value without uncertainty, to four significant digits, with its unit.
 pub fn measure(value: f64, unit: &str) -> String {
     significant_with_unit(value, 4, unit)

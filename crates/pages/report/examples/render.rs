@@ -14,7 +14,7 @@ fn main() -> std::io::Result<()> {
     ];
     for (name, study) in studies {
         std::fs::write(folder.join(format!("{name}.html")), fixture::html(&study))?;
-        std::fs::write(folder.join(format!("{name}.json")), report::json(&study, None))?;
+        std::fs::write(folder.join(format!("{name}.json")), study::document::json(&study, None))?;
     }
     Ok(())
 }

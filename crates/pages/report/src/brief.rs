@@ -3,13 +3,12 @@
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
 use rig::results::{Parameter, Part, Quantity, Reason};
 use rig::{Diagnostic, Finding, Severity};
-use study::Study;
+use study::verdict::{Level, Rule, Verdict};
+use study::{Study, verdict};
 
-use crate::estimated::not_estimated;
 use crate::sections::diagnostics::{alike, entry};
 use crate::sections::verdict::{title, tone};
 use crate::summary;
-use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
 
 /// Findings shown before the rest is left to the report.
@@ -44,10 +43,11 @@ pub fn judgement(study: &Study) -> Page {
 
 fn judged(study: &Study) -> Blocks {
     let verdict = verdict(study);
-    let row = |Rule { asks, found, level }: &Rule| -> Vec<Cell> {
+    let row = |rule: &Rule| -> Vec<Cell> {
+        let found = wording::capitalised(&wording::found(rule));
         vec![
-            Cell::toned(level.outcome(), tone(*level)),
-            format!("{}. Rule: {asks}", wording::capitalised(found)).into(),
+            Cell::toned(wording::outcome(rule.level), tone(rule.level)),
+            format!("{found}. Rule: {}", wording::asks(rule)).into(),
         ]
     };
     let unmet = verdict.rules.iter().filter(|rule| rule.level != Level::Good);
@@ -141,11 +141,11 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
 }
 
 fn missing(study: &Study) -> Blocks {
-    let row = |(part, needs): (&str, &[Reason])| -> Vec<Cell> {
-        vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
+    let row = |(part, needs): (Part, &[Reason])| -> Vec<Cell> {
+        vec![Cell::toned(wording::part(part), Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
     };
     let table =
-        Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(not_estimated(study).into_iter().map(row));
+        Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(study.not_estimated().into_iter().map(row));
     match table.is_empty() {
         true => Blocks::default(),
         false => vec![Block::heading("Not estimated"), Block::Table(table)].into(),

@@ -124,20 +124,24 @@ pub fn rules(found: &Controller) -> String {
 
 /// Findings beside PI and delay.
 pub fn structure(found: &Structure) -> String {
-    let level = format!("{} %", number::significant(100.0 * found.level, 2));
+    beyond_pi(found.level, &found.found(), found.left_rad_s)
+}
+
+/// The same of the terms found at a level, and the speed that stays unexplained without and with them.
+pub fn beyond_pi(level: f64, terms: &[Term], left_rad_s: (f64, f64)) -> String {
+    let level = format!("{} %", number::significant(100.0 * level, 2));
     let rpm = |rad_s: f64| number::significant_with_unit(rad_s / RPM_RAD_S, 2, "rpm");
-    let terms = found.found();
     if terms.is_empty() {
         return format!(
             "No term beyond PI and delay is found at the {level} level; {} of N_d stays unexplained.",
-            rpm(found.left_rad_s.0)
+            rpm(left_rad_s.0)
         );
     }
     format!(
         "Found at the {level} level beyond PI and delay: {}. Without it {} of N_d stays unexplained, with it {}.",
-        names(&terms),
-        rpm(found.left_rad_s.0),
-        rpm(found.left_rad_s.1)
+        names(terms),
+        rpm(left_rad_s.0),
+        rpm(left_rad_s.1)
     )
 }
 
@@ -155,8 +159,8 @@ pub fn round(base: &str, round: &Round) -> String {
 }
 
 /// Findings on the feed-forward beside k and k_a.
-pub fn bends(found: &FeedForwardTerms) -> String {
-    match found.found().as_slice() {
+pub fn bends(terms: &[Term]) -> String {
+    match terms {
         [] => "No term beyond k and k_a is found.".to_owned(),
         terms => format!("Found beyond k and k_a: {}.", names(terms)),
     }

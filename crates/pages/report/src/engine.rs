@@ -2,8 +2,8 @@
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_engine::{
-    Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile, RebuiltEngine,
-    TwoMasses,
+    Certainty, Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile,
+    RebuiltEngine, TwoMasses,
 };
 use part_torque::torque_smoother::TorqueSource;
 use rig::results::Outcome;
@@ -37,20 +37,20 @@ pub fn masses(masses: &TwoMasses) -> String {
 }
 
 /// How the engine's torque was rebuilt, and how certain it is.
-pub fn rebuilt(engine: &RebuiltEngine) -> String {
-    let from = match engine.torque {
+pub fn rebuilt(certainty: &Certainty) -> String {
+    let from = match certainty.torque {
         TorqueSource::Modelled => "T_d* through the torque control",
         TorqueSource::Calculated => "T_d,calc",
     };
-    let half = |deviations: &[f64]| number::significant_with_unit(BAND * median(deviations), 2, "Nm");
-    let doubt = crate::torque::doubt(&engine.noise);
+    let newton_metres = |value: f64| number::significant_with_unit(value, 2, "Nm");
+    let doubt = crate::torque::doubt(certainty.widening, certainty.converged);
     format!(
         "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. A once-a-turn \
          error of the engine's encoder is unknown: each 0.01 % of it adds {} at order 1. Bearing friction of the \
          dynamometer counts as engine torque{doubt}",
-        half(&engine.standard_deviation_nm),
-        half(&engine.of_masses_nm),
-        number::significant_with_unit(engine.once_a_turn_nm, 2, "Nm"),
+        newton_metres(certainty.half_width_nm),
+        newton_metres(certainty.of_masses_nm),
+        newton_metres(certainty.once_a_turn_nm),
     )
 }
 
@@ -170,7 +170,7 @@ fn over_time(file: &str, engine: &RebuiltEngine, cycles: Option<&Cycles>) -> Fig
         Axis::time(),
         vec![Panel::new(Axis::linear("T_e", "Nm"), HEIGHT, layers)],
     )
-    .with_caption(format!("{} of it, from the middle; {}.", number::duration(shown_s), rebuilt(engine)))
+    .with_caption(format!("{} of it, from the middle; {}.", number::duration(shown_s), rebuilt(&engine.certainty())))
     .of_recording(file)
 }
 

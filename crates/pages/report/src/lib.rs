@@ -7,7 +7,6 @@
 //! text and `null` in JSON.
 
 mod assumptions;
-mod bench_model;
 pub mod brief;
 pub mod can;
 pub mod catalogue;
@@ -16,11 +15,9 @@ pub mod controller;
 pub mod design;
 mod effects;
 pub mod engine;
-pub mod estimated;
 mod figures;
 pub mod friction;
 pub mod inspection;
-mod json;
 pub mod known;
 pub mod lines;
 pub mod next;
@@ -34,11 +31,7 @@ pub mod shaft;
 pub mod summary;
 pub mod torque;
 pub mod torque_control;
-pub mod verdict;
 pub mod wording;
 
-pub use bench_model::{Origin, bench_model};
 pub use effects::page as effects;
-pub use json::{BenchModelError, FORMAT_VERSION, is_study, json, model, model_with_validity};
 pub use sections::{full_study, study, summary_page};
-pub use verdict::verdict;

@@ -5,10 +5,9 @@ use page::Prose;
 use rig::Severity;
 use rig::results::Reason;
 use study::Study;
+use study::verdict::{Level, Verdict};
 use units::RPM_RAD_S;
 
-use crate::estimated::not_estimated;
-use crate::verdict::{Level, Verdict};
 use crate::wording::{self, number};
 
 /// Digits of a range that is read at a glance, and those of whole revolutions a minute.
@@ -34,7 +33,7 @@ pub fn range(validity: &Validity) -> Option<String> {
 /// model.
 pub fn next_step(study: &Study, verdict: &Verdict) -> Prose {
     let error = study.diagnostics.iter().find(|found| found.severity == Severity::Error);
-    let missing = not_estimated(study);
+    let missing = study.not_estimated();
     let cause = study.diagnostics.iter().find(|found| found.severity > Severity::Note);
     if let Some(found) = error.or(cause.filter(|_| !missing.is_empty())) {
         return wording::advice(&found.finding).into();
@@ -42,7 +41,7 @@ pub fn next_step(study: &Study, verdict: &Verdict) -> Prose {
     let of_recordings = |needs: &[Reason]| needs.iter().any(|need| matches!(need, Reason::Recording { .. }));
     let first = missing.iter().find(|(_, needs)| of_recordings(needs)).or(missing.first());
     if let Some((part, needs)) = first {
-        return format!("give what the {part} needs: {}.", wording::needs(needs)).into();
+        return format!("give what the {} needs: {}.", wording::part(*part), wording::needs(needs)).into();
     }
     if !study.replays.iter().any(|replay| !replay.seen_in_estimation) {
         return "record a further run of another kind, so that a replay tests the model on data it has not seen."

@@ -3,9 +3,9 @@
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
-use part_torque::torque_smoother::{NoiseLevels, TorqueSource};
+use part_torque::torque_smoother::TorqueSource;
 use rig::Role;
-use rig::results::{Parameter, Quantity, SignalDelay, TorqueControl, Trace};
+use rig::results::{Parameter, SignalDelay, Trace};
 
 use crate::figures::{BAND, HEIGHT};
 use crate::wording::number;
@@ -52,24 +52,24 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
 
 /// Meaning of a delay behind T_d* that is below zero by more than its interval; none where it is not.
 pub fn early(what: &str, delay: &Parameter) -> Option<String> {
-    (delay.interval.1 < 0.0).then(|| {
-        format!(
-            "{what} is below zero ({}). No torque can react before T_d* changes, so the clocks differ by this and by \
-             the true delay, which is not known. The estimate of the shaft includes the difference. To know the \
-             delay, record both on one clock. If the residual depends on T_d*, delay and lag may not describe the \
-             torque control",
-            number::interval(delay)
-        )
-    })
+    (delay.interval.1 < 0.0).then(|| before_demand(what, delay))
+}
+
+/// Meaning of a delay behind T_d* that is below zero.
+pub fn before_demand(what: &str, delay: &Parameter) -> String {
+    format!(
+        "{what} is below zero ({}). No torque can react before T_d* changes, so the clocks differ by this and by \
+         the true delay, which is not known. The estimate of the shaft includes the difference. To know the \
+         delay, record both on one clock. If the residual depends on T_d*, delay and lag may not describe the \
+         torque control",
+        number::interval(delay)
+    )
 }
 
 /// Clock of the torque control's delay in words: with the skew of T_d,calc, or without.
-pub fn clock_of_delay(part: &TorqueControl) -> String {
-    let recorded = |skew: &Parameter| {
-        let delay = part.delay_and_lag.parameter(Quantity::TorqueControlDelay)?;
-        Some(number::duration(delay.value + skew.value))
-    };
-    match &part.torque_skew {
+pub fn clock_of_delay(skew: Option<&Parameter>, delay: Option<&Parameter>) -> String {
+    let recorded = |skew: &Parameter| Some(number::duration(delay?.value + skew.value));
+    match skew {
         Some(skew) => format!(
             "The time stamps of T_d,calc are late against those of N_d by {}, its skew, from the estimate of the shaft. The delay is \
              without it; as recorded, it is {}.",
@@ -158,19 +158,20 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
         ),
         false => String::new(),
     };
-    format!("{certain}; {once}{apart}{}", doubt(&shaft.noise))
+    format!("{certain}; {once}{apart}{}", doubt(shaft.noise.widening, shaft.noise.converged))
 }
 
-/// Why a rebuilt torque is less certain than it could be; nothing where its smoother's model explains the speeds.
-pub(crate) fn doubt(noise: &NoiseLevels) -> String {
-    let widened = match noise.widening > WORTH_SAYING {
+/// Why a rebuilt torque is less certain than it could be, by the factor by which noise counts and the end of the search
+/// for its levels; nothing where its smoother's model explains the speeds.
+pub(crate) fn doubt(widening: f64, converged: bool) -> String {
+    let widened = match widening > WORTH_SAYING {
         true => format!(
             "; noise counts {:.1} times in the intervals, since the speeds contain more than the smoother's model, such as errors of the encoders",
-            noise.widening
+            widening
         ),
         false => String::new(),
     };
-    let settled = if noise.converged { "" } else { "; its noise levels did not settle" };
+    let settled = if converged { "" } else { "; its noise levels did not settle" };
     format!("{widened}{settled}")
 }
 

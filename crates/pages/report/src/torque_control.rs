@@ -5,6 +5,7 @@ use part_torque::model_comparison::{
     BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model,
     ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase,
 };
+use part_torque::torque_control::SecondOrderTest;
 use rig::results::Trace;
 
 use crate::figures::HEIGHT;
@@ -162,8 +163,8 @@ pub fn early(recording: &ComparedRecording) -> Vec<String> {
 }
 
 /// Findings beyond delay and lag.
-pub fn beyond(recording: &ComparedRecording) -> String {
-    let Some(test) = &recording.second_order else {
+pub fn beyond(test: Option<&SecondOrderTest>) -> String {
+    let Some(test) = test else {
         return "a second-order term cannot be tested, because no lag was found".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;

@@ -159,7 +159,7 @@ pub(crate) enum CliError {
     Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
     /// A file without a bench model.
     #[error("{}: {source}", .path.display())]
-    BenchModel { path: PathBuf, source: report::BenchModelError },
+    BenchModel { path: PathBuf, source: study::BenchModelError },
     /// A study where a bench model is wanted.
     #[error(
         "{}: this is a study; its bench model is the file model.json beside it. If there is none, `dynoid study bench.toml` writes it",

@@ -3,9 +3,10 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use dynoid::{Bench, FileFormat, Files, Session};
-use report::verdict::{Level, verdict};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
+use study::verdict;
+use study::verdict::Level;
 use work::Context;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

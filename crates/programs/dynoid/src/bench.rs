@@ -5,8 +5,8 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use page::Logo;
-use report::Origin;
 use rig::BenchFile;
+use study::Origin;
 
 use crate::error::Error;
 use crate::files::Files;

@@ -41,7 +41,7 @@ impl Kind {
     pub fn of(text: &str) -> Self {
         match format_of(text) {
             Some(format) if BenchModelDocument::is_format(&format) => Kind::Bench,
-            Some(format) if report::is_study(&format) => Kind::Study,
+            Some(format) if study::document::is_study(&format) => Kind::Study,
             Some(format) if DocumentHeader::is_format(&format) => Kind::Linear,
             _ => Kind::Other,
         }

@@ -122,7 +122,7 @@ impl Session {
 
     /// The bench model of a study, if it has one.
     pub fn model(&self, study: &Study) -> Option<BenchModelDocument> {
-        report::bench_model(study, self.bench.origin())
+        study::bench_model(study, self.bench.origin(), &report::wording::MODEL_WORDS)
     }
 
     /// The lines of the spectra of each recording, and their causes.

@@ -1,19 +1,21 @@
 //! Findings of an analysis of the assembled model.
 
 use rig::ControlMode;
-use rig::results::{Parameter, Quantity, write_notation};
-use serde::Serialize;
+use rig::numbers::nan_if_null;
+use rig::results::{Parameter, Quantity, read_notation, write_notation};
+use serde::{Deserialize, Serialize};
 
 use crate::model::ModelParameter;
 
 /// Analysis of the assembled model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WholeModel {
     /// Resonance of T_d → T_shaft in torque control, Hz.
     pub resonance_hz: Parameter,
     /// Gain of T_d → T_shaft at the resonance.
     pub resonance_gain: Parameter,
     /// Static gain J_e/(J_d + J_e) of T_d → T_shaft.
+    #[serde(deserialize_with = "nan_if_null")]
     pub static_gain: f64,
     /// Engine speed at which firing meets the resonance.
     #[serde(rename = "firing_meets_resonance_rpm")]
@@ -31,21 +33,22 @@ pub struct WholeModel {
 }
 
 /// Influence of all parameters on a result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Influence {
     /// The result.
-    #[serde(flatten, serialize_with = "write_notation")]
+    #[serde(flatten, serialize_with = "write_notation", deserialize_with = "read_notation")]
     pub quantity: Quantity,
     /// The parameters that move it.
     pub parameters: Vec<ParameterInfluence>,
 }
 
 /// Influence of one parameter on a result.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ParameterInfluence {
     /// The parameter.
     pub parameter: ModelParameter,
     /// By how many per cent the result moves for one per cent of the parameter.
+    #[serde(deserialize_with = "nan_if_null")]
     pub elasticity: f64,
     /// The part of the result's variance that would go if the parameter were known exactly, 0 … 1; parameters of one
     /// part are known together, so that these parts need not add up to one. `None` where the parameter's uncertainty is
@@ -54,18 +57,21 @@ pub struct ParameterInfluence {
 }
 
 /// Stability margins of the speed loop.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Margins {
     /// Gain margin, dB.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gain_margin_db: f64,
     /// Phase margin, degrees.
+    #[serde(deserialize_with = "nan_if_null")]
     pub phase_margin_deg: f64,
     /// Gain crossover, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub crossover_hz: f64,
 }
 
 /// One Bode curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodeCurve {
     /// Input, e.g. `T_d`.
     pub input: String,
@@ -78,27 +84,34 @@ pub struct BodeCurve {
     /// Frequencies, Hz.
     pub frequencies_hz: Vec<f64>,
     /// Gain, dB.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gain_db: Vec<f64>,
     /// Phase, degrees.
+    #[serde(deserialize_with = "nan_if_null")]
     pub phase_deg: Vec<f64>,
     /// 95 % band of the gain, dB: lower, upper.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gain_band_db: (Vec<f64>, Vec<f64>),
     /// Unit of the gain before dB, e.g. `Nm/Nm`.
     pub unit: String,
 }
 
 /// Gain measured at one sine.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SinePoint {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Measured gain T_shaft/T_d, amplitudes by least squares over whole periods.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gain: f64,
     /// Its standard error, from the noise at neighbouring frequencies.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// The same gain the thesis's way: band-pass and A = √2·RMS (7.1).
+    #[serde(deserialize_with = "nan_if_null")]
     pub band_pass_gain: f64,
     /// Gain of the model at that frequency, for a constant engine torque (7.2).
+    #[serde(deserialize_with = "nan_if_null")]
     pub model_gain: f64,
     /// Gain of the model with the engine torque that acted, T_e = J_e dω_e/dt + T_shaft; to be compared with `gain`.
     /// `None` where N_e was not recorded.

@@ -3,8 +3,9 @@
 use faer::Mat;
 use numerics::linalg::symmetric_eigenvalues;
 use numerics::random::Stream;
+use rig::numbers::infinite_if_null;
 use rig::results::{Parameter, Quantity};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use signal::distributions::chi_squared_quantile;
 
 use super::{BenchModel, ModelParameter};
@@ -257,10 +258,6 @@ impl From<ModelUncertainty> for Vec<PartCovariance> {
         };
         uncertainty.parts.into_iter().map(part).collect()
     }
-}
-
-fn infinite_if_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 impl Derived {

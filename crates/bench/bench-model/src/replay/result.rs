@@ -2,10 +2,10 @@
 
 use rig::results::{Stretch, Validation};
 use rig::{ControlMode, ExperimentLabel};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A recording replayed on the assembled model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Replay {
     /// The recording's file and label.
     pub stretch: Stretch,

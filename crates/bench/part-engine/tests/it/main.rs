@@ -4,4 +4,5 @@
 #![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 mod engine_torque;
+mod firing;
 mod pulses;

@@ -91,7 +91,7 @@ pub fn first<'a, T>(
                 return Ok(Chosen { experiment, fit, choice: sought.choice(experiment, experiments, passed_over) });
             }
             Err(error) => {
-                passed_over.push(PassedOver { file: experiment.file.clone(), error: error.clone() });
+                passed_over.push(PassedOver { file: experiment.file.clone(), error: error.clone().into() });
                 needs.push(Reason::from(error));
             }
         }

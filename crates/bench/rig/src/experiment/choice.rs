@@ -1,13 +1,13 @@
 //! Which recording gives which part of a bench: the one table of it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{ControlMode, Excitation, Experiment, ExperimentLabel, Test};
 use crate::error::EstimateError;
-use crate::words::write_words;
+use crate::words::InWords;
 
 /// Result that is estimated from one recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sought {
     /// PI with delay.
@@ -89,7 +89,7 @@ const RULES: [Rule; 6] = [
 ];
 
 /// Why a recording was chosen.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
     /// Result that is estimated from it.
     pub sought: Sought,
@@ -106,13 +106,13 @@ pub struct Choice {
 }
 
 /// A recording that was tried in vain.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PassedOver {
     /// The file.
     pub file: String,
     /// Why it did not do; it serialises as its words.
-    #[serde(rename = "reason", serialize_with = "write_words")]
-    pub error: EstimateError,
+    #[serde(rename = "reason")]
+    pub error: InWords<EstimateError>,
 }
 
 impl Sought {

@@ -31,7 +31,7 @@ impl Log {
     pub(super) fn reader_findings(&mut self, recording: &Recording) {
         for finding in &recording.findings {
             let severity = if finding.is_loss() { Severity::Warning } else { Severity::Note };
-            self.file(severity, None, Finding::ReaderDoubt { doubt: finding.clone() });
+            self.file(severity, None, Finding::ReaderDoubt { doubt: finding.clone().into() });
         }
     }
 }

@@ -2,14 +2,15 @@
 
 mod notation;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-pub use notation::{Notation, write_notation, write_symbol};
+pub(crate) use notation::ReadNotation;
+pub use notation::{Notation, read_notation, read_symbol, write_notation, write_symbol};
 
 /// A quantity that is estimated or computed from estimates, in SI.
 ///
 /// [`Quantity::notation`] has its symbol and the unit people read it in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// K_p of the speed controller, Nm s/rad.

@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use units::RPM_RAD_S;
 
 use super::Quantity;
@@ -42,6 +43,90 @@ const fn rpm(symbol: &'static str, name: &'static str) -> Notation {
 }
 
 impl Quantity {
+    /// All of them, in the order of their definition.
+    pub const ALL: [Quantity; 75] = [
+        Quantity::ProportionalGain,
+        Quantity::IntegralGain,
+        Quantity::ControllerDelay,
+        Quantity::ControllerZero,
+        Quantity::IntegratorState,
+        Quantity::DynoEncoderGate,
+        Quantity::SpeedFeedForward,
+        Quantity::AccelerationFeedForward,
+        Quantity::FilterTime,
+        Quantity::DerivativeGain,
+        Quantity::SecondIntegralGain,
+        Quantity::SpeedErrorOffset,
+        Quantity::FeedForwardHysteresis,
+        Quantity::FrictionCompensation,
+        Quantity::PresentErrorGain,
+        Quantity::PreviousErrorGain,
+        Quantity::TorqueControlDelay,
+        Quantity::TorqueControlBandwidth,
+        Quantity::TorqueControlTotalDelay,
+        Quantity::TorqueControlGain,
+        Quantity::BlackBoxGain,
+        Quantity::BlackBoxDelay,
+        Quantity::DelayAgainstDemand,
+        Quantity::DelayAgainstSpeedBend,
+        Quantity::LoadCellDelay,
+        Quantity::LoadCellFrequency,
+        Quantity::LoadCellDampingRatio,
+        Quantity::LoadCellTotalDelay,
+        Quantity::TorqueOffset,
+        Quantity::TorqueGainError,
+        Quantity::LoadCellLateness,
+        Quantity::TorqueDrift,
+        Quantity::Stiffness,
+        Quantity::Damping,
+        Quantity::ShaftZero,
+        Quantity::DynoInertia,
+        Quantity::EngineInertia,
+        Quantity::EngineSpeedSkew,
+        Quantity::AirGapTorqueSkew,
+        Quantity::TorqueSkew,
+        Quantity::EncoderGates,
+        Quantity::FrictionSlope,
+        Quantity::FlywheelInertia,
+        Quantity::FlywheelStiffness,
+        Quantity::FlywheelDamping,
+        Quantity::LossFactor,
+        Quantity::SecondMassOverSpring,
+        Quantity::SecondMass,
+        Quantity::StiffnessWithTorque,
+        Quantity::StiffnessWithTorqueSquared,
+        Quantity::StiffnessNearZeroTorque,
+        Quantity::StiffnessWithSpeed,
+        Quantity::DampingWithTorque,
+        Quantity::DampingWithTorqueSquared,
+        Quantity::DampingNearZeroTorque,
+        Quantity::DampingWithSpeed,
+        Quantity::EngineProportionalGain,
+        Quantity::EngineIntegralGain,
+        Quantity::FrictionOffset,
+        Quantity::CoulombFriction,
+        Quantity::ViscousFriction,
+        Quantity::QuadraticFriction,
+        Quantity::CubicFriction,
+        Quantity::FrictionOffsetOverInertia,
+        Quantity::CoulombFrictionOverInertia,
+        Quantity::ViscousFrictionOverInertia,
+        Quantity::QuadraticFrictionOverInertia,
+        Quantity::CubicFrictionOverInertia,
+        Quantity::TorqueLateness,
+        Quantity::ResonanceFrequency,
+        Quantity::ResonanceGain,
+        Quantity::ResonanceDampingRatio,
+        Quantity::FiringResonanceSpeed,
+        Quantity::Crossover,
+        Quantity::PhaseMargin,
+    ];
+
+    /// The quantity that is written so, by symbol and name.
+    fn written_as(symbol: &str, name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.symbol() == symbol && quantity.name() == name)
+    }
+
     /// How people write it.
     #[must_use]
     pub const fn notation(self) -> Notation {
@@ -169,4 +254,37 @@ pub fn write_notation<S: Serializer>(quantity: &Quantity, serializer: S) -> Resu
 /// Those of the serialiser.
 pub fn write_symbol<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(quantity.symbol())
+}
+
+/// Symbol and name of a quantity, as a document has them.
+#[derive(Deserialize)]
+pub(crate) struct ReadNotation {
+    symbol: String,
+    name: String,
+}
+
+impl ReadNotation {
+    /// The quantity, or what is wrong.
+    pub(crate) fn quantity(&self) -> Result<Quantity, String> {
+        let unknown = || format!("`{}`, “{}”, is no quantity that is known here", self.symbol, self.name);
+        Quantity::written_as(&self.symbol, &self.name).ok_or_else(unknown)
+    }
+}
+
+/// Reads what [`write_notation`] wrote.
+///
+/// # Errors
+/// Those of the deserialiser, and that the quantity is unknown.
+pub fn read_notation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Quantity, D::Error> {
+    ReadNotation::deserialize(deserializer)?.quantity().map_err(D::Error::custom)
+}
+
+/// Reads what [`write_symbol`] wrote. A symbol that several quantities have is read as the first of [`Quantity::ALL`].
+///
+/// # Errors
+/// Those of the deserialiser, and that the symbol is unknown.
+pub fn read_symbol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Quantity, D::Error> {
+    let symbol = String::deserialize(deserializer)?;
+    let found = Quantity::ALL.into_iter().find(|quantity| quantity.symbol() == symbol);
+    found.ok_or_else(|| D::Error::custom(format!("`{symbol}` is the symbol of no quantity that is known here")))
 }

@@ -1,14 +1,15 @@
 //! Estimated numbers, their joint uncertainty, and the data they are from.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Notation, Quantity};
+use crate::numbers::{infinite_if_null, nan_if_null, unscaled};
+use crate::quantity::{Notation, Quantity, ReadNotation};
 
 /// One estimated number, in SI.
 ///
 /// It serialises with symbol, name and the unit people read, see [`Quantity::notation`].
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(into = "WrittenParameter")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "WrittenParameter", try_from = "ReadParameter")]
 pub struct Parameter {
     /// The quantity.
     pub quantity: Quantity,
@@ -23,7 +24,7 @@ pub struct Parameter {
 }
 
 /// A stretch of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stretch {
     /// File.
     pub file: String,
@@ -36,8 +37,8 @@ pub struct Stretch {
 /// Parameters and their joint uncertainty, in SI.
 ///
 /// It serialises in the units people read, covariance included.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(into = "WrittenEstimate")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "WrittenEstimate", from = "ReadEstimate")]
 pub struct Estimate {
     /// Parameters.
     pub parameters: Vec<Parameter>,
@@ -142,6 +143,66 @@ impl From<Estimate> for WrittenEstimate {
             stretches: estimate.stretches,
             iterations: estimate.iterations,
             condition: estimate.condition,
+        }
+    }
+}
+
+/// A parameter as it is read, in the unit people read; null is read as NaN, and as infinite degrees of freedom.
+#[derive(Deserialize)]
+struct ReadParameter {
+    #[serde(flatten)]
+    notation: ReadNotation,
+    #[serde(deserialize_with = "nan_if_null")]
+    value: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    standard_error: f64,
+    #[serde(deserialize_with = "infinite_if_null")]
+    degrees_of_freedom: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    interval: (f64, f64),
+}
+
+impl TryFrom<ReadParameter> for Parameter {
+    type Error = String;
+
+    fn try_from(read: ReadParameter) -> Result<Self, String> {
+        let quantity = read.notation.quantity()?;
+        let si = |written| unscaled(written, &[quantity.notation().per_si]);
+        Ok(Parameter {
+            quantity,
+            value: si(read.value),
+            standard_error: si(read.standard_error),
+            degrees_of_freedom: read.degrees_of_freedom,
+            interval: (si(read.interval.0), si(read.interval.1)),
+        })
+    }
+}
+
+/// An estimate as it is read; null is read as NaN.
+#[derive(Deserialize)]
+struct ReadEstimate {
+    parameters: Vec<Parameter>,
+    #[serde(deserialize_with = "nan_if_null")]
+    covariance: Vec<Vec<f64>>,
+    stretches: Vec<Stretch>,
+    iterations: usize,
+    #[serde(deserialize_with = "nan_if_null")]
+    condition: f64,
+}
+
+impl From<ReadEstimate> for Estimate {
+    fn from(read: ReadEstimate) -> Self {
+        let scale = |parameter: &Parameter| parameter.quantity.notation().per_si;
+        let in_si = |(row, own): (Vec<f64>, &Parameter)| {
+            let entries = row.into_iter().zip(&read.parameters);
+            entries.map(|(entry, other)| unscaled(entry, &[scale(own), scale(other)])).collect()
+        };
+        Estimate {
+            covariance: read.covariance.into_iter().zip(&read.parameters).map(in_si).collect(),
+            parameters: read.parameters,
+            stretches: read.stretches,
+            iterations: read.iterations,
+            condition: read.condition,
         }
     }
 }

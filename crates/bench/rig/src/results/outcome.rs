@@ -1,12 +1,12 @@
 //! A result, or why there is none.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::part::Part;
 use crate::error::EstimateError;
 use crate::experiment::ExperimentLabel;
 use crate::role::Role;
-use crate::words::write_words;
+use crate::words::InWords;
 
 /// Outcome of an estimate.
 ///
@@ -79,7 +79,7 @@ impl<T> From<Result<T, EstimateError>> for Outcome<T> {
 }
 
 /// Why there is no estimate.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Reason {
     /// There is no recording of any of these experiments.
@@ -155,8 +155,8 @@ pub enum Reason {
         /// File.
         file: String,
         /// The estimator's error; it serialises as its words.
-        #[serde(rename = "reason", serialize_with = "write_words")]
-        error: EstimateError,
+        #[serde(rename = "reason")]
+        error: InWords<EstimateError>,
     },
 }
 
@@ -166,7 +166,7 @@ impl From<EstimateError> for Reason {
             EstimateError::MissingSignal { file, role } => Reason::Channel { file, role },
             EstimateError::WrongSign { file, role } => Reason::WrongSign { file, role },
             EstimateError::WeakExcitation { file, role, .. } => Reason::NotExcited { file, role },
-            error => Reason::Failed { file: error.file().to_owned(), error },
+            error => Reason::Failed { file: error.file().to_owned(), error: error.into() },
         }
     }
 }
@@ -189,6 +189,25 @@ pub fn write_status<T: Serialize, S: Serializer>(outcome: &Outcome<T>, serialize
         Err(needs) => Status::NotEstimated { needs },
     };
     status.serialize(serializer)
+}
+
+/// The same form as it is read.
+#[derive(Deserialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+enum ReadStatus<T> {
+    Estimated(T),
+    NotEstimated { needs: Vec<Reason> },
+}
+
+/// Reads what [`write_status`] wrote.
+///
+/// # Errors
+/// Those of the deserialiser.
+pub fn read_status<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Outcome<T>, D::Error> {
+    Ok(match ReadStatus::deserialize(deserializer)? {
+        ReadStatus::Estimated(value) => Outcome::Estimated(value),
+        ReadStatus::NotEstimated { needs } => Outcome::NotEstimated { needs },
+    })
 }
 
 /// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason.

@@ -1,21 +1,22 @@
 //! The results of the bench's parts.
 
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::estimate::{Estimate, Parameter, Stretch};
 use super::validation::Validation;
+use crate::numbers::{nan_if_null, unscaled};
 use crate::quantity::Quantity;
 use crate::role::Role;
 
 /// Delays of the torque signals.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// One row a signal.
     pub delays: Vec<SignalDelay>,
 }
 
 /// Delay of one signal, by several routes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SignalDelay {
     /// The signal.
     pub role: Role,
@@ -35,15 +36,17 @@ pub struct SignalDelay {
 }
 
 /// A delay by one route.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DelayRoute {
     /// Name of the route.
     pub name: String,
     /// Delay, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// 95 % interval, s; `None` where the recording is too short.
     pub interval_s: Option<(f64, f64)>,
     /// How far the route may be off by what it is, s: what of the signal's dynamics it takes for delay.
+    #[serde(deserialize_with = "nan_if_null")]
     pub systematic_s: f64,
 }
 
@@ -63,7 +66,7 @@ impl SignalDelay {
 }
 
 /// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpeedController {
     /// K_p, K_i, τ, I_0 (initial integrator state) and, where the data show it, T_g (encoder gate).
     /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
@@ -74,7 +77,7 @@ pub struct SpeedController {
     pub sample_time_s: f64,
     /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error, Nm s/rad; written on
     /// that in rpm.
-    #[serde(serialize_with = "write_discrete")]
+    #[serde(serialize_with = "write_discrete", deserialize_with = "read_discrete")]
     pub discrete: (f64, f64),
     /// On held-out data, with the delay.
     pub validation: Validation,
@@ -88,8 +91,15 @@ fn write_discrete<S: Serializer>(discrete: &(f64, f64), serializer: S) -> Result
     (discrete.0 * per_si, discrete.1 * per_si).serialize(serializer)
 }
 
+/// b_0 and b_1 from the unit people read; null is read as NaN.
+fn read_discrete<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(f64, f64), D::Error> {
+    let (present, previous): (f64, f64) = nan_if_null(deserializer)?;
+    let per_si = Quantity::PresentErrorGain.notation().per_si;
+    Ok((unscaled(present, &[per_si]), unscaled(previous, &[per_si])))
+}
+
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FeedForward {
     /// k and k_a. Their intervals also hold what they are where the delay acts at another of the places that the
     /// recording allows; their standard errors are those of the first place.
@@ -107,7 +117,7 @@ pub struct FeedForward {
 
 /// Samples of the controller by which N_d* is late where it is used; −1 where it is recorded one sample after the
 /// controller has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct DemandLags {
     /// In the speed error.
     pub speed_error: i32,
@@ -128,7 +138,7 @@ pub enum DelayPlace {
 }
 
 /// Closed-loop torque control, T_d* → T_d.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TorqueControl {
     /// Delay alone: τ in s.
     pub pure_delay: Estimate,
@@ -161,7 +171,7 @@ impl TorqueControl {
 }
 
 /// Shaft: T_shaft = K ∫(ω_e − ω_d) dt + B (ω_e − ω_d).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shaft {
     /// K in Nm/rad, B in Nm s/rad, gate and skews in s, drag in Nm s/rad.
     pub estimate: Estimate,
@@ -180,7 +190,7 @@ pub struct Shaft {
     /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the
     /// recording in torque control that they are from, and the estimate.
     pub inertias: Option<(String, Estimate)>,
-    /// Errors of K and B that come from prior knowledge.
+    /// Errors of K and B that come from prior knowledge; no document holds them.
     #[serde(skip)]
     pub shared_errors: Vec<SharedError>,
 }
@@ -196,29 +206,35 @@ pub struct SharedError {
 }
 
 /// Equation error of a frequency-domain fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResidualSpectrum {
     /// Frequencies used, Hz.
     pub frequencies_hz: Vec<f64>,
     /// |error|/σ at each.
+    #[serde(deserialize_with = "nan_if_null")]
     pub normalised_magnitude: Vec<f64>,
     /// 99 % of the magnitudes lie below this if the model is right.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bound: f64,
     /// Frequencies left out, Hz.
     pub excluded_hz: Vec<f64>,
 }
 
 /// A measured frequency response beside a model's.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredResponse {
     /// Frequencies, Hz.
     pub frequencies_hz: Vec<f64>,
     /// Measured gain in dB.
+    #[serde(deserialize_with = "nan_if_null")]
     pub measured_gain_db: Vec<f64>,
     /// Measured phase, degrees.
+    #[serde(deserialize_with = "nan_if_null")]
     pub measured_phase_deg: Vec<f64>,
     /// Modelled gain in dB.
+    #[serde(deserialize_with = "nan_if_null")]
     pub modelled_gain_db: Vec<f64>,
     /// Modelled phase, degrees.
+    #[serde(deserialize_with = "nan_if_null")]
     pub modelled_phase_deg: Vec<f64>,
 }

@@ -1,14 +1,16 @@
 //! Measured against modelled, on data an estimate has not seen.
 
+use serde::de::Error;
 use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::estimate::Stretch;
+use crate::numbers::nan_if_null;
 
 /// A uniformly sampled curve for plots, in the unit people use.
 ///
 /// A document holds where it starts, its sample time and its number of samples; the values belong into a table beside
-/// it.
+/// it. What is read from a document has NaN for each value until the table is read too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// Time of the first sample, s.
@@ -29,8 +31,30 @@ impl Serialize for Trace {
     }
 }
 
+/// A trace as a document has it.
+#[derive(Deserialize)]
+struct ReadTrace {
+    start_s: f64,
+    sample_time_s: f64,
+    samples: usize,
+}
+
+/// Samples beyond which a trace is taken as damaged: 28 hours at 100 Hz.
+const MOST_SAMPLES: usize = 10_000_000;
+
+impl<'de> Deserialize<'de> for Trace {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let ReadTrace { start_s, sample_time_s, samples } = ReadTrace::deserialize(deserializer)?;
+        if samples > MOST_SAMPLES {
+            let reason = format!("`samples` is {samples}, and a trace has at most {MOST_SAMPLES}");
+            return Err(D::Error::custom(reason));
+        }
+        Ok(Trace { start_s, sample_time_s, values: vec![f64::NAN; samples] })
+    }
+}
+
 /// Measured against modelled, on data the estimate has not seen.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Validation {
     /// The held-out stretch.
     pub stretch: Stretch,
@@ -39,8 +63,10 @@ pub struct Validation {
     /// Unit of the traces.
     pub unit: String,
     /// 100(1 − ‖y − ŷ‖/‖y − ȳ‖).
+    #[serde(deserialize_with = "nan_if_null")]
     pub fit_percent: f64,
     /// Root of the mean squared error, in `unit`.
+    #[serde(deserialize_with = "nan_if_null")]
     pub rms_error: f64,
     /// Measured.
     pub measured: Trace,
@@ -51,19 +77,23 @@ pub struct Validation {
 }
 
 /// Residual correlations with their region of confidence (Ljung 1999, §16.6; thesis §2.3.5).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResidualTest {
     /// Sample time of the residuals, s.
     pub sample_time_s: f64,
     /// Level of the regions, e.g. 0.99.
     pub level: f64,
     /// Autocorrelation at lags 0…M, normalised to one at lag 0.
+    #[serde(deserialize_with = "nan_if_null")]
     pub autocorrelation: Vec<f64>,
     /// Half-width of the region for the autocorrelation at lags 1…M.
+    #[serde(deserialize_with = "nan_if_null")]
     pub autocorrelation_bound: f64,
     /// Cross-correlation of residual and past input at lags −M…M, normalised. Positive lags: the input comes first.
+    #[serde(deserialize_with = "nan_if_null")]
     pub cross_correlation: Vec<f64>,
     /// Half-width of the region for each cross-correlation lag.
+    #[serde(deserialize_with = "nan_if_null")]
     pub cross_correlation_bound: f64,
     /// Name of the input.
     pub input: String,

@@ -1,9 +1,8 @@
 //! Whose report it is, and of when.
 
 use page::{Prose, Tone};
-use study::Study;
+use study::{Origin, Study};
 
-use crate::Origin;
 use crate::wording;
 
 /// Characters of a title at the top of each printed page.

@@ -1,10 +1,11 @@
 //! Quantities that are known well, those that are not, and why.
 
+use study::known::Grade;
 use study::{Analyses, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 
-use crate::known::{Grade, Known, known};
+use crate::known::{Worded, headline, known, meaning};
 
 /// The section on what is known.
 pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
@@ -26,9 +27,9 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
 pub(crate) fn not_known(study: &Study) -> Blocks {
     let all = known(study, None);
     let poor = all.iter().filter(|one| one.grade >= Grade::Poorly);
-    let row = |one: &Known| -> Vec<Cell> {
+    let row = |one: &Worded| -> Vec<Cell> {
         let why = one.why.last().cloned().unwrap_or_default();
-        vec![Prose::symbol(&one.symbol).then(" ").then(&*one.name).into(), one.grade.headline().into(), why.into()]
+        vec![Prose::symbol(one.symbol).then(" ").then(&*one.name).into(), headline(one.grade).into(), why.into()]
     };
     let rows: Vec<Vec<Cell>> = poor.map(row).collect();
     if rows.is_empty() {
@@ -38,29 +39,29 @@ pub(crate) fn not_known(study: &Study) -> Blocks {
     vec![Block::heading("What is not known, or known poorly"), Block::Table(table)].into()
 }
 
-fn group(grade: Grade, all: &[Known]) -> Blocks {
-    let of_grade: Vec<&Known> = all.iter().filter(|one| one.grade == grade).collect();
+fn group(grade: Grade, all: &[Worded]) -> Blocks {
+    let of_grade: Vec<&Worded> = all.iter().filter(|one| one.grade == grade).collect();
     let rows: Vec<Vec<Cell>> = of_grade.chunk_by(|a, b| is_alike(a, b)).flat_map(rows).collect();
     if rows.is_empty() {
         return Blocks::default();
     }
     vec![
         Block::heading(
-            Prose::from(grade.headline()).then(" ").then(Prose::tag(tone(grade), of_grade.len().to_string())),
+            Prose::from(headline(grade)).then(" ").then(Prose::tag(tone(grade), of_grade.len().to_string())),
         ),
-        Block::note(grade.meaning()),
+        Block::note(meaning(grade)),
         Block::Table(Table::of_text(&["", "Quantity", "Value", "Why"]).with_rows(rows)),
     ]
     .into()
 }
 
 /// Tells whether two quantities are of one part and from the same data.
-fn is_alike(a: &Known, b: &Known) -> bool {
+fn is_alike(a: &Worded, b: &Worded) -> bool {
     a.part == b.part && a.why.first() == b.why.first()
 }
 
 /// Quantities that come from the same place, a row each, and beside the first what is to be said of any of them.
-fn rows(alike: &[&Known]) -> Vec<Vec<Cell>> {
+fn rows(alike: &[&Worded]) -> Vec<Vec<Cell>> {
     let mut why: Vec<&str> = Vec::new();
     for text in alike.iter().flat_map(|one| &one.why) {
         if !why.contains(&text.as_str()) {
@@ -68,8 +69,8 @@ fn rows(alike: &[&Known]) -> Vec<Vec<Cell>> {
         }
     }
     let reasons = |n: usize| if n == 0 { why.join(" ") } else { String::new() };
-    let row = |(n, one): (usize, &&Known)| -> Vec<Cell> {
-        vec![Prose::symbol(&one.symbol).into(), Cell::from(&one.name), Cell::from(&one.value), reasons(n).into()]
+    let row = |(n, one): (usize, &&Worded)| -> Vec<Cell> {
+        vec![Prose::symbol(one.symbol).into(), Cell::from(&one.name), Cell::from(&one.value), reasons(n).into()]
     };
     alike.iter().enumerate().map(row).collect()
 }

@@ -19,12 +19,10 @@ pub(crate) mod verdict;
 mod whole;
 
 use rig::results::Part;
-use study::{Analyses, Study};
+use study::{Analyses, Origin, Study};
 
 use page::{Block, Blocks, Page};
 
-use crate::Origin;
-use crate::estimated;
 use crate::wording;
 
 /// The report of a study.
@@ -72,17 +70,16 @@ fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<
         own
     };
     // Of a part with an error no analysis is shown: its numbers would be those that the error concerns.
-    let unless = |part: Part, own: Blocks, more: &dyn Fn(&Analyses) -> Blocks| match estimated::is_struck(study, part) {
+    let unless = |part: Part, own: Blocks, more: &dyn Fn(&Analyses) -> Blocks| match study.is_struck(part) {
         true => own,
         false => with(own, more),
     };
     let only =
         |id, title, content: &dyn Fn(&Analyses) -> Blocks| analyses.map(|found| (id, title, folded(content(found))));
-    let only_unless =
-        |part: Part, id, title, content: &dyn Fn(&Analyses) -> Blocks| match estimated::is_struck(study, part) {
-            true => analyses.map(|_| (id, title, struck(part))),
-            false => only(id, title, content),
-        };
+    let only_unless = |part: Part, id, title, content: &dyn Fn(&Analyses) -> Blocks| match study.is_struck(part) {
+        true => analyses.map(|_| (id, title, struck(part))),
+        false => only(id, title, content),
+    };
     let all = [
         Some(("verdict", "Verdict", verdict::section(study))),
         Some(("known", "What is known", known::section(study, analyses))),

@@ -2,11 +2,10 @@
 
 use rig::experiment::Choice;
 use rig::facts::{BenchFacts, StatedInertia};
-use study::{RecordingSummary, Study};
+use study::{Origin, RecordingSummary, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table};
 
-use crate::Origin;
 use crate::wording::{self, number, part, variant};
 
 /// The section on provenance.

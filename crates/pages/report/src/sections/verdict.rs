@@ -2,16 +2,15 @@
 
 use rig::results::{Parameter, Quantity, Reason};
 use rig::{Diagnostic, Severity};
-use study::Study;
+use study::verdict::{Level, Rule, Verdict};
+use study::{Study, verdict};
 
 use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
 
 use super::diagnostics::{alike, entry};
 use super::foundation;
 use super::replays;
-use crate::estimated::not_estimated;
 use crate::summary;
-use crate::verdict::{Level, Rule, Verdict, verdict};
 use crate::wording::{self, number};
 
 /// Findings shown on the first page.
@@ -49,9 +48,9 @@ pub(crate) fn answer(study: &Study) -> Blocks {
 
 /// The headline; of a model that is not to be used, its cause comes first.
 pub(crate) fn title(verdict: &Verdict) -> String {
-    let headline = verdict.level.headline();
+    let headline = wording::headline(verdict.level);
     match verdict.rules.iter().find(|rule| rule.level == Level::Insufficient) {
-        Some(rule) => format!("{}. {headline}", wording::capitalised(&rule.found)),
+        Some(rule) => format!("{}. {headline}", wording::capitalised(&wording::found(rule))),
         None => headline.to_owned(),
     }
 }
@@ -91,8 +90,11 @@ fn because(rules: &[Rule]) -> Vec<Block> {
     if decisive.is_empty() {
         return vec![Block::paragraph(format!("All {} rules of the verdict are met.", rules.len()))];
     }
-    let item =
-        |rule: &Rule| Prose::strong(format!("{}.", wording::capitalised(&rule.found))).then(" Rule: ").then(rule.asks);
+    let item = |rule: &Rule| {
+        Prose::strong(format!("{}.", wording::capitalised(&wording::found(rule))))
+            .then(" Rule: ")
+            .then(wording::asks(rule))
+    };
     vec![
         Block::paragraph("These rules of the verdict are not met, or not fully:"),
         Block::List { items: decisive.into_iter().map(item).collect() },
@@ -103,8 +105,8 @@ fn because(rules: &[Rule]) -> Vec<Block> {
 pub(super) fn rules(study: &Study) -> Blocks {
     let rules = verdict(study).rules;
     let row = |rule: &Rule| -> Vec<Cell> {
-        let outcome = Prose::tag(tone(rule.level), rule.level.outcome());
-        vec![outcome.into(), rule.asks.into(), Cell::from(&rule.found)]
+        let outcome = Prose::tag(tone(rule.level), wording::outcome(rule.level));
+        vec![outcome.into(), wording::asks(rule).into(), wording::found(rule).into()]
     };
     Block::Fold {
         summary: "How the verdict was reached".into(),
@@ -171,9 +173,10 @@ fn short_needs(needs: &[Reason]) -> String {
 }
 
 fn missing(study: &Study) -> Blocks {
-    let rows: Vec<Vec<Cell>> = not_estimated(study)
+    let rows: Vec<Vec<Cell>> = study
+        .not_estimated()
         .into_iter()
-        .map(|(part, needs)| vec![Prose::strong(part).into(), wording::needs(needs).into()])
+        .map(|(part, needs)| vec![Prose::strong(wording::part(part)).into(), wording::needs(needs).into()])
         .collect();
     if rows.is_empty() {
         return Blocks::default();

@@ -5,14 +5,12 @@ use rig::ControlMode;
 use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::facts::BenchFacts;
 use rig::results::{Outcome, Parameter, Quantity};
-use study::Study;
+use study::{Origin, Study, bench_model, parameters};
 use units::RPM_RAD_S;
 
 use page::{Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 
 use super::parts::{lead, not_estimated, parameter_table};
-use crate::Origin;
-use crate::bench_model::{bench_model, parameters};
 use crate::wording::{self, mode_short, number};
 
 /// Normal quantile of the error bars.
@@ -47,7 +45,7 @@ pub(crate) fn section(study: &Study, origin: &Origin) -> Blocks {
 
 /// The numbers that model.json has, in one table.
 fn numbers(study: &Study, origin: &Origin) -> Blocks {
-    let Some(document) = bench_model(study, origin.clone()) else { return Blocks::default() };
+    let Some(document) = bench_model(study, origin.clone(), &wording::MODEL_WORDS) else { return Blocks::default() };
     let blocks = vec![
         Block::paragraph("These are the numbers that model.json has, and that simulations and exports use."),
         Block::Table(parameter_table(&parameters(&document))),

@@ -9,12 +9,14 @@ mod experiment;
 mod finding;
 pub mod number;
 mod reason;
+mod verdict;
 
 pub use assumption::{assumption, engine_pulses, limited, model_parameter, peak, quantity, safety};
 pub use choice::{choice, sought};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark, twice_estimated};
 pub use reason::{listed, missing, need, needs, reason_of, reasons};
+pub use verdict::{MODEL_WORDS, asks, found, headline, outcome};
 
 use rig::facts::BenchVariant;
 use rig::results::Part;

@@ -1,14 +1,15 @@
 //! Known quantities, and how well they are known.
 
-use report::known::{Grade, Known, known};
+use report::known::{Worded, known};
 use rig::results::{Estimate, Outcome, Parameter, Quantity, Shaft};
+use study::known::Grade;
 use study::{Analyses, Study};
 
 use crate::fixture;
 
 const NO_ANALYSES: Option<&Analyses> = None;
 
-fn of(study: &Study, symbol: &str) -> Option<Known> {
+fn of(study: &Study, symbol: &str) -> Option<Worded> {
     known(study, NO_ANALYSES).into_iter().find(|one| one.symbol == symbol)
 }
 

@@ -2,6 +2,7 @@
 
 mod can;
 mod counterparts;
+mod document;
 mod fixture;
 mod known;
 mod next;

@@ -158,16 +158,16 @@ fn exact_numbers_that_are_not_finite_are_null_or_not_known() {
         serde_json::from_str::<serde_json::Value>(&page::json(&report::study(&study, &fixture::origin())).unwrap())
             .is_ok()
     );
-    let json: serde_json::Value = serde_json::from_str(&report::json(&study, None)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&study::document::json(&study, None)).unwrap();
     assert!(json["study"]["shaft"]["validation"]["fit_percent"].is_null());
 }
 
 #[test]
 fn exact_json_names_its_format_and_keeps_full_precision() {
     let study = fixture::complete();
-    let json: serde_json::Value = serde_json::from_str(&report::json(&study, None)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&study::document::json(&study, None)).unwrap();
     assert_eq!(json["format"], "dynoid-study");
-    assert_eq!(json["format_version"], report::FORMAT_VERSION);
+    assert_eq!(json["format_version"], study::document::FORMAT_VERSION);
     let gain = json["study"]["speed_controller"]["estimate"]["parameters"][0]["value"].as_f64().unwrap();
     // From SI to Nm/rpm, which rounds once.
     assert!((gain / 0.93841 - 1.0).abs() < 4.0 * f64::EPSILON, "{gain}");
@@ -242,13 +242,13 @@ fn exact_the_summary_of_any_study_is_one_page_of_paper() {
 fn exact_the_model_of_a_study_is_read_back() {
     let study = fixture::complete();
     assert!(study.model.as_ref().is_some_and(|model| model.uncertainty != ModelUncertainty::default()));
-    assert_eq!(report::model(&report::json(&study, None)).as_ref(), Ok(study.model.as_ref().unwrap()));
+    assert_eq!(study::model(&study::document::json(&study, None)).as_ref(), Ok(study.model.as_ref().unwrap()));
 }
 
 #[test]
 fn regress_what_holds_no_model_is_refused_in_words() {
-    let words = |text: &str| report::model(text).unwrap_err().to_string();
-    let json = report::json(&fixture::complete(), None);
+    let words = |text: &str| study::model(text).unwrap_err().to_string();
+    let json = study::document::json(&fixture::complete(), None);
     assert!(
         words(&json.replace("\"format_version\":3", "\"format_version\":7"))
             .contains("version 7, where 2 to 3 are read")
@@ -256,5 +256,5 @@ fn regress_what_holds_no_model_is_refused_in_words() {
     assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("its `format` is “dynoid model”"));
     assert!(words("{}").contains("neither a bench model nor a study"));
     assert!(words(&json[..json.len() / 2]).contains("the file ends in the middle"));
-    assert!(words(&report::json(&fixture::bare(), None)).contains("holds no bench model"));
+    assert!(words(&study::document::json(&fixture::bare(), None)).contains("holds no bench model"));
 }

@@ -16,8 +16,8 @@ fn no_shaft() -> ExperimentLabel {
 
 fn findings() -> Vec<Finding> {
     vec![
-        Finding::UnreadableRecording { error: RecordingError::Empty { file: "bs.mf4".into() } },
-        Finding::ReaderDoubt { doubt: recording::Finding::NotFinalised },
+        Finding::UnreadableRecording { error: RecordingError::Empty { file: "bs.mf4".into() }.into() },
+        Finding::ReaderDoubt { doubt: recording::Finding::NotFinalised.into() },
         Finding::NoLabel,
         Finding::NotReplayed { reason: NotReplayed::Lacks(Reason::Part { part: Part::SpeedController }) },
         Finding::NotReplayed { reason: NotReplayed::Clock { demand_s: 1e-3, controller_s: 2e-3 } },

@@ -1,8 +1,9 @@
 //! The verdict's rules.
 
-use report::verdict::{Level, verdict};
-use rig::results::{Outcome, Part};
+use rig::results::{Outcome, Part, Quantity};
 use rig::{Diagnostic, Finding, Place, Severity};
+use study::verdict;
+use study::verdict::Level;
 
 use crate::fixture;
 
@@ -16,6 +17,23 @@ fn without_errors() -> study::Study {
 fn exact_a_study_without_errors_is_good() {
     let verdict = verdict(&without_errors());
     assert_eq!(verdict.level, Level::Good, "{verdict:#?}");
+}
+
+/// The verdict as a document has it, read again.
+fn read_again(study: &study::Study) -> study::verdict::Verdict {
+    let text = serde_json::to_string(&verdict(study)).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn exact_a_verdict_is_read_as_it_was_written() {
+    let mut doubted = without_errors();
+    doubted.diagnostics[0].finding = Finding::NotConverged { submodel: Part::Shaft };
+    let routes = Finding::RoutesDisagree { quantity: Quantity::Stiffness, first: (1.0, 0.1), second: (2.0, 0.1) };
+    doubted.diagnostics[1].finding = routes;
+    for study in [fixture::complete(), fixture::bare(), without_errors(), doubted] {
+        assert_eq!(read_again(&study), verdict(&study));
+    }
 }
 
 #[test]

@@ -33,9 +33,9 @@ pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<BenchModel
 /// Tells whether the model of a study is that of a document. A study that this version cannot read is not compared.
 fn is_of_study(document: &BenchModelDocument, study: &str) -> bool {
     const ROUNDING: f64 = 1e-9;
-    let model = match report::model(study) {
+    let model = match study::model(study) {
         Ok(model) => model,
-        Err(fault) => return fault != report::BenchModelError::NoModel,
+        Err(fault) => return fault != study::BenchModelError::NoModel,
     };
     let of_study = BenchModelDocument::new(model, document.bench.clone(), document.provenance.clone());
     let (ours, others) = (document.parameters(), of_study.parameters());
@@ -70,7 +70,7 @@ pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<BenchModel
     match Kind::of(text) {
         Kind::Bench => BenchModelDocument::from_json(text).map_err(|source| CliError::BenchModel {
             path: path.to_owned(),
-            source: report::BenchModelError::Document { source },
+            source: study::BenchModelError::Document { source },
         }),
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Study => Err(CliError::IsStudy { path: path.to_owned() }),

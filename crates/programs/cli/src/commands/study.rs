@@ -5,10 +5,10 @@ use std::path::Path;
 use bench_model::document::BenchModelDocument;
 use dynoid::{Bench, Error, Files, Mark, OutputFolder, Session, check_replaceable, paths};
 use page::{Logo, Page, Paper, PdfOptions};
-use report::{Origin, wording};
+use report::wording;
 use rig::Severity;
 use rig::bench_file::ReportIdentity;
-use study::{Analyses, Study};
+use study::{Analyses, Origin, Study};
 use work::Context;
 
 use super::bench_model::{Kind, MODEL};
@@ -106,7 +106,7 @@ pub(crate) fn study(
     let writing = step.step("writing the report", 0);
     let pages = Pages::of(&study, &origin, analyses.as_ref(), logo.as_ref(), wanted);
     let series = study::series(&study).map(|table| dynoid::encode_table(&table, &terminal.files())).transpose()?;
-    let json = report::json(&study, series.as_ref().map(|_| SERIES));
+    let json = study::document::json(&study, series.as_ref().map(|_| SERIES));
     let model = session.model(&study);
     let earlier = earlier.map(|earlier| Earlier::new(&earlier, model.as_ref()));
     let model = model.map(|document| document.to_json().map_err(CliError::internal)).transpose()?;

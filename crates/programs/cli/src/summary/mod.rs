@@ -6,8 +6,8 @@ mod written;
 use std::path::Path;
 
 use page::{Align, Block, Page, Table};
-use report::verdict::{Level, verdict};
-use study::Study;
+use study::verdict::Level;
+use study::{Study, verdict};
 
 use crate::error::Outcome;
 

@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use report::brief::key_numbers;
-use report::estimated::not_estimated;
-use report::verdict::{Rule, verdict};
 use report::wording;
 use rig::results::{Parameter, Part, Reason};
 use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
-use study::{ModelComparison, RecordingSummary};
+use study::verdict::Rule;
+use study::{ModelComparison, RecordingSummary, verdict};
 
 use super::written::Written;
 
@@ -50,7 +49,7 @@ struct ShortVerdict {
 
 #[derive(Serialize)]
 struct ShortRule {
-    asks: &'static str,
+    asks: String,
     found: String,
     outcome: &'static str,
 }
@@ -90,18 +89,22 @@ struct ShortRecording<'a> {
 pub(crate) fn short(written: &Written) -> Short<'_> {
     let study = &written.study;
     let verdict = verdict(study);
-    let rule = |rule: &Rule| ShortRule { asks: rule.asks, found: rule.found.clone(), outcome: rule.level.outcome() };
+    let rule = |rule: &Rule| ShortRule {
+        asks: wording::asks(rule),
+        found: wording::found(rule),
+        outcome: wording::outcome(rule.level),
+    };
     let estimate = |(part, parameter)| ShortEstimate { part, parameter };
-    let need = |(part, needs): (&'static str, &[Reason])| ShortNeed { part, needs: wording::needs(needs) };
+    let need = |(part, needs): (Part, &[Reason])| ShortNeed { part: wording::part(part), needs: wording::needs(needs) };
     Short {
         bench: &study.bench.name,
         verdict: ShortVerdict {
             level: verdict.level.key(),
-            headline: verdict.level.headline(),
+            headline: wording::headline(verdict.level),
             rules: verdict.rules.iter().map(rule).collect(),
         },
         estimates: key_numbers(study).into_iter().map(estimate).collect(),
-        not_estimated: not_estimated(study).into_iter().map(need).collect(),
+        not_estimated: study.not_estimated().into_iter().map(need).collect(),
         findings: study.diagnostics.iter().map(short_finding).collect(),
         recordings: study.recordings.iter().map(short_recording).collect(),
         report: &written.report,

@@ -170,7 +170,7 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     }
     let study = campaign.run(&["study", "bench.toml", "--json"]).study();
     let text = campaign.read("study/study.json");
-    let model = report::model(&text).unwrap();
+    let model = study::model(&text).unwrap();
     let mechanics = model.model.mechanics;
     assert!((mechanics.stiffness_nm_per_rad / 3100.0 - 1.0).abs() < 0.03, "{study}");
     assert!((mechanics.damping_nm_s_per_rad / 8.0 - 1.0).abs() < 0.1, "{study}");

@@ -105,7 +105,7 @@ fn exact_the_model_file_states_model_range_and_origin() {
     let text = campaign.read("study/model.json");
     let document = BenchModelDocument::from_json(&text).unwrap();
     assert!(text.len() < 24_000, "{} bytes", text.len());
-    assert_eq!(report::model(&campaign.read("study/study.json")).unwrap(), document.assembled());
+    assert_eq!(study::model(&campaign.read("study/study.json")).unwrap(), document.assembled());
     assert_eq!(document.to_json().unwrap(), text);
     let (low, high) = document.validity.dyno_speed_rad_s.unwrap();
     assert!(low < 125.6 && 125.6 < high && high - low < 40.0, "{low} {high}");

@@ -3,12 +3,12 @@
 //! that shares no code with the project.
 
 use recording::{Channel, Raster, Recording};
-use report::verdict::{Level, verdict};
 use rig::Severity;
 use rig::experiment::ExperimentPlan;
 use rig::results::Quantity;
 use signal::filter::Sos;
-use study::Study;
+use study::verdict::Level;
+use study::{Study, verdict};
 use virtual_bench::simulate;
 
 use super::work::{CALC, CELL, DYNO_SPEED, ENGINE_SPEED, SHAFT, SPEED_DEMAND, SPEEDS, TORQUE_DEMAND, TORQUES};

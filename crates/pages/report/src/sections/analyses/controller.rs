@@ -132,7 +132,7 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
 
 fn bends(terms: &FeedForwardTerms) -> Blocks {
     let mut all = rounds("k and k_a", &terms.rounds);
-    all.push(sentence(&words::bends(terms)));
+    all.push(sentence(&words::bends(&terms.found())));
     if !terms.map.is_empty() {
         all.push(map(terms));
     }

@@ -27,7 +27,7 @@ pub(crate) fn engine(found: &EngineTorque) -> Blocks {
 fn one(recording: &EngineRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     match &recording.engine {
-        Outcome::Estimated(engine) => all.push(sentence(&format!("T_e is {}", words::rebuilt(engine)))),
+        Outcome::Estimated(engine) => all.push(sentence(&format!("T_e is {}", words::rebuilt(&engine.certainty())))),
         Outcome::NotEstimated { needs: why } => {
             all.push(no_result("T_e", &wording::reasons(why)));
             return all;

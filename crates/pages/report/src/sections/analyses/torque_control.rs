@@ -59,7 +59,7 @@ fn one(studied: &ModelComparison, recording: &ComparedRecording) -> Blocks {
         }
     }
     words::circular(recording).iter().for_each(|text| all.push(sentence(text)));
-    all.push(sentence(&words::beyond(recording)));
+    all.push(sentence(&words::beyond(recording.second_order.as_ref())));
     all
 }
 

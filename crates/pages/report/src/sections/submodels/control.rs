@@ -149,7 +149,11 @@ pub(crate) fn torque_control(study: &Study) -> Blocks {
     let title = "Torque control on the held-out stretch";
     let all: Vec<Blocks> = vec![
         lead(what, equation),
-        Block::paragraph(torque::clock_of_delay(part)).into(),
+        Block::paragraph(torque::clock_of_delay(
+            part.torque_skew.as_ref(),
+            part.delay_and_lag.parameter(Quantity::TorqueControlDelay),
+        ))
+        .into(),
         Block::heading("Delay and lag").into(),
         parameters(&part.delay_and_lag, &[]),
         early(&part.delay_and_lag),

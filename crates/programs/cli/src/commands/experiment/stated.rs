@@ -125,7 +125,7 @@ fn read_model(path: &Path, files: &Files) -> Result<ReadModel, CliError> {
         Kind::Linear => Err(CliError::IsLinearModel { path: path.to_owned() }),
         Kind::Other => Err(bench_model::no_model(path, &text, WANTED)),
         Kind::Bench | Kind::Study => {
-            let found = report::model_with_validity(&text);
+            let found = study::model_with_validity(&text);
             let (assembled, validity) =
                 found.map_err(|source| CliError::BenchModel { path: path.to_owned(), source })?;
             Ok(ReadModel { assembled, validity, in_words: in_words(path, &text) })

@@ -5,10 +5,8 @@
 
 use std::ops::RangeInclusive;
 
-use rig::{Experiment, Finding, Role, Severity};
+use rig::{Experiment, Role};
 use signal::Signal;
-
-use crate::findings::Findings;
 
 /// The two clocks of a bench are apart by at most this, s.
 const APART_S: f64 = 1.5e-3;
@@ -24,16 +22,11 @@ const LEAVES: f64 = 0.5;
 /// is 0 to 4.6 ms later than the lag.
 const AS_GOOD: f64 = 0.02;
 
-/// Doubts each recording in which T_d,calc is ahead of T_d*; `lag_s` is how late the torque control makes it beside its
-/// pure delay.
-pub(super) fn doubt(findings: &mut Findings<'_>, lag_s: f64) {
-    for experiment in findings.experiments {
-        let advance_s = delay_s(experiment).map(|delay_s| lag_s - delay_s);
-        if let Some(advance_s) = advance_s.filter(|advance_s| *advance_s > APART_S) {
-            let finding = Finding::EarlySignal { role: Role::AirGapTorque, advance_s };
-            findings.doubt(&experiment.file, Severity::Error, finding);
-        }
-    }
+/// By how much T_d,calc is ahead of T_d*, s, where that is more than two clocks are apart; `lag_s` is how late the
+/// torque control makes it beside its pure delay.
+pub fn advance_s(experiment: &Experiment, lag_s: f64) -> Option<f64> {
+    let advance_s = lag_s - delay_s(experiment)?;
+    (advance_s > APART_S).then_some(advance_s)
 }
 
 /// By how much T_d,calc is later than T_d*, s: the middle of the delays of T_d* that leave least of the changes of

@@ -16,16 +16,16 @@ const NEAR_HZ: f64 = 5.0;
 
 /// A multiple of the firing frequency that is sampled once a period, or once in a few.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Folded {
+pub struct Folded {
     /// Mean firing frequency, Hz.
-    pub(super) firing_hz: f64,
+    pub firing_hz: f64,
     /// Its multiple.
-    pub(super) multiple: u32,
+    pub multiple: u32,
 }
 
 impl Folded {
     /// The lowest multiple that folds to zero in a speed (rad/s).
-    pub(super) fn of(speed: &Signal, firings_per_turn: f64) -> Option<Self> {
+    pub fn of(speed: &Signal, firings_per_turn: f64) -> Option<Self> {
         let firing_hz = firings_per_turn * speed.mean()?.abs() / TAU;
         let rate_hz = 1.0 / speed.sample_time_s;
         let rests = |multiple: &u32| {

@@ -1,41 +1,13 @@
-//! The study as one JSON document.
+//! The bench model that a JSON document holds.
 
 use bench_model::document::{BenchModelDocument, DocumentError, JsonFault, Validity, format_of, from_json};
 use bench_model::model::AssembledModel;
-use serde::{Deserialize, Serialize};
-use study::Study;
+use serde::Deserialize;
 
-/// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
-pub const FORMAT_VERSION: u32 = 3;
+use crate::document::{FORMAT_VERSION, is_study};
 
 /// The earliest version whose model is read; it had the series in the document.
 const EARLIEST: u32 = 2;
-
-/// Text of the `format` field of a study's file.
-const FORMAT: &str = "dynoid-study";
-
-#[derive(Serialize)]
-struct Document<'a> {
-    format: &'static str,
-    format_version: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    series_file: Option<&'a str>,
-    study: &'a Study,
-}
-
-/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 3, "series_file": …, "study": {…}}`.
-///
-/// `series_file` is the name of the table that holds the values of [`study::series`], where there is one.
-///
-/// Numbers keep their full precision; one that is NaN or infinite is `null`. Should serialisation ever fail, the
-/// document holds an `error` text in place of `study`, so that a reader of the file sees why.
-pub fn json(study: &Study, series_file: Option<&str>) -> String {
-    let document = Document { format: FORMAT, format_version: FORMAT_VERSION, series_file, study };
-    serde_json::to_string(&document).unwrap_or_else(|error| {
-        let reason = serde_json::Value::String(error.to_string());
-        format!(r#"{{"format":"dynoid-study","format_version":{FORMAT_VERSION},"error":{reason}}}"#)
-    })
-}
 
 /// Why a text holds no bench model.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,13 +81,7 @@ struct ModelAlone {
     validity: Validity,
 }
 
-/// Tells whether this is the `format` of a study.
-#[must_use]
-pub fn is_study(format: &str) -> bool {
-    format == FORMAT
-}
-
-/// The bench model that a text holds: a model.json, or the study.json that [`json`] wrote.
+/// The bench model that a text holds: a model.json, or the study.json that [`crate::document::json`] wrote.
 ///
 /// # Errors
 /// [`BenchModelError`] with what to do.

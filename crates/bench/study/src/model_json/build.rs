@@ -4,12 +4,10 @@ use bench_model::document::{
     BenchFileOrigin, BenchModelDocument, DescribedParameter, NotEstimated, Provenance, StudyVerdict, UsedRecording,
 };
 use bench_model::model::ModelParameter;
-use rig::results::Parameter;
-use study::{RecordingSummary, Study};
+use rig::results::{Parameter, Reason};
 
-use crate::estimated;
-use crate::verdict::{Level, verdict};
-use crate::wording;
+use crate::verdict::{Level, Rule, verdict};
+use crate::{RecordingSummary, Study};
 
 /// Facts about a study that are not in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,8 +18,19 @@ pub struct Origin {
     pub bench_file_sha256: String,
 }
 
+/// Sentences of the file, for which a study has numbers and structure only.
+#[derive(Debug, Clone, Copy)]
+pub struct Words {
+    /// The level of a verdict as a headline.
+    pub headline: fn(Level) -> &'static str,
+    /// A rule that is not met, as a sentence without its full stop.
+    pub reservation: fn(&Rule) -> String,
+    /// Needs of a part that is not estimated.
+    pub needs: fn(&[Reason]) -> String,
+}
+
 /// The bench model of a study; `None` where the study has none.
-pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> {
+pub fn bench_model(study: &Study, origin: Origin, words: &Words) -> Option<BenchModelDocument> {
     let provenance = Provenance {
         dynoid_version: study.provenance.version.clone(),
         date: origin.date,
@@ -31,19 +40,19 @@ pub fn bench_model(study: &Study, origin: Origin) -> Option<BenchModelDocument> 
         },
         recordings: study.recordings.iter().filter(|one| !one.used_for.is_empty()).map(used).collect(),
         seed: study.provenance.seed,
-        verdict: Some(judged(study)),
+        verdict: Some(judged(study, words)),
     };
     let document = BenchModelDocument::new(study.model.clone()?, study.bench.clone(), provenance);
     let mut document = document.with_intervals(|parameter| interval(study, parameter));
     document.skews = study.skews;
     document.recorded_torque = study.recorded_torque.clone();
     document.validity = study.validity;
-    document.not_estimated = not_estimated(study);
+    document.not_estimated = not_estimated(study, words);
     Some(document)
 }
 
 /// The numbers of a document with their 95 % intervals, as a part shows its own.
-pub(crate) fn parameters(document: &BenchModelDocument) -> Vec<Parameter> {
+pub fn parameters(document: &BenchModelDocument) -> Vec<Parameter> {
     let shown = |one: &DescribedParameter| {
         let own = by_standard_error(one);
         Parameter { interval: one.interval_95.unwrap_or(own.interval), ..own }
@@ -88,17 +97,17 @@ fn used(recording: &RecordingSummary) -> UsedRecording {
     }
 }
 
-fn judged(study: &Study) -> StudyVerdict {
+fn judged(study: &Study, words: &Words) -> StudyVerdict {
     let verdict = verdict(study);
     let unmet = verdict.rules.iter().filter(|rule| rule.level != Level::Good);
     StudyVerdict {
         level: verdict.level.key().to_owned(),
-        headline: verdict.level.headline().to_owned(),
-        reservations: unmet.map(|rule| wording::capitalised(&rule.found)).collect(),
+        headline: (words.headline)(verdict.level).to_owned(),
+        reservations: unmet.map(words.reservation).collect(),
     }
 }
 
-fn not_estimated(study: &Study) -> Vec<NotEstimated> {
-    let missing = estimated::parts(study).into_iter().filter_map(|(part, needs)| Some((part, needs?)));
-    missing.map(|(part, needs)| NotEstimated { part, needs: wording::needs(needs) }).collect()
+fn not_estimated(study: &Study, words: &Words) -> Vec<NotEstimated> {
+    let of = |(part, needs)| NotEstimated { part, needs: (words.needs)(needs) };
+    study.not_estimated().into_iter().map(of).collect()
 }

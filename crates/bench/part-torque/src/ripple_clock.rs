@@ -4,11 +4,9 @@
 use std::f64::consts::TAU;
 
 use numerics::order::lower_median;
-use rig::{Experiment, Finding, Role, Severity};
+use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spectrum::fft_real;
-
-use crate::findings::Findings;
 
 /// Twice the mains, Hz.
 const RIPPLES_HZ: [f64; 2] = [100.0, 120.0];
@@ -28,25 +26,30 @@ const APART: f64 = 4e-3;
 const BY_PULSES: f64 = 0.004;
 
 /// The ripple of one recording.
-struct Ripple<'a> {
-    file: &'a String,
-    found_hz: f64,
-    mains_hz: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ripple {
+    /// Its frequency by the time stamps, Hz.
+    pub found_hz: f64,
+    /// Twice the mains, Hz.
+    pub mains_hz: f64,
     /// How often the engine's pulses come over what the speed says, where that is seen.
     pulses: Option<f64>,
 }
 
-impl Ripple<'_> {
-    fn ratio(&self) -> f64 {
+impl Ripple {
+    /// How fast the clock counts, as a part of what the mains say.
+    pub fn ratio(&self) -> f64 {
         self.found_hz / self.mains_hz
     }
 
-    fn is_off(&self) -> bool {
+    /// Tells whether the mains contradict the clock.
+    pub fn is_off(&self) -> bool {
         (self.ratio() - 1.0).abs() > LEAST_WRONG
     }
 
-    /// Tells whether the engine's pulses, or the other recordings, show that the clock of this one is wrong.
-    fn is_certain(&self, others: &[f64]) -> bool {
+    /// Tells whether the engine's pulses, or the ratios of the other recordings, show that the clock of this one is
+    /// wrong.
+    pub fn is_certain(&self, others: &[f64]) -> bool {
         let alike = |ratio: &f64, other: f64| (ratio - other).abs() < AGREE;
         let all_alike = !others.is_empty() && others.iter().all(|other| alike(other, self.ratio()));
         let apart = |other: &f64| alike(other, others[0]) && (other - self.ratio()).abs() > APART;
@@ -57,24 +60,11 @@ impl Ripple<'_> {
     }
 }
 
-/// Doubts the clock of each recording whose ripple is beside twice the mains, if its engine's pulses are as far off
-/// their speed, or if the others are all alike: as far off as this one, or right. `pulses` says how often these come
-/// over what the speed says.
-pub(super) fn doubt(findings: &mut Findings<'_>, pulses: &[(String, f64)]) {
-    let of = |file: &String| pulses.iter().find(|(of, _)| of == file).map(|(_, ratio)| *ratio);
-    let seen: Vec<Ripple<'_>> = findings.experiments.iter().filter_map(|e| ripple(e, of(&e.file))).collect();
-    for (i, one) in seen.iter().enumerate().filter(|(_, one)| one.is_off()) {
-        let others: Vec<f64> = seen.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, one)| one.ratio()).collect();
-        if one.is_certain(&others) {
-            let finding = Finding::ClockRate { found_hz: one.found_hz, mains_hz: one.mains_hz };
-            findings.doubt(one.file, Severity::Error, finding);
-        }
-    }
-}
-
 /// The ripple that moves N_d, and what it would be by the mains: the clearest about twice the mains, and about where a
 /// clock would have it that puts the engine's pulses where they are.
-fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple<'_>> {
+///
+/// `pulses` is how often the engine's pulses come over what the speed says, where that is seen.
+pub fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple> {
     let speed = experiment.signal(Role::DynoSpeed)?;
     let half_turn_hz = 0.5 * speed.mean()?.abs() / TAU;
     let powers = powers(speed)?;
@@ -85,8 +75,7 @@ fn ripple(experiment: &Experiment, pulses: Option<f64>) -> Option<Ripple<'_>> {
         about.filter_map(|(mains_hz, about_hz, within)| Some((line(&powers, speed, about_hz, within)?, mains_hz)));
     let ((found_hz, _), mains_hz) = lines.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
     let from_engine_hz = (found_hz - (found_hz / half_turn_hz).round() * half_turn_hz).abs();
-    let file = &experiment.file;
-    (from_engine_hz > OF_THE_ENGINE_HZ).then_some(Ripple { file, found_hz, mains_hz, pulses })
+    (from_engine_hz > OF_THE_ENGINE_HZ).then_some(Ripple { found_hz, mains_hz, pulses })
 }
 
 fn powers(speed: &Signal) -> Option<Vec<f64>> {

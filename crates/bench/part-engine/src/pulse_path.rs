@@ -10,14 +10,11 @@ use std::ops::Range;
 
 use part_controller::speed_controller::SpeedControllerFit;
 use part_torque::torque_control::TorqueControlFit;
-use rig::experiment::Sought;
-use rig::facts::BenchVariant;
 use rig::results::{Quantity, Shaft};
-use rig::{ControlMode, Excitation, Experiment, Finding, Role, Severity};
+use rig::{ControlMode, Experiment, Role};
 use signal::{Complex64, Signal};
 
-use crate::findings::Findings;
-use crate::firing::{SEEN, Seen, middle};
+use crate::orders::{SEEN, Seen, middle};
 
 /// The ratio of the speeds over what the shaft makes of it, where nothing is wrong. On 29 simulated benches it is 0.92
 /// to 1.17, the latter with a loss factor in place of B; a mean of 6 ms on N_e makes 1.6 of it, a lag of 2 ms on N_d
@@ -32,7 +29,7 @@ const CONSTANT: f64 = 0.03;
 
 /// Answer of the speed controller to N_d: T_d/ω_d = F(s) (K_p + K_i/s) e^{−sτ}, F being the torque control.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Answer {
+pub struct Answer {
     proportional: f64,
     integral: f64,
     delay_s: f64,
@@ -40,7 +37,8 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    pub(super) fn of(controller: Option<&SpeedControllerFit>, drive: Option<&TorqueControlFit>) -> Option<Self> {
+    /// Of the controller and the torque control that were estimated; none without both.
+    pub fn of(controller: Option<&SpeedControllerFit>, drive: Option<&TorqueControlFit>) -> Option<Self> {
         let value = |quantity| controller?.result.estimate.parameter(quantity).map(|found| found.value);
         let model = &drive?.model;
         Some(Answer {
@@ -56,22 +54,19 @@ impl Answer {
     }
 }
 
-/// Doubts each recording at a constant speed demand in which the pulses do not pass as K and B say.
-pub(super) fn doubt(findings: &mut Findings<'_>, experiments: &[&Experiment], shaft: &Shaft, answer: Option<Answer>) {
-    if findings.bench.variant != BenchVariant::LoadCell {
-        return;
-    }
-    let firing = findings.bench.engine().firings_per_turn();
-    let is_at_a_speed = |experiment: &&Experiment| experiment.label.excitation == Excitation::Torque;
-    for experiment in Sought::Shaft.candidates(experiments).into_iter().filter(is_at_a_speed) {
-        let of = |order| passed(experiment, shaft, answer, findings.bench.dynamometer_inertia_kg_m2, order);
-        let found = [firing, 2.0 * firing].into_iter().filter_map(of);
-        let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
-        let is_off = |ratio: f64| !AS_IT_SHOULD.contains(&ratio);
-        if let Some((frequency_hz, ratio)) = farthest.filter(|(_, ratio)| is_off(*ratio)) {
-            findings.doubt(&experiment.file, Severity::Error, Finding::PulsesOffShaft { frequency_hz, ratio });
-        }
-    }
+/// The frequency of the pulses, Hz, that pass farthest from how K and B let them through, and their strength in N_d
+/// over that in N_e as a part of what the shaft makes of it. Nothing where all pass as they should, or are not seen.
+pub fn off_shaft(
+    experiment: &Experiment,
+    shaft: &Shaft,
+    answer: Option<Answer>,
+    inertia_kg_m2: f64,
+    firings_per_turn: f64,
+) -> Option<(f64, f64)> {
+    let of = |order| passed(experiment, shaft, answer, inertia_kg_m2, order);
+    let found = [firings_per_turn, 2.0 * firings_per_turn].into_iter().filter_map(of);
+    let farthest = found.max_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
+    farthest.filter(|(_, ratio)| !AS_IT_SHOULD.contains(ratio))
 }
 
 /// The frequency of an order, and its strength in N_d over that in N_e as a part of what the shaft makes of it; nothing

@@ -1,0 +1,100 @@
+//! The study as one JSON document, written and read.
+//!
+//! Numbers keep their full precision; one that is NaN or infinite is `null`, which is read as NaN, as infinite degrees of
+//! freedom, or as not known. A study that is read and written again gives the same document. It equals the study that
+//! was written but for the rounding of what is written in the unit people read, for errors, of which the document has
+//! the words, and for what it leaves out: the values of traces, which [`Study::take_series`] fills in from their table, and
+//! [`rig::results::Shaft::shared_errors`].
+
+use bench_model::document::{JsonFault, format_of, from_json};
+use serde::{Deserialize, Serialize};
+
+use crate::Study;
+
+/// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
+pub const FORMAT_VERSION: u32 = 3;
+
+/// Text of the `format` field of a study's file.
+const FORMAT: &str = "dynoid-study";
+
+#[derive(Serialize)]
+struct Written<'a> {
+    format: &'static str,
+    format_version: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    series_file: Option<&'a str>,
+    study: &'a Study,
+}
+
+/// A study's document.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Document {
+    /// Name of the table that holds the values of [`crate::series`], where there is one.
+    pub series_file: Option<String>,
+    /// The study.
+    pub study: Study,
+}
+
+/// Statements of a study's document on itself; looked at first, since another version may have another shape.
+#[derive(Deserialize)]
+struct Header {
+    #[serde(default)]
+    format_version: u64,
+}
+
+/// Why a text is no study.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DocumentError {
+    /// The text has another `format`, or none.
+    #[error("this is not a study: its `format` is not “{FORMAT}”; `dynoid study bench.toml` writes study.json")]
+    NotAStudy,
+    /// A study of another version.
+    #[error("this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study bench.toml` again")]
+    OtherVersion {
+        /// Its version.
+        found: u64,
+    },
+    /// A study that is damaged.
+    #[error("{fault}; copy the study again, or let `dynoid study bench.toml` write it again")]
+    Damaged {
+        /// Where, and what is wrong.
+        fault: JsonFault,
+    },
+}
+
+/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 3, "series_file": …, "study": {…}}`.
+///
+/// `series_file` is the name of the table that holds the values of [`crate::series`], where there is one.
+///
+/// Should serialisation ever fail, the document holds an `error` text in place of `study`, so that a reader of the file
+/// sees why.
+pub fn json(study: &Study, series_file: Option<&str>) -> String {
+    let document = Written { format: FORMAT, format_version: FORMAT_VERSION, series_file, study };
+    serde_json::to_string(&document).unwrap_or_else(|error| {
+        let reason = serde_json::Value::String(error.to_string());
+        format!(r#"{{"format":"dynoid-study","format_version":{FORMAT_VERSION},"error":{reason}}}"#)
+    })
+}
+
+/// Tells whether this is the `format` of a study.
+#[must_use]
+pub fn is_study(format: &str) -> bool {
+    format == FORMAT
+}
+
+/// Reads what [`json`] wrote.
+///
+/// # Errors
+/// [`DocumentError`] with the place in the text, and what to do.
+pub fn read(text: &str) -> Result<Document, DocumentError> {
+    let damaged = |fault| DocumentError::Damaged { fault };
+    match format_of(text) {
+        Some(format) if is_study(&format) => {}
+        _ => return Err(DocumentError::NotAStudy),
+    }
+    let header: Header = from_json(text).map_err(damaged)?;
+    if header.format_version != u64::from(FORMAT_VERSION) {
+        return Err(DocumentError::OtherVersion { found: header.format_version });
+    }
+    from_json(text).map_err(damaged)
+}
