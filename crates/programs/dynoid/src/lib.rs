@@ -22,24 +22,38 @@
 
 pub mod analyses;
 mod bench;
+pub mod can;
 pub mod date;
 mod error;
+pub mod experiments;
+mod exports;
 mod files;
 mod find;
 mod formats;
+mod known;
 mod mark;
+mod models;
 mod output;
+pub mod pages;
 pub mod paths;
 mod patterns;
 mod read;
 mod session;
+mod written;
 
 pub use bench::{Bench, bench_text};
-pub use error::Error;
+pub use error::{Error, NotDesigned, NotPredicted};
+pub use exports::{Export, ExportTarget, WrittenExport};
 pub use files::Files;
 pub use find::{InputFile, is_recording, listed, recordings_in};
 pub use formats::{FileFormat, encode_mdf4, encode_table};
-pub use mark::{Kind, Mark, in_png, in_svg, is_bench_file};
+pub use known::{Draws, KnownBench, PulsesFrom};
+pub use mark::{Kind, Mark, is_bench_file};
+pub use models::{MODEL, Model, check_model_file, model_name};
 pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
 pub use session::Session;
+pub use written::{
+    DATA, EarlierStudy, FULL_REPORT, FULL_REPORT_PDF, REPORT, REPORT_PDF, SERIES, SUMMARY_PDF, StudyFolder,
+    StudyOptions, WrittenStudy,
+};

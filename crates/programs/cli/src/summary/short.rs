@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynoid::WrittenStudy;
 use report::brief::key_numbers;
 use report::estimated::not_estimated;
 use report::verdict::{Rule, verdict};
@@ -10,8 +11,6 @@ use rig::results::{Parameter, Part, Reason};
 use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
 use study::{ModelComparison, RecordingSummary};
-
-use super::written::Written;
 
 /// A study in short, for programs.
 #[derive(Serialize)]
@@ -87,7 +86,7 @@ struct ShortRecording<'a> {
 }
 
 /// A study in short, for programs.
-pub(crate) fn short(written: &Written) -> Short<'_> {
+pub(crate) fn short(written: &WrittenStudy) -> Short<'_> {
     let study = &written.study;
     let verdict = verdict(study);
     let rule = |rule: &Rule| ShortRule { asks: rule.asks, found: rule.found.clone(), outcome: rule.level.outcome() };

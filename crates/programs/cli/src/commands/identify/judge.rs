@@ -53,7 +53,7 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
 /// Every model on the recordings, which are read once.
 fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec<Met>, CliError> {
     let documents: Vec<ModelDocument> =
-        arguments.models.iter().map(|path| model_file::read(path, &terminal.files())).collect::<Result<_, _>>()?;
+        arguments.models.iter().map(|path| terminal.files().linear_model(path)).collect::<Result<_, _>>()?;
     let (mut files, mut said, mut all): (Option<RecordedFiles>, _, _) = (None, Vec::new(), Vec::new());
     for (path, document) in arguments.models.iter().zip(&documents) {
         let row_time_s = model_file::row_time_s(document, &arguments.meet);
@@ -68,7 +68,7 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         say(&notes, &mut said, terminal);
         say(&beyond(arguments.horizon, &data), &mut said, terminal);
         let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        let name = model_file::name(path);
+        let name = dynoid::model_name(path);
         if arguments.horizon.is_none()
             && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
         {
@@ -108,7 +108,7 @@ fn recordings(
 /// `dynoid model residuals`
 pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &terminal.files())?;
-    let document = model_file::read(&arguments.model, &terminal.files())?;
+    let document = terminal.files().linear_model(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
     say(&notes, &mut Vec::new(), terminal);
@@ -173,7 +173,7 @@ fn run(
     if let Some(path) = &arguments.out {
         recorded::check_output(path, arguments.meet.on.len(), &terminal.files())?;
     }
-    let document = model_file::read(&arguments.model, &terminal.files())?;
+    let document = terminal.files().linear_model(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
         Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
@@ -192,7 +192,7 @@ fn run(
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
         FileFormat::of_output(path)?.write(&recording, path, &terminal.files())?;
     }
-    let model = model_file::name(&arguments.model);
+    let model = dynoid::model_name(&arguments.model);
     let found = Responded { model: &model, what, outputs: &document.outputs, data: &loaded.data, judged: &judged };
     show_with(&arguments.result, &[&arguments.out], || found.page(), || found.json(), terminal)?;
     Ok(Outcome::Done)

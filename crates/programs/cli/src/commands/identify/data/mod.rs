@@ -7,6 +7,7 @@ mod loaded;
 mod note;
 
 use dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
+use dynoid::Error;
 use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 use toolbox_report::data::{self as words, Purpose};
@@ -88,7 +89,7 @@ pub(super) fn take_about(
         clock: arguments.sample_time_s.map_or(usual, CommonClock::Every),
         intersample: intersample(arguments.between.unwrap_or(Between::Held)),
     };
-    let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
+    let (data, adjustments) = dataset(&recordings, &options).map_err(Error::from)?;
     faults::check_sizes(&data, &files.named(&data))?;
     let mut notes: Vec<Note> = files.doubles().into_iter().map(Note::Warning).collect();
     notes.extend(files.clocks().into_iter().map(Note::Done));

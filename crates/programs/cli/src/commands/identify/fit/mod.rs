@@ -16,7 +16,7 @@ use toolbox_report::operating_point::{TakenOff, hint};
 
 use super::data::{Gaps, Loaded, Note, RecordedFiles, check_variation, load_on, named, say, take_about};
 use super::sources::which_data;
-use super::{greybox, model_file, operating_point};
+use super::{greybox, operating_point};
 use crate::cli::identify::{FitArguments, FitCommand, Window};
 use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
@@ -68,7 +68,7 @@ fn hint_of(estimated: &Estimated, unseen: &Dataset) -> Option<String> {
 
 /// Checks where results go before any work is done.
 fn check_fit(arguments: &FitArguments, files: &Files) -> Result<(), CliError> {
-    arguments.out.as_deref().map_or(Ok(()), |out| model_file::check_output(out, files))?;
+    arguments.out.as_deref().map_or(Ok(()), |out| dynoid::check_model_file(out, files))?;
     check_plot(&arguments.result, files)
 }
 

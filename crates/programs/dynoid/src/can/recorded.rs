@@ -6,79 +6,166 @@ use std::path::Path;
 use cycle::{
     Course, Feedback, Own, Reference, RequirementSet, Samples, Signal as Of, Validation, find_start, validate,
 };
+use page::Page;
 use report::can::{AlignedOn, JudgedOwn, RecordedRun, Referred, ScalesOf};
 use report::wording;
 use rig::Role;
 use rig::experiment::{ControlMode, UPDATE_S};
-use serde_json::json;
 use signal::Signal;
+use work::Context;
 
-use super::compared::{Compared, mode};
+use super::compared::{self, Compared, mode};
+use super::facts::{JudgedOwnFacts, JudgedSetFacts, RunFacts};
+use super::requirements::Requirements;
 use super::test::{Test, What};
-use super::wanted::Wanted;
-use crate::cli::can::CanArguments;
-use crate::commands::result::show;
-use crate::error::{CliError, Outcome};
-use crate::terminal::Terminal;
+use crate::error::Error;
+use crate::files::Files;
+use crate::find::InputFile;
+use crate::paths;
 
 /// Time between samples of what is compared second by second, s: at least 5 Hz are asked for.
 const STEP_S: f64 = 0.1;
 
-pub(super) fn run(
-    arguments: &CanArguments,
-    test: &Test,
-    wanted: &Wanted,
-    file: &Path,
-    terminal: &mut Terminal,
-) -> Result<Outcome, CliError> {
-    if wanted.sets.is_empty() && wanted.own.is_empty() {
-        let what = format!(
-            "{}: nothing to judge the recording by. This test has no requirement set of its own: name one with --by, or give a \
-             requirement with --require",
-            test.title
-        );
-        return Err(CliError::Usage { what });
-    }
-    let compared = Compared::read(arguments, test, wanted, file, terminal)?;
-    let refused = |reason: String| CliError::NotAsTest { path: file.to_owned(), reason: compared.explained(&reason) };
-    let reference = reference(test);
-    let (start_s, aligned_on) = start(arguments, test, &reference, &compared).map_err(refused)?;
-    let feedback = feedback(&compared, start_s).map_err(refused)?;
-    let judge = |set: &RequirementSet| validate(&reference, &feedback, set).map(|found| (set.clone(), found));
-    let sets =
-        wanted.sets.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(|error| refused(error.to_string()))?;
-    let judge = |own: &Own| judged(own, test, &reference, &compared, start_s);
-    let own = wanted.own.iter().map(judge).collect::<Result<Vec<_>, String>>().map_err(refused)?;
-    let (time_s, wanted_speed, wanted_torque) = shown(&feedback, test, &reference);
-    let run = RecordedRun {
-        file: &compared.experiment.file,
-        test: &test.title,
-        start_s,
-        aligned_on,
-        signals: (role_of(compared.speed), role_of(compared.torque)),
-        has_demand: compared.throttle.is_some(),
-        sample_time_s: feedback.sample_time_s,
-        referred: Referred { scales: reference.scales, of: scales_of(arguments, test) },
-        remarks: &compared.remarks,
-        sets: &sets,
-        own: &own,
-        time_s: &time_s,
-        speed_rad_s: compared.speed.map(|_| (&wanted_speed[..], &feedback.speed_rad_s[..])),
-        torque_nm: compared.torque.map(|_| (&wanted_torque[..], &feedback.torque_nm[..])),
-    };
-    let passes = run.passes();
-    show(&arguments.on.result, || report::can::recorded(&run), || facts(&run, &sets, &own), terminal)?;
-    Ok(if passes { Outcome::Done } else { Outcome::NotSafe })
+/// A recorded run of a test, judged.
+#[derive(Debug, Clone)]
+pub struct JudgedRun {
+    file: String,
+    test: String,
+    start_s: f64,
+    aligned_on: AlignedOn,
+    speed: Option<String>,
+    torque: Option<String>,
+    has_demand: bool,
+    referred: Referred,
+    remarks: Vec<String>,
+    sets: Vec<(RequirementSet, Validation)>,
+    own: Vec<JudgedOwn>,
+    sample_time_s: f64,
+    time_s: Vec<f64>,
+    /// Demanded and measured speed and torque.
+    speed_rad_s: Option<(Vec<f64>, Vec<f64>)>,
+    torque_nm: Option<(Vec<f64>, Vec<f64>)>,
 }
 
-fn role_of(compared: Option<Role>) -> Option<String> {
-    compared.map(wording::role)
+impl JudgedRun {
+    /// Reads the recording of a run, whose channels a bench file names, and judges it by the requirements. The speed shows
+    /// when the test begins where no `start_s` states it.
+    ///
+    /// # Errors
+    /// Nothing to judge by, a file that cannot be read, and a recording that is no run of the test.
+    pub fn read(
+        bench: &Path,
+        recording: &Path,
+        test: &Test,
+        wanted: &Requirements,
+        start_s: Option<f64>,
+        files: &Files,
+        context: &Context,
+    ) -> Result<Self, Error> {
+        if wanted.sets.is_empty() && wanted.own.is_empty() {
+            return Err(Error::NothingToJudgeBy { test: test.title().to_owned() });
+        }
+        let run = compared::run_channels(bench, files)?;
+        let file = InputFile { path: recording.to_owned(), name: paths::with_slashes(recording) };
+        let recording = compared::recording(&file, &run, files, context)?;
+        let compared = Compared::of(&run, &file, &recording, test, wanted, start_s.is_none())?;
+        Self::of(compared, test, wanted, start_s).map_err(|reason| Error::NotAsTest { path: file.path.clone(), reason })
+    }
+
+    fn of(compared: Compared, test: &Test, wanted: &Requirements, start_s: Option<f64>) -> Result<Self, String> {
+        let refused = |reason: String| compared.explained(&reason);
+        let reference = reference(test);
+        let (start_s, aligned_on) = start(start_s, test, &reference, &compared).map_err(refused)?;
+        let feedback = feedback(&compared, start_s).map_err(refused)?;
+        let judge = |set: &RequirementSet| validate(&reference, &feedback, set).map(|found| (set.clone(), found));
+        let sets = wanted.sets.iter().map(judge).collect::<Result<Vec<_>, _>>();
+        let sets = sets.map_err(|error| refused(error.to_string()))?;
+        let judge = |own: &Own| judged(own, test, &reference, &compared, start_s);
+        let own = wanted.own.iter().map(judge).collect::<Result<Vec<_>, String>>().map_err(refused)?;
+        let (time_s, wanted_speed, wanted_torque) = shown(&feedback, test, &reference);
+        Ok(JudgedRun {
+            test: test.title().to_owned(),
+            start_s,
+            aligned_on,
+            speed: compared.speed.map(wording::role),
+            torque: compared.torque.map(wording::role),
+            has_demand: compared.throttle.is_some(),
+            referred: Referred { scales: reference.scales, of: scales_of(test) },
+            sets,
+            own,
+            sample_time_s: feedback.sample_time_s,
+            time_s,
+            speed_rad_s: compared.speed.map(|_| (wanted_speed, feedback.speed_rad_s)),
+            torque_nm: compared.torque.map(|_| (wanted_torque, feedback.torque_nm)),
+            file: compared.experiment.file,
+            remarks: compared.remarks,
+        })
+    }
+
+    /// Requirement sets, judged.
+    pub fn sets(&self) -> &[(RequirementSet, Validation)] {
+        &self.sets
+    }
+
+    /// Requirements of one's own, judged.
+    pub fn own(&self) -> &[JudgedOwn] {
+        &self.own
+    }
+
+    /// Tells whether everything is met.
+    pub fn passes(&self) -> bool {
+        self.shown().passes()
+    }
+
+    /// The judgement as a page.
+    pub fn page(&self) -> Page {
+        report::can::recorded(&self.shown())
+    }
+
+    /// The judgement in numbers.
+    pub fn facts(&self) -> RunFacts<'_> {
+        RunFacts {
+            test: &self.test,
+            file: &self.file,
+            passes: self.passes(),
+            start_s: self.start_s,
+            speed: &self.speed,
+            torque: &self.torque,
+            limits_refer_to: self.referred,
+            remarks: &self.remarks,
+            requirements: self.sets.iter().map(JudgedSetFacts::of).collect(),
+            own: self.own.iter().map(JudgedOwnFacts::of).collect(),
+        }
+    }
+
+    fn shown(&self) -> RecordedRun<'_> {
+        RecordedRun {
+            file: &self.file,
+            test: &self.test,
+            start_s: self.start_s,
+            aligned_on: self.aligned_on,
+            signals: (self.speed.clone(), self.torque.clone()),
+            has_demand: self.has_demand,
+            sample_time_s: self.sample_time_s,
+            referred: self.referred,
+            remarks: &self.remarks,
+            sets: &self.sets,
+            own: &self.own,
+            time_s: &self.time_s,
+            speed_rad_s: self.speed_rad_s.as_ref().map(both),
+            torque_nm: self.torque_nm.as_ref().map(both),
+        }
+    }
+}
+
+fn both((wanted, measured): &(Vec<f64>, Vec<f64>)) -> (&[f64], &[f64]) {
+    (wanted, measured)
 }
 
 /// Reference of limits in per cent.
-fn scales_of(arguments: &CanArguments, test: &Test) -> ScalesOf {
+fn scales_of(test: &Test) -> ScalesOf {
     let has_map = matches!(&test.what, What::Cycle { map: Some(_), .. });
-    match (has_map, arguments.idle.is_some()) {
+    match (has_map, test.has_stated_idle) {
         (true, true) => ScalesOf::MapAndStatedIdle,
         (true, false) => ScalesOf::Map,
         (false, true) => ScalesOf::CycleAndStatedIdle,
@@ -103,12 +190,12 @@ fn reference(test: &Test) -> Reference {
 
 /// When the test begins in the recording.
 fn start(
-    arguments: &CanArguments,
+    given_s: Option<f64>,
     test: &Test,
     reference: &Reference,
     compared: &Compared,
 ) -> Result<(f64, AlignedOn), String> {
-    if let Some(start_s) = arguments.start {
+    if let Some(start_s) = given_s {
         return Ok((start_s, AlignedOn::Given));
     }
     if let What::Plan { .. } = test.what {
@@ -268,25 +355,4 @@ fn shown(feedback: &Feedback, test: &Test, reference: &Reference) -> (Vec<f64>, 
         (0..feedback.speed_rad_s.len()).map(|k| feedback.start_s + k as f64 * feedback.sample_time_s).collect();
     let (speed, torque) = time_s.iter().map(|time| wanted_at(test, reference, *time)).unzip();
     (time_s, speed, torque)
-}
-
-fn facts(run: &RecordedRun<'_>, sets: &[(RequirementSet, Validation)], own: &[JudgedOwn]) -> serde_json::Value {
-    let set = |(set, validation): &(RequirementSet, Validation)| json!({"name": set.name, "paragraph": set.paragraph, "year": set.year, "text_seen": set.seen, "result": validation});
-    let one = |one: &JudgedOwn| {
-        let judged = one.judged;
-        json!({"requirement": report::can::own(&one.own), "value": judged.value, "limit": judged.limit,
-            "uncertain_by": one.uncertain_by, "passes": judged.passes(), "time_s": judged.time_s})
-    };
-    json!({
-        "test": run.test,
-        "file": run.file,
-        "passes": run.passes(),
-        "start_s": run.start_s,
-        "speed": run.signals.0,
-        "torque": run.signals.1,
-        "limits_refer_to": run.referred,
-        "remarks": run.remarks,
-        "requirements": sets.iter().map(set).collect::<Vec<_>>(),
-        "own": own.iter().map(one).collect::<Vec<_>>(),
-    })
 }

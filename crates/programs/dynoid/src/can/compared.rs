@@ -3,17 +3,19 @@
 use std::path::Path;
 
 use cycle::{Own, Sensor, Signal as Of};
-use dynoid::{Error, Files, InputFile, paths};
+use recording::{Recording, RecordingError, Selection};
 use report::wording;
 use rig::experiment::{ControlMode, Excitation, Test as Experimental};
 use rig::{Diagnostic, Experiment, ExperimentLabel, Finding, PrepareError, Role, RunChannels, Severity, prepare_run};
 use signal::Signal;
+use work::Context;
 
+use super::requirements::Requirements;
 use super::test::{Test, What};
-use super::wanted::Wanted;
-use crate::cli::can::CanArguments;
-use crate::error::CliError;
-use crate::terminal::Terminal;
+use crate::bench::bench_text;
+use crate::error::Error;
+use crate::files::Files;
+use crate::find::InputFile;
 
 /// Roles whose signal can be the torque of the shaft, the best first.
 const SHAFT: [Role; 4] = [Role::FlangeTorque, Role::SystemShaftTorque, Role::LoadCellTorque, Role::AirGapTorque];
@@ -36,22 +38,19 @@ pub(super) struct Compared {
 }
 
 impl Compared {
-    pub(super) fn read(
-        arguments: &CanArguments,
+    /// Of a recording; the speed shows when the test `begins` where that is not stated.
+    pub(super) fn of(
+        run: &RunChannels,
+        file: &InputFile,
+        recording: &Recording,
         test: &Test,
-        wanted: &Wanted,
-        path: &Path,
-        terminal: &mut Terminal,
-    ) -> Result<Self, CliError> {
-        let run = run_channels(&arguments.on.bench, &terminal.files())?;
-        let file = InputFile { path: path.to_owned(), name: paths::with_slashes(path) };
-        let recording = recording(&file, &run, terminal)?;
+        wanted: &Requirements,
+        begins: bool,
+    ) -> Result<Self, Error> {
+        let path = &file.path;
         let label = label(test);
-        let only = |roles: &[&[Role]]| prepare_run(&file.name, &recording, &run, roles, label.clone());
-        let is_cycle = matches!(test.what, What::Cycle { .. });
-        // Where it is not stated when the test begins, the speed shows it.
-        let begins = arguments.start.is_none();
-        let demand = (is_cycle && begins).then(|| only(&[&[Role::DynoSpeedDemand]]).ok()).flatten();
+        let only = |roles: &[&[Role]]| prepare_run(&file.name, recording, run, roles, label.clone());
+        let demand = (test.is_cycle() && begins).then(|| only(&[&[Role::DynoSpeedDemand]]).ok()).flatten();
         let demand = demand.and_then(|(experiment, _)| experiment.signal(Role::DynoSpeedDemand).cloned());
         let (speeds, torques) = followed(test);
         let (uses_speed, uses_torque) = (wanted.uses(Of::Speed) || begins, wanted.uses(Of::Torque));
@@ -67,7 +66,7 @@ impl Compared {
             roles.iter().copied().filter(|_| uses).find(|role| experiment.signal(*role).is_some())
         };
         let (speed, torque) = (there(uses_speed, speeds), there(uses_torque, torques));
-        let refused = |reason: String| CliError::NotAsTest { path: path.to_owned(), reason };
+        let refused = |reason: String| Error::NotAsTest { path: path.to_owned(), reason };
         for (is_used, found, roles) in
             [(wanted.uses(Of::Speed), speed, speeds), (wanted.uses(Of::Torque), torque, torques)]
         {
@@ -107,24 +106,27 @@ impl Compared {
 }
 
 /// The channels of the bench file; nothing else of it is needed.
-fn run_channels(bench: &Path, files: &Files) -> Result<RunChannels, CliError> {
-    let read = dynoid::bench_text(bench, files)?.parse();
+pub(super) fn run_channels(bench: &Path, files: &Files) -> Result<RunChannels, Error> {
+    let read = bench_text(bench, files)?.parse();
     let run: RunChannels = read.map_err(|source| Error::BenchFile { path: bench.to_owned(), source })?;
     if run.channels.is_empty() {
-        return Err(Error::NoChannelsNamed { path: bench.to_owned() }.into());
+        return Err(Error::NoChannelsNamed { path: bench.to_owned() });
     }
     Ok(run)
 }
 
 /// The channels of the bench file, or all where one of them is not there.
-fn recording(file: &InputFile, run: &RunChannels, terminal: &mut Terminal) -> Result<recording::Recording, CliError> {
-    let step = terminal.work().step(format!("reading {}", file.name), 0);
+pub(super) fn recording(
+    file: &InputFile,
+    run: &RunChannels,
+    files: &Files,
+    context: &Context,
+) -> Result<Recording, Error> {
+    let step = context.step(format!("reading {}", file.name), 0);
     let names = run.channels.values().map(|channel| channel.name.clone()).collect::<Vec<_>>();
-    let read = |which: recording::Selection| terminal.files().read_recording(file, &which, None, &step);
-    let found = match read(recording::Selection::Names(names)) {
-        Err(Error::Recording { source: recording::RecordingError::NoSuchChannel { .. }, .. }) => {
-            read(recording::Selection::All)
-        }
+    let read = |which: Selection| files.read_recording(file, &which, None, &step);
+    let found = match read(Selection::Names(names)) {
+        Err(Error::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(Selection::All),
         other => other,
     };
     Ok(found?.recording)
@@ -143,14 +145,14 @@ fn is_told(diagnostic: &Diagnostic) -> bool {
 }
 
 /// Why nothing can be compared.
-fn unusable(error: PrepareError, path: &Path, roles: &[&[Role]]) -> CliError {
+fn unusable(error: PrepareError, path: &Path, roles: &[&[Role]]) -> Error {
     let (PrepareError::NothingUsable { diagnostics, .. }
     | PrepareError::NoCommonStretch { diagnostics, .. }
     | PrepareError::Mislabelled { diagnostics, .. }) = error;
     let of = |severity: Severity| diagnostics.iter().find(|one| one.severity == severity);
     let worst = of(Severity::Error).or(of(Severity::Warning));
     let reason = worst.map_or_else(|| absent(&roles.concat()), wording::remark);
-    CliError::NotAsTest { path: path.to_owned(), reason }
+    Error::NotAsTest { path: path.to_owned(), reason }
 }
 
 /// That none of these roles can be used.

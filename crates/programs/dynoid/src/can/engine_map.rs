@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use cycle::EngineMap;
-use dynoid::{Files, InputFile, paths};
 use recording::{Channel, Recording, Selection};
 use units::{Quantity, RPM_RAD_S, parse_unit_of};
 
-use crate::error::CliError;
+use crate::error::Error;
+use crate::files::Files;
+use crate::find::InputFile;
+use crate::paths;
 
 /// Names of the columns, the first of each the one that messages use.
 pub(super) const SPEED: &[&str] = &["speed", "engine_speed", "n", "drehzahl", "motordrehzahl"];
@@ -15,9 +17,9 @@ pub(super) const TORQUE: &[&str] = &["torque", "engine_torque", "full_load_torqu
 const MOTORING: &[&str] = &["motoring_torque", "motoring", "drag_torque"];
 
 /// The map in a file; rows need no time.
-pub(super) fn read(path: &Path, idle_rpm: Option<f64>, files: &Files) -> Result<EngineMap, CliError> {
+pub(super) fn read(path: &Path, idle_rpm: Option<f64>, files: &Files) -> Result<EngineMap, Error> {
     let recording = table(path, Some(1.0), files)?;
-    let fault = |reason: String| CliError::CycleTable { path: path.to_owned(), reason };
+    let fault = |reason: String| Error::CycleTable { path: path.to_owned(), reason };
     let need = |names| column(&recording, names).ok_or_else(|| fault(missing(names)));
     let speed = si(need(SPEED)?, Quantity::AngularSpeed).map_err(fault)?;
     let torque = si(need(TORQUE)?, Quantity::Torque).map_err(fault)?;
@@ -33,7 +35,7 @@ pub(super) fn read(path: &Path, idle_rpm: Option<f64>, files: &Files) -> Result<
 }
 
 /// A table as channels; its rows need no time where one is given.
-pub(super) fn table(path: &Path, row_time_s: Option<f64>, files: &Files) -> Result<Recording, CliError> {
+pub(super) fn table(path: &Path, row_time_s: Option<f64>, files: &Files) -> Result<Recording, Error> {
     let file = InputFile { path: PathBuf::from(path), name: paths::with_slashes(path) };
     Ok(files.read_recording(&file, &Selection::All, row_time_s, &work::Context::new())?.recording)
 }

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use cycle::{EngineMap, Reference, Rule, Scales, SpeedScale};
-use dynoid::{Error, Files, paths};
 use numerics::order::upper_median;
 use recording::{Channel, Recording, Selection};
 use units::{Quantity, parse_unit_of};
 
 use super::engine_map::{self, SPEED, TORQUE};
-use crate::error::CliError;
-use crate::terminal::Terminal;
+use crate::error::Error;
+use crate::files::Files;
+use crate::paths;
 
 /// Value read for a cell that marks motoring: no torque in Nm or % is so large.
 const MOTORED: f64 = -99_999.0;
@@ -25,16 +25,17 @@ const GAP: f64 = 1.9;
 /// Share of the steps that are the usual one in a table that is even but for gaps.
 const EVEN: f64 = 0.9;
 
-/// The cycle in a file, if its columns are those of one: speed in a unit or in %, torque in a unit or in %.
+/// The cycle in a file, if its columns are those of one: speed in a unit or in %, torque in a unit or in %. Its gaps are
+/// there in words.
 pub(super) fn read(
     path: &Path,
     map: Option<&EngineMap>,
-    terminal: &mut Terminal,
-) -> Result<Option<Reference>, CliError> {
-    let recording = table(path, &terminal.files())?;
+    files: &Files,
+) -> Result<Option<(Reference, Option<String>)>, Error> {
+    let recording = table(path, files)?;
     let find = |names| engine_map::column(&recording, names);
     let (Some(speed), Some(torque)) = (find(SPEED), find(TORQUE)) else { return Ok(None) };
-    let fault = |reason: String| CliError::CycleTable { path: path.to_owned(), reason };
+    let fault = |reason: String| Error::CycleTable { path: path.to_owned(), reason };
     let time_s = recording.time_s(speed).unwrap_or_default().to_vec();
     if recording.time_s(torque).unwrap_or_default() != time_s.as_slice() || time_s.len() < 3 {
         return Err(fault("speed and torque need one time, with three rows or more".to_owned()));
@@ -45,23 +46,24 @@ pub(super) fn read(
             return Err(fault(format!("{}; {remedy}", engine_map::missing_cell(path, channel, row))));
         }
     }
-    let course = course(speed, torque, map).map_err(fault)?;
+    let course = course(speed, torque, map).map_err(|unread| match unread {
+        Unread::Fault(reason) => fault(reason),
+        Unread::NeedsMap(what) => Error::NeedsMap { path: path.to_owned(), what },
+    })?;
     let usual_s = usual_s(&time_s).map_err(fault)?;
     // Points further apart than a second have points each second in between.
     let step_s = 1.0 / (1.0 / usual_s).round().clamp(1.0, 1.0 / LEAST_STEP_S);
-    if let Some(words) = gaps(&time_s, usual_s) {
-        terminal.warning(&format!("{}: {words}", paths::with_slashes(path)));
-    }
+    let gaps = gaps(&time_s, usual_s).map(|words| format!("{}: {words}", paths::with_slashes(path)));
     let (speeds, torques) = evenly(&time_s, &course, step_s).into_iter().unzip();
     let mut reference = Reference { step_s, ..Reference::of_itself(0.0, speeds, torques) };
     if let Some(map) = map {
         reference.scales = Scales::of(map);
     }
-    Ok(Some(reference))
+    Ok(Some((reference, gaps)))
 }
 
 /// The table, with a number in place of each word that marks motoring.
-fn table(path: &Path, files: &Files) -> Result<Recording, CliError> {
+fn table(path: &Path, files: &Files) -> Result<Recording, Error> {
     if !paths::ending(path).is_some_and(|ending| TEXTS.iter().any(|text| ending.eq_ignore_ascii_case(text))) {
         return engine_map::table(path, None, files);
     }
@@ -77,22 +79,32 @@ fn table(path: &Path, files: &Files) -> Result<Recording, CliError> {
         line.split_inclusive(separator).map(cell).collect()
     };
     let marked: Vec<String> = text.lines().map(line).collect();
-    Ok(recording::decode(&paths::with_slashes(path), marked.join("\n").as_bytes(), &Selection::All)
-        .map_err(|source| Error::Recording { source, untimed: false })?)
+    recording::decode(&paths::with_slashes(path), marked.join("\n").as_bytes(), &Selection::All)
+        .map_err(|source| Error::Recording { source, untimed: false })
+}
+
+/// Why a table has no course.
+enum Unread {
+    Fault(String),
+    /// A fact of the table for which the engine's map is needed.
+    NeedsMap(&'static str),
 }
 
 /// Speed, rad/s, and torque, Nm, of each row.
-fn course(speed: &Channel, torque: &Channel, map: Option<&EngineMap>) -> Result<Vec<(f64, f64)>, String> {
-    let need_map = |what: &str| map.ok_or_else(|| format!("{what}; give the engine's map with --engine-map"));
+fn course(speed: &Channel, torque: &Channel, map: Option<&EngineMap>) -> Result<Vec<(f64, f64)>, Unread> {
+    let need_map = |what: &'static str| map.ok_or(Unread::NeedsMap(what));
     let speeds = match percent(speed) {
         Some(values) => {
             let scale = SpeedScale::of(Rule::Cfr1065, need_map("the speed is in %")?);
             values.into_iter().map(|value| scale.speed_rad_s(value)).collect()
         }
-        None => engine_map::si(speed, Quantity::AngularSpeed)?,
+        None => engine_map::si(speed, Quantity::AngularSpeed).map_err(Unread::Fault)?,
     };
     let parts = percent(torque);
-    let torques = if parts.is_none() { engine_map::si(torque, Quantity::Torque)? } else { Vec::new() };
+    let torques = match parts {
+        None => engine_map::si(torque, Quantity::Torque).map_err(Unread::Fault)?,
+        Some(_) => Vec::new(),
+    };
     let row = |k: usize| {
         let (speed, recorded) = (speeds[k], torque.samples[k]);
         let torque = match &parts {
