@@ -86,12 +86,6 @@ pub(crate) enum CliError {
     /// Nothing is left of a recording.
     #[error("{file}: nothing to convert: no numeric channel has a sample in this time{}", because(.reasons))]
     NothingToConvert { file: String, reasons: Vec<String> },
-    /// A channel from which nothing can be computed.
-    #[error("{data}: \"{channel}\": {fault}")]
-    UnusableChannel { data: String, channel: String, fault: String },
-    /// No output was named.
-    #[error("{file}: name outputs with --output and inputs with --input; the channels are {channels}")]
-    NoOutputNamed { file: String, channels: String },
     /// No recording from which PI and delay can be estimated.
     #[error(
         "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
@@ -110,9 +104,6 @@ pub(crate) enum CliError {
     /// A wrong command line.
     #[error("{what}")]
     Usage { what: String },
-    /// An estimate, or something computed from one, is impossible.
-    #[error("{what} is not possible: {source}")]
-    Identify { what: &'static str, source: ident::IdentError },
     /// An estimate is impossible.
     #[error("{data}: the estimate is not possible: {source}{remedy}")]
     Estimate { data: String, source: ident::IdentError, remedy: String },
@@ -121,11 +112,6 @@ pub(crate) enum CliError {
         "{data}: \"{channel}\" has the unit {found}, but {expected} in the model; convert the recording, or fit the model again"
     )]
     UnitOfModel { data: String, channel: String, found: String, expected: String },
-    /// Nothing is left between gaps.
-    #[error(
-        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
-    )]
-    OnlyGaps { data: String, channels: String, shortest: usize },
     /// A file that is not a structure of a grey-box model.
     #[error("{}: this is not a structure of a grey-box model: {reason}\n`dynoid fit greybox --help` shows the layout", .path.display())]
     StructureFile { path: PathBuf, reason: String },
@@ -136,7 +122,7 @@ pub(crate) enum CliError {
 
 impl CliError {
     pub(crate) fn identify(what: &'static str, source: ident::IdentError) -> Self {
-        CliError::Identify { what, source }
+        Error::identify(what, source).into()
     }
 
     pub(crate) fn internal(what: impl ToString) -> Self {
@@ -155,7 +141,7 @@ impl CliError {
             | CliError::NotABenchFile { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::StandardOutput { .. } => OUTPUT,
-            CliError::Usage { .. } | CliError::NoOutputNamed { .. } => USAGE,
+            CliError::Usage { .. } => USAGE,
             _ => INPUT,
         }
     }
@@ -178,6 +164,10 @@ fn code_of(error: &Error) -> u8 {
         | Error::PageEnding { .. }
         | Error::NotABench { .. }
         | Error::ManyFiles { .. }
+        | Error::ChannelTwice { .. }
+        | Error::RecordingTwice { .. }
+        | Error::EmptyWindow { .. }
+        | Error::NoOutputNamed { .. }
         | Error::OtherEnding { .. }
         | Error::FileOfLinear { .. }
         | Error::NameInside { .. }
@@ -208,6 +198,18 @@ fn in_options(error: &Error) -> String {
             format!("{}: --to linear writes a file for each control mode; give a folder", path.display())
         }
         Error::PageEnding { path } => format!("{}: a plot file ends in .html, .pdf, .svg or .png", path.display()),
+        Error::ChannelTwice { channel } => {
+            format!("the channel \"{channel}\" is named twice among --input and --output; name it once")
+        }
+        Error::EmptyWindow { from_s, to_s } => {
+            format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first")
+        }
+        Error::NoOutputNamed { file, channels } => {
+            format!("{file}: name outputs with --output and inputs with --input; the channels are {channels}")
+        }
+        Error::OnlyGaps { data, channels, shortest } => format!(
+            "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
+        ),
         Error::SpeedOfMap { rpm } => {
             format!("--speed {rpm}: a map needs a speed above 0 rpm, since an engine turns forwards")
         }
@@ -246,6 +248,7 @@ fn hint(error: &Error) -> &'static str {
         Error::NeedsVehicle { .. } => " with --vehicle FILE",
         Error::NeedsEngineMap { .. } => " with --engine-map FILE",
         Error::NeedsMap { .. } => " with --engine-map",
+        Error::StillChannel { .. } => " with --from and --to",
         _ => "",
     }
 }

@@ -204,6 +204,37 @@ pub enum Error {
         #[from]
         source: dataset::DatasetError,
     },
+    /// A channel that is named twice.
+    #[error("the channel \"{channel}\" is named twice among inputs and outputs; name it once")]
+    ChannelTwice { channel: String },
+    /// A recording that is named twice.
+    #[error("{name}: this recording is given twice; name it once")]
+    RecordingTwice { name: String },
+    /// A time that ends before it begins.
+    #[error("the time from {from_s} s to {to_s} s is empty; give the earlier time first")]
+    EmptyWindow { from_s: f64, to_s: f64 },
+    /// No output was named.
+    #[error("{file}: name outputs and inputs; the channels are {channels}")]
+    NoOutputNamed { file: String, channels: String },
+    /// A channel from which nothing can be computed.
+    #[error("{data}: \"{channel}\": {fault}")]
+    UnusableChannel { data: String, channel: String, fault: String },
+    /// A channel that does not move.
+    #[error(
+        "{data}: \"{channel}\": it does not vary, so nothing can be learnt from it; choose another channel, or another time"
+    )]
+    StillChannel { data: String, channel: String },
+    /// Nothing is left between gaps.
+    #[error(
+        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer sample time"
+    )]
+    OnlyGaps { data: String, channels: String, shortest: usize },
+    /// Something computed from data or models is impossible.
+    #[error("{what} is not possible: {source}")]
+    Identify { what: &'static str, source: IdentError },
+    /// An estimate is impossible.
+    #[error("{data}: the estimate is not possible: {source}")]
+    NotEstimated { data: String, source: IdentError },
     /// A test that is not known.
     #[error(
         "no test has the name `{name}`{}. Cycles and shapes: {}; experiments: `dynoid experiment list`; or a file",
@@ -294,6 +325,11 @@ impl Error {
             NextError::Study(error) => Self::of_study(bench, error),
             source => Error::Next { path: bench.to_owned(), source },
         }
+    }
+
+    /// Something computed from data or models that is impossible.
+    pub fn identify(what: &'static str, source: IdentError) -> Self {
+        Error::Identify { what, source }
     }
 
     /// A fault of dynoid.

@@ -31,6 +31,7 @@ mod files;
 mod find;
 mod formats;
 mod known;
+pub mod linear;
 mod mark;
 mod models;
 mod output;

@@ -4,17 +4,16 @@ use std::path::Path;
 
 use bench_model::analysis;
 use dataset::{CommonClock, DatasetError};
+use dynoid::linear::{DataOptions, Gaps, Loaded, RecordedFiles, operating_point};
 use dynoid::{Error, Files, Model, model_name};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
-use ident::{Experiment, Intersample, ModelDocument};
+use ident::{Experiment, ModelDocument};
 use toolbox_report::data::Purpose;
 use toolbox_report::models::LoopMargins;
 use units::may_be_same;
 
-use super::data::{Gaps, Loaded, RecordedFiles, take_about};
-use super::operating_point;
-use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
+use crate::cli::identify::{MeetArguments, MeetDetrend};
 use crate::error::CliError;
 
 /// A linear model with its name.
@@ -71,23 +70,20 @@ pub(super) fn meet(
     arguments: &MeetArguments,
 ) -> Result<Loaded, CliError> {
     let names = |labels: &[ident::Label]| labels.iter().map(|label| label.name.clone()).collect();
-    let data = DataArguments {
+    let options = DataOptions {
         recordings: arguments.on.clone(),
         inputs: names(&document.inputs),
         outputs: names(&document.outputs),
-        window: arguments.window,
+        from_s: arguments.window.from_s,
+        to_s: arguments.window.to_s,
         sample_time_s: Some(clock_s(document, files, arguments)?),
-        detrend: Detrend::None,
-        between: Some(match document.intersample {
-            Intersample::ZeroOrderHold => Between::Held,
-            Intersample::FirstOrderHold => Between::Straight,
-            Intersample::BandLimited => Between::BandLimited,
-        }),
+        detrend: None,
+        between: Some(document.intersample),
     };
-    let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend, data, sources);
-    let loaded = take_about(files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
+    let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend.off(), data, sources);
+    let loaded = Loaded::take_about(files, CommonClock::Slowest, &options, Purpose::Judgement, about)?;
     check_units(document, &loaded)?;
-    loaded.cut_at(Gaps::OfInputs)
+    Ok(loaded.cut_at(Gaps::OfInputs)?)
 }
 
 /// Refuses channels in another unit than the model's.

@@ -4,7 +4,7 @@ use ident::{Channel, Dataset};
 use page::decimal::scientific;
 
 use super::loaded::{Loaded, named};
-use crate::error::CliError;
+use crate::error::Error;
 
 /// Beyond these sizes, products of a few values leave the range of numbers.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
@@ -29,12 +29,12 @@ fn name(data: &Dataset, channel: Channel) -> String {
 }
 
 /// Refuses channels of sizes at which squares overflow or vanish: no number computed from them would be right.
-pub(super) fn check_sizes(data: &Dataset, files: &str) -> Result<(), CliError> {
+pub(super) fn check_sizes(data: &Dataset, files: &str) -> Result<(), Error> {
     for channel in channels(data) {
         let size = size(data, channel);
         if size > 0.0 && !SIZES.contains(&size) {
             let channel = name(data, channel);
-            return Err(CliError::UnusableChannel {
+            return Err(Error::UnusableChannel {
                 data: files.to_owned(),
                 channel,
                 fault: format!(
@@ -48,7 +48,10 @@ pub(super) fn check_sizes(data: &Dataset, files: &str) -> Result<(), CliError> {
 }
 
 /// Refuses to estimate from outputs that do not vary, and from inputs of which nothing is left without their trend.
-pub(in crate::commands::identify) fn check_variation(loaded: &Loaded) -> Result<(), CliError> {
+///
+/// # Errors
+/// Such a channel.
+pub fn check_variation(loaded: &Loaded) -> Result<(), Error> {
     refuse_still(loaded, |channel, [low, high, whole]| match channel {
         // Without a trend taken off, an input that is switched on before the record begins may tell something.
         Channel::Input(_) => low.abs().max(high.abs()) <= ROUNDING * whole,
@@ -57,12 +60,15 @@ pub(in crate::commands::identify) fn check_variation(loaded: &Loaded) -> Result<
 }
 
 /// Refuses channels that do not move: no answer begins there.
-pub(in crate::commands::identify) fn check_movement(loaded: &Loaded) -> Result<(), CliError> {
+///
+/// # Errors
+/// Such a channel.
+pub fn check_movement(loaded: &Loaded) -> Result<(), Error> {
     refuse_still(loaded, |_, [low, high, whole]| high - low <= ROUNDING * whole.max(high.abs()))
 }
 
 /// Refuses a channel that is still by its smallest and its largest value and the level that was taken off.
-fn refuse_still(loaded: &Loaded, is_still: impl Fn(Channel, [f64; 3]) -> bool) -> Result<(), CliError> {
+fn refuse_still(loaded: &Loaded, is_still: impl Fn(Channel, [f64; 3]) -> bool) -> Result<(), Error> {
     let data = &loaded.data;
     let still = |channel: &Channel| {
         let known = || data.experiments().iter().flat_map(|e| e.channel(*channel)).copied().filter(|v| !v.is_nan());
@@ -76,10 +82,6 @@ fn refuse_still(loaded: &Loaded, is_still: impl Fn(Channel, [f64; 3]) -> bool) -
     };
     match channels(data).find(still) {
         None => Ok(()),
-        Some(channel) => Err(CliError::UnusableChannel {
-            data: named(data, &loaded.sources),
-            channel: name(data, channel),
-            fault: "it does not vary, so nothing can be learnt from it; choose another channel, or another time with --from and --to".into(),
-        }),
+        Some(channel) => Err(Error::StillChannel { data: named(data, &loaded.sources), channel: name(data, channel) }),
     }
 }

@@ -2,22 +2,24 @@
 
 use std::path::PathBuf;
 
-use dynoid::{Error, Files, InputFile};
 use ident::{Dataset, Experiment, Source};
 use recording::{Recording, RecordingError, Selection};
 use work::Context;
 
 use super::loaded::named;
-use crate::error::CliError;
-use crate::terminal::Terminal;
+use crate::error::Error;
+use crate::files::Files;
+use crate::find::InputFile;
 
 /// Recordings, their names and the hashes of their bytes.
-pub(in crate::commands::identify) struct RecordedFiles {
+#[derive(Debug)]
+pub struct RecordedFiles {
     all: Vec<File>,
     /// The time from row to row that text without a time column was read with; none where there is no such text.
     row_time_s: Option<f64>,
 }
 
+#[derive(Debug)]
 struct File {
     file: InputFile,
     /// Name in results.
@@ -29,21 +31,25 @@ struct File {
 impl RecordedFiles {
     /// Reads these channels of recordings, all where none are named. Text without a time column is read where the time
     /// from row to row is given.
-    pub(in crate::commands::identify) fn read(
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is named twice.
+    pub fn read(
         paths: &[PathBuf],
         channels: &[&str],
         row_time_s: Option<f64>,
-        terminal: &Terminal,
-    ) -> Result<Self, CliError> {
-        let files = terminal.files().named(paths)?;
-        check_once(&files)?;
-        let names = short_names(&files);
-        let step = terminal.work().step("reading", files.len() as u64);
+        files: &Files,
+        context: &Context,
+    ) -> Result<Self, Error> {
+        let named = files.named(paths)?;
+        check_once(&named)?;
+        let names = short_names(&named);
+        let step = context.step("reading", named.len() as u64);
         let (mut all, mut untimed) = (Vec::new(), false);
-        for (file, name) in files.into_iter().zip(names) {
+        for (file, name) in named.into_iter().zip(names) {
             let reading = step.step(format!("reading {}", file.name), 0);
-            let (recording, is_untimed) = decode(&file, channels, row_time_s, &reading, &terminal.files())?;
-            let sha256 = terminal.files().sha256(&file)?;
+            let (recording, is_untimed) = decode(&file, channels, row_time_s, &reading, files)?;
+            let sha256 = files.sha256(&file)?;
             untimed |= is_untimed;
             all.push(File { file, name, recording, sha256 });
         }
@@ -51,12 +57,12 @@ impl RecordedFiles {
     }
 
     /// Tells whether reading them with this time from row to row would give the same.
-    pub(in crate::commands::identify) fn serves(&self, row_time_s: f64) -> bool {
+    pub fn serves(&self, row_time_s: f64) -> bool {
         self.row_time_s.is_none_or(|used_s| used_s == row_time_s)
     }
 
     /// Tells whether one of them is text without a time column.
-    pub(in crate::commands::identify) fn are_untimed(&self) -> bool {
+    pub fn are_untimed(&self) -> bool {
         self.row_time_s.is_some()
     }
 
@@ -100,14 +106,11 @@ impl RecordedFiles {
 }
 
 /// Refuses a file that is named twice: it would count twice.
-fn check_once(files: &[InputFile]) -> Result<(), CliError> {
+fn check_once(files: &[InputFile]) -> Result<(), Error> {
     let place = |file: &InputFile| file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
     let places: Vec<PathBuf> = files.iter().map(place).collect();
     match places.iter().enumerate().find(|(index, place)| places[..*index].contains(place)) {
-        Some((index, _)) => {
-            let what = format!("{}: this recording is given twice; name it once", files[index].name);
-            Err(CliError::Usage { what })
-        }
+        Some((index, _)) => Err(Error::RecordingTwice { name: files[index].name.clone() }),
         None => Ok(()),
     }
 }
@@ -133,7 +136,7 @@ fn decode(
     row_time_s: Option<f64>,
     context: &Context,
     files: &Files,
-) -> Result<(Recording, bool), CliError> {
+) -> Result<(Recording, bool), Error> {
     let wanted = if channels.is_empty() { Selection::All } else { Selection::names(channels.iter().copied()) };
     let read = |wanted: &Selection| files.read_recording(file, wanted, row_time_s, context);
     let read = match read(&wanted) {

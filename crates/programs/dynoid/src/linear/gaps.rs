@@ -4,7 +4,7 @@ use ident::{Channel, Dataset, IdentError};
 
 use super::loaded::{Loaded, named};
 use super::note::Note;
-use crate::error::CliError;
+use crate::error::Error;
 
 /// Stretches between gaps that are shorter than this, in samples, are left out: they add hardly more than their own
 /// initial states need.
@@ -12,7 +12,7 @@ const SHORTEST: usize = 20;
 
 /// Where data have to be without gaps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::commands::identify) enum Gaps {
+pub enum Gaps {
     /// In the inputs.
     OfInputs,
     /// In every channel.
@@ -22,7 +22,10 @@ pub(in crate::commands::identify) enum Gaps {
 impl Loaded {
     /// The same data cut at gaps, each stretch an experiment with an initial state of its own. What was done is in the
     /// last of the notes.
-    pub(in crate::commands::identify) fn cut_at(self, gaps: Gaps) -> Result<Loaded, CliError> {
+    ///
+    /// # Errors
+    /// Data of which nothing is left.
+    pub fn cut_at(self, gaps: Gaps) -> Result<Loaded, Error> {
         if !has(&self.data, gaps) {
             return Ok(self);
         }
@@ -30,15 +33,15 @@ impl Loaded {
         let (mut recording, mut notes) = (Vec::new(), self.notes.clone());
         for (index, of) in self.recording.iter().enumerate() {
             let one = self.data.only_experiments(&[index]);
-            let one = one.map_err(|source| CliError::identify("cutting at gaps", source))?;
+            let one = one.map_err(|source| Error::identify("cutting at gaps", source))?;
             let parts = if has(&one, gaps) { cut(&one, gaps) } else { Ok(one.clone()) };
             notes.extend(note(&one, parts.as_ref().ok(), gaps));
             let Ok(parts) = parts else { continue };
             recording.extend(vec![*of; parts.experiments().len()]);
             let merged = whole.map_or(Ok(parts.clone()), |before| before.merge(&parts));
-            whole = Some(merged.map_err(|source| CliError::identify("cutting at gaps", source))?);
+            whole = Some(merged.map_err(|source| Error::identify("cutting at gaps", source))?);
         }
-        let data = whole.ok_or_else(|| CliError::OnlyGaps {
+        let data = whole.ok_or_else(|| Error::OnlyGaps {
             data: named(&self.data, &self.sources),
             channels: missing_channels(&self.data, gaps).join(", "),
             shortest: SHORTEST,

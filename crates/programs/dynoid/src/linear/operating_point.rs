@@ -4,22 +4,35 @@ use faer::Mat;
 use ident::{AnyModel, Dataset, Experiment, Fit, IdentError, Line, ModelDocument, Source, Trend, TrendShape};
 use toolbox_report::operating_point::TakenOff;
 
-use super::data::{self, Loaded};
-use crate::cli::identify::MeetDetrend;
-use crate::error::CliError;
+use super::data;
+use super::loaded::Loaded;
+use crate::error::Error;
+
+/// What is taken off recordings that a model meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeetingTrend {
+    /// The operating point of the model.
+    Model,
+    /// The recordings' own mean or line.
+    Own(TrendShape),
+    /// Nothing.
+    Nothing,
+}
 
 /// Trend that is taken off recordings that a model meets.
-pub(super) fn trend(
+///
+/// # Errors
+/// Data without samples.
+pub fn trend(
     document: &ModelDocument,
-    detrend: MeetDetrend,
+    off: MeetingTrend,
     data: &Dataset,
     sources: &[Source],
 ) -> Result<Option<Trend>, IdentError> {
-    match detrend {
-        MeetDetrend::Model => of_model(document, sources),
-        MeetDetrend::Mean => data::trend(data, Some(TrendShape::Mean)),
-        MeetDetrend::Line => data::trend(data, Some(TrendShape::Line)),
-        MeetDetrend::None => Ok(None),
+    match off {
+        MeetingTrend::Model => of_model(document, sources),
+        MeetingTrend::Own(shape) => data::trend(data, Some(shape)),
+        MeetingTrend::Nothing => Ok(None),
     }
 }
 
@@ -49,11 +62,11 @@ fn mean_levels(all: &[Vec<Line>]) -> Vec<Line> {
 }
 
 /// Levels taken off, of which [`toolbox_report::operating_point::hint`] speaks.
-pub(super) fn taken_off(detrend: MeetDetrend) -> TakenOff {
-    match detrend {
-        MeetDetrend::Model => TakenOff::OfModel,
-        MeetDetrend::Mean | MeetDetrend::Line => TakenOff::Own,
-        MeetDetrend::None => TakenOff::Nothing,
+pub fn taken_off(off: MeetingTrend) -> TakenOff {
+    match off {
+        MeetingTrend::Model => TakenOff::OfModel,
+        MeetingTrend::Own(_) => TakenOff::Own,
+        MeetingTrend::Nothing => TakenOff::Nothing,
     }
 }
 
@@ -63,11 +76,11 @@ pub(super) fn with_levels(
     fit: &Fit<AnyModel>,
     estimation: Loaded,
     unseen: Option<Loaded>,
-) -> Result<(Loaded, Option<Loaded>), CliError> {
+) -> Result<(Loaded, Option<Loaded>), Error> {
     if fit.levels.is_empty() {
         return Ok((estimation, unseen));
     }
-    let failed = |source| CliError::identify("the level of the outputs", source);
+    let failed = |source| Error::identify("the level of the outputs", source);
     let levels: Vec<Vec<f64>> = (0..estimation.sources.len()).map(|n| level_of(n, fit, &estimation)).collect();
     let own = estimation.sources.clone();
     let data = fit.without_levels(&estimation.data).map_err(failed)?;
