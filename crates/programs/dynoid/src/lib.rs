@@ -1,21 +1,49 @@
 //! Recordings of a dynamometer test bench in, a validated bench model out: the library that programs call.
 //!
 //! [`Files`] are the files of one run: what it reads, and what it may write. A [`Bench`] is a bench file. A [`Session`]
-//! is a bench with its recordings, and gives what they show. Long work takes a [`work::Context`], by which a program
-//! follows and ends it.
+//! is a bench with its recordings, and gives what they show; a [`StudyFolder`] takes the report. A [`KnownBench`] is a
+//! bench on which tests ([`can`]) and [`experiments`] are tried. [`linear`] has models of any channels, and [`Export`]
+//! makes files of other programs from models. Long work takes a [`work::Context`], by which a program follows and ends
+//! it.
 //!
 //! ```no_run
-//! use dynoid::{Bench, Files, Session};
+//! use dynoid::{Bench, Files, Session, StudyFolder, StudyOptions};
 //! use work::Context;
 //!
 //! # fn main() -> Result<(), dynoid::Error> {
 //! let (files, context) = (Files::new("fleet report", false), Context::new());
 //! let bench = Bench::load("cell4/bench.toml".as_ref(), &files)?;
-//! let session = Session::open(bench, &files, &context)?;
-//! let study = session.study(&context)?;
-//! assert!(study.model.is_some());
+//! let folder = StudyFolder::check(&bench, "cell4/study".as_ref(), StudyOptions::default(), &files)?;
+//! let written = folder.write(&Session::open(bench, &files, &context)?, &context)?;
+//! println!("{}", written.report.display());
 //! # Ok(())
 //! # }
+//! ```
+//!
+//! The examples of this crate run on a virtual bench, so that they run anywhere.
+//!
+//! # A study
+//!
+//! ```ignore
+#![doc = include_str!("../examples/study.rs")]
+//! ```
+//!
+//! # Can this bench run this test?
+//!
+//! ```ignore
+#![doc = include_str!("../examples/verdict.rs")]
+//! ```
+//!
+//! # A linear model of two channels
+//!
+//! ```ignore
+#![doc = include_str!("../examples/fit.rs")]
+//! ```
+//!
+//! # The model in another program
+//!
+//! ```ignore
+#![doc = include_str!("../examples/export.rs")]
 //! ```
 
 #![warn(missing_docs)]
