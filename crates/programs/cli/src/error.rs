@@ -3,7 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use dynoid::Error;
+use dynoid::experiments::OPTIMAL;
+use dynoid::{Error, NotDesigned, NotPredicted};
 
 /// The command line is wrong.
 const USAGE: u8 = 2;
@@ -13,6 +14,9 @@ const INPUT: u8 = 3;
 const OUTPUT: u8 = 4;
 /// A fault in dynoid itself.
 pub(crate) const INTERNAL: u8 = 5;
+
+/// The option that gives the model of a study, behind a text that asks for one.
+pub(crate) const WITH_MODEL: &str = " with --model";
 
 /// How a command ended that did its work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +60,7 @@ impl Outcome {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
     /// An error of the library.
-    #[error("{source}{}", hint(.source))]
+    #[error("{}", in_options(.source))]
     Door {
         #[from]
         source: Error,
@@ -70,20 +74,6 @@ pub(crate) enum CliError {
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file exists already; write another with --out, add to it with --update, or replace it with --force", .path.display())]
     BenchFileExists { path: PathBuf },
-    /// An FMU of another version of FMI, which must not be overwritten.
-    #[error(
-        "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name with --out, or replace it with \
-         --overwrite",
-        .path.display()
-    )]
-    OtherFmi { path: PathBuf, found: &'static str, wanted: &'static str },
-    /// A source in C that other models in the folder use.
-    #[error(
-        "{}: this source is another one than that of this dynoid, and other models in the folder may need it; choose another folder with \
-         --out, or replace it with --overwrite",
-        .path.display()
-    )]
-    OtherSource { path: PathBuf },
     /// The demo's folder holds other things.
     #[error(
         "{}: the folder contains other files ({found}); choose another folder with --out",
@@ -96,15 +86,6 @@ pub(crate) enum CliError {
     /// Nothing is left of a recording.
     #[error("{file}: nothing to convert: no numeric channel has a sample in this time{}", because(.reasons))]
     NothingToConvert { file: String, reasons: Vec<String> },
-    /// Channels that make no data set.
-    #[error(transparent)]
-    Dataset(#[from] dataset::DatasetError),
-    /// A channel from which nothing can be computed.
-    #[error("{data}: \"{channel}\": {fault}")]
-    UnusableChannel { data: String, channel: String, fault: String },
-    /// No output was named.
-    #[error("{file}: name outputs with --output and inputs with --input; the channels are {channels}")]
-    NoOutputNamed { file: String, channels: String },
     /// No recording from which PI and delay can be estimated.
     #[error(
         "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
@@ -123,9 +104,6 @@ pub(crate) enum CliError {
     /// A wrong command line.
     #[error("{what}")]
     Usage { what: String },
-    /// An estimate, or something computed from one, is impossible.
-    #[error("{what} is not possible: {source}")]
-    Identify { what: &'static str, source: ident::IdentError },
     /// An estimate is impossible.
     #[error("{data}: the estimate is not possible: {source}{remedy}")]
     Estimate { data: String, source: ident::IdentError, remedy: String },
@@ -134,86 +112,17 @@ pub(crate) enum CliError {
         "{data}: \"{channel}\" has the unit {found}, but {expected} in the model; convert the recording, or fit the model again"
     )]
     UnitOfModel { data: String, channel: String, found: String, expected: String },
-    /// Nothing is left between gaps.
-    #[error(
-        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
-    )]
-    OnlyGaps { data: String, channels: String, shortest: usize },
-    /// A plot file of an unknown kind.
-    #[error("{}: a plot file ends in .html, .pdf, .svg or .png", .path.display())]
-    PlotEnding { path: PathBuf },
-    /// A model file with a fault.
-    #[error("{}: {reason}; copy the file again, correct it, or let `dynoid fit … --out` write it again", .path.display())]
-    ModelFile { path: PathBuf, reason: String },
-    /// A file that is none of dynoid's.
-    #[error("{}: this is not a model file ({reason}); give {wanted}", .path.display())]
-    NoModel { path: PathBuf, reason: String, wanted: &'static str },
-    /// A model file of another version.
-    #[error("{}: {source}", .path.display())]
-    ModelVersion { path: PathBuf, source: ident::IdentError },
     /// A file that is not a structure of a grey-box model.
     #[error("{}: this is not a structure of a grey-box model: {reason}\n`dynoid fit greybox --help` shows the layout", .path.display())]
     StructureFile { path: PathBuf, reason: String },
-    /// A file of demands that makes no experiment.
-    #[error("{}: {source}", .path.display())]
-    Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
-    /// A file without a bench model.
-    #[error("{}: {source}", .path.display())]
-    BenchModel { path: PathBuf, source: study::BenchModelError },
-    /// A study where a bench model is wanted.
-    #[error(
-        "{}: this is a study; its bench model is the file model.json beside it. If there is none, `dynoid study bench.toml` writes it",
-        .path.display()
-    )]
-    IsStudy { path: PathBuf },
-    /// A study and a bench model side by side that are of different studies.
-    #[error(
-        "{}: this study is another one than that of {}; run `dynoid study bench.toml` again, or name the model file itself",
-        .study.display(), .model.display()
-    )]
-    OfTwoStudies { study: PathBuf, model: PathBuf },
-    /// An FMU that holds no model file of dynoid.
-    #[error(
-        "{}: this is no FMU with a model of dynoid; take one that `dynoid export` of this version made, or its model.json",
-        .path.display()
-    )]
-    NoModelInside { path: PathBuf },
-    /// A linear model where a bench model is wanted.
-    #[error(
-        "{}: this is a linear model of `dynoid fit`, and a bench model is needed; give the model.json of `dynoid study`, or an FMU of it",
-        .path.display()
-    )]
-    IsLinearModel { path: PathBuf },
-    /// A bench model where a linear model is wanted.
-    #[error(
-        "{}: this is a bench model, and a linear model is needed; `dynoid export --to linear` makes linear models of it. \
-         `dynoid model bode`, `step`, `poles`, `compare` and `simulate` take it as it is",
-        .path.display()
-    )]
-    IsBenchModel { path: PathBuf },
-    /// A model that cannot be exported.
-    #[error("{}: {source}", .path.display())]
-    Export { path: PathBuf, source: export::ExportError },
-    /// An experiment that cannot be checked.
-    #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
-    NotCheckable { path: PathBuf, reason: String },
-    /// A table of an engine, a cycle or a vehicle.
-    #[error("{}: {reason}", .path.display())]
-    CycleTable { path: PathBuf, reason: String },
-    /// A recording that is no run of the test.
-    #[error("{}: the run cannot be judged: {reason}", .path.display())]
-    NotAsTest { path: PathBuf, reason: String },
     /// A recording that a bench model cannot be run on.
     #[error("the recording cannot be replayed on a bench model: {reason}")]
     NotReplayed { reason: String },
-    /// A bench that cannot be simulated.
-    #[error("{}: {source}", .path.display())]
-    VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },
 }
 
 impl CliError {
     pub(crate) fn identify(what: &'static str, source: ident::IdentError) -> Self {
-        CliError::Identify { what, source }
+        Error::identify(what, source).into()
     }
 
     pub(crate) fn internal(what: impl ToString) -> Self {
@@ -230,11 +139,9 @@ impl CliError {
             CliError::Door { source } => code_of(source),
             CliError::BenchFileExists { .. }
             | CliError::NotABenchFile { .. }
-            | CliError::OtherFmi { .. }
-            | CliError::OtherSource { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::StandardOutput { .. } => OUTPUT,
-            CliError::Usage { .. } | CliError::PlotEnding { .. } | CliError::NoOutputNamed { .. } => USAGE,
+            CliError::Usage { .. } => USAGE,
             _ => INPUT,
         }
     }
@@ -248,10 +155,80 @@ fn code_of(error: &Error) -> u8 {
         | Error::IsReadOnly { .. }
         | Error::IsDevice { .. }
         | Error::AmongRecordings { .. }
+        | Error::OtherFmi { .. }
+        | Error::OtherSource { .. }
         | Error::Encode { .. } => OUTPUT,
-        Error::IsRead { .. } | Error::OutputEnding { .. } => USAGE,
+        Error::IsRead { .. }
+        | Error::OutputEnding { .. }
+        | Error::ModelEnding { .. }
+        | Error::PageEnding { .. }
+        | Error::NotABench { .. }
+        | Error::ManyFiles { .. }
+        | Error::ChannelTwice { .. }
+        | Error::RecordingTwice { .. }
+        | Error::EmptyWindow { .. }
+        | Error::NoOutputNamed { .. }
+        | Error::OtherEnding { .. }
+        | Error::FileOfLinear { .. }
+        | Error::NameInside { .. }
+        | Error::Catalogue { .. }
+        | Error::NotDesigned { .. }
+        | Error::UnknownTest { .. }
+        | Error::NeedsVehicle { .. }
+        | Error::NeedsEngineMap { .. }
+        | Error::Cycle { .. }
+        | Error::Requirement { .. }
+        | Error::NoRegressions { .. }
+        | Error::NothingToJudgeBy { .. }
+        | Error::SpeedOfMap { .. } => USAGE,
         Error::Internal { .. } => INTERNAL,
         _ => INPUT,
+    }
+}
+
+/// The text of an error, with the options that are its remedy.
+fn in_options(error: &Error) -> String {
+    match error {
+        Error::NoRegressions { .. } => format!("--by {error}"),
+        Error::NothingToJudgeBy { test } => format!(
+            "{test}: nothing to judge the recording by. This test has no requirement set of its own: name one with --by, or give a \
+             requirement with --require"
+        ),
+        Error::FileOfLinear { path } => {
+            format!("{}: --to linear writes a file for each control mode; give a folder", path.display())
+        }
+        Error::PageEnding { path } => format!("{}: a plot file ends in .html, .pdf, .svg or .png", path.display()),
+        Error::ChannelTwice { channel } => {
+            format!("the channel \"{channel}\" is named twice among --input and --output; name it once")
+        }
+        Error::EmptyWindow { from_s, to_s } => {
+            format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first")
+        }
+        Error::NoOutputNamed { file, channels } => {
+            format!("{file}: name outputs with --output and inputs with --input; the channels are {channels}")
+        }
+        Error::OnlyGaps { data, channels, shortest } => format!(
+            "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
+        ),
+        Error::SpeedOfMap { rpm } => {
+            format!("--speed {rpm}: a map needs a speed above 0 rpm, since an engine turns forwards")
+        }
+        Error::Catalogue { experiment, source } if experiment == OPTIMAL => format!("--optimal: {source}"),
+        Error::NotDesigned { reason } => format!("--optimal: {}", designed_with(reason)),
+        _ => format!("{error}{}", hint(error)),
+    }
+}
+
+/// Why no excitation is designed, with the options that are the remedy.
+fn designed_with(reason: &NotDesigned) -> String {
+    match reason {
+        NotDesigned::UnknownShaft => format!("{reason}{WITH_MODEL}"),
+        NotDesigned::NoShaftLimit => {
+            "say how far the shaft's torque may swing, as with --peak-shaft-torque 60, or state shaft_torque in [limits]"
+                .to_owned()
+        }
+        NotDesigned::NothingLeft { .. } => format!("{reason} with --set torque=…"),
+        NotDesigned::Design(_) => reason.to_string(),
     }
 }
 
@@ -261,10 +238,17 @@ fn hint(error: &Error) -> &'static str {
         Error::Write { .. } => " with --out or --plot",
         Error::InTheWay { .. } | Error::IsDevice { .. } => " with --out",
         Error::Occupied { .. } | Error::IsReadOnly { .. } => ", or replace it with --overwrite",
+        Error::OtherFmi { .. } | Error::OtherSource { .. } => " with --out, or replace it with --overwrite",
         Error::Recording { untimed: true, .. } => {
             "; if no column is time, give the time from row to row with --sample-time"
         }
         Error::Encode { .. } => " with --channels",
+        Error::NotABench { .. } => "; give it with --model",
+        Error::NotPredicted { reason: NotPredicted::UnknownShaft, .. } => WITH_MODEL,
+        Error::NeedsVehicle { .. } => " with --vehicle FILE",
+        Error::NeedsEngineMap { .. } => " with --engine-map FILE",
+        Error::NeedsMap { .. } => " with --engine-map",
+        Error::StillChannel { .. } => " with --from and --to",
         _ => "",
     }
 }

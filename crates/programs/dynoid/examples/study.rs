@@ -1,8 +1,8 @@
-//! A study from files: records a virtual bench, studies what its bench file lists, and prints the judgement.
+//! A study from files: records a virtual bench, studies what its bench file lists, and writes the report.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use dynoid::{Bench, FileFormat, Files, Session};
+use dynoid::{Bench, FileFormat, Files, Session, StudyFolder, StudyOptions};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use study::verdict;
@@ -21,9 +21,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     bench.recordings.files = vec!["*.mf4".to_owned()];
 
     let bench = Bench::of(&folder.path().join("bench.toml"), bench);
+    let out = StudyFolder::check(&bench, &folder.path().join("study"), StudyOptions::default(), &files)?;
     let session = Session::open(bench, &files, &context)?;
-    let study = session.study(&context)?;
-    println!("{} recordings: {:?}", study.recordings.len(), verdict(&study).level);
-    assert!(verdict(&study).level != Level::Insufficient && session.model(&study).is_some());
+    let written = out.write(&session, &context)?;
+    println!("{} recordings: {:?}", written.study.recordings.len(), verdict(&written.study).level);
+    assert!(verdict(&written.study).level != Level::Insufficient);
+    assert!(written.report.is_file() && written.model.is_some_and(|model| files.bench_model(&model).is_ok()));
     Ok(())
 }

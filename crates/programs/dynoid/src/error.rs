@@ -3,8 +3,15 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use bench_model::prediction::PredictionError;
+use capability::CapabilityError;
+use cycle::CycleError;
+use design::excitation_design::DesignError;
+use design::safety::SafetyError;
+use ident::IdentError;
 use report::wording;
 use rig::bench_file::BenchFileError;
+use rig::experiment::catalogue::CatalogueError;
 use study::{NextError, StudyError};
 
 /// Why the work cannot go on. A text that ends in a remedy can be followed by how a program offers it.
@@ -88,6 +95,9 @@ pub enum Error {
     /// A result whose ending names no format.
     #[error("{}: the ending of the output says what it is: {endings}", .path.display())]
     OutputEnding { path: PathBuf, endings: &'static str },
+    /// A page whose ending names no kind.
+    #[error("{}: a page ends in .html, .pdf, .svg or .png", .path.display())]
+    PageEnding { path: PathBuf },
     /// A model file where recordings are wanted.
     #[error("{}: this is a model file, not a recording; `dynoid model poles`, `bode`, `step` and `convert` use it", .path.display())]
     IsModel { path: PathBuf },
@@ -97,6 +107,173 @@ pub enum Error {
     /// A bench whose recordings gave no bench model.
     #[error("{}: its recordings gave no bench model; `dynoid study` says what is missing", .path.display())]
     NoModelOfBench { path: PathBuf },
+    /// A model file with a fault.
+    #[error("{}: {reason}; copy the file again, correct it, or let `dynoid fit … --out` write it again", .path.display())]
+    ModelFile { path: PathBuf, reason: String },
+    /// A file that is none of dynoid's.
+    #[error("{}: this is not a model file ({reason}); give {wanted}", .path.display())]
+    NoModel { path: PathBuf, reason: String, wanted: &'static str },
+    /// A model file of another version.
+    #[error("{}: {source}", .path.display())]
+    ModelVersion { path: PathBuf, source: IdentError },
+    /// A place for a linear model whose ending is not that of model files.
+    #[error("{}: a model file ends in .json", .path.display())]
+    ModelEnding { path: PathBuf },
+    /// A file without a bench model.
+    #[error("{}: {source}", .path.display())]
+    BenchModel { path: PathBuf, source: study::BenchModelError },
+    /// A study where a bench model is wanted.
+    #[error(
+        "{}: this is a study; its bench model is the file model.json beside it. If there is none, `dynoid study bench.toml` writes it",
+        .path.display()
+    )]
+    IsStudy { path: PathBuf },
+    /// A study and a bench model side by side that are of different studies.
+    #[error(
+        "{}: this study is another one than that of {}; run `dynoid study bench.toml` again, or name the model file itself",
+        .study.display(), .model.display()
+    )]
+    OfTwoStudies { study: PathBuf, model: PathBuf },
+    /// An FMU that holds no model file of dynoid.
+    #[error(
+        "{}: this is no FMU with a model of dynoid; take one that `dynoid export` of this version made, or its model.json",
+        .path.display()
+    )]
+    NoModelInside { path: PathBuf },
+    /// A linear model where a bench model is wanted.
+    #[error(
+        "{}: this is a linear model of `dynoid fit`, and a bench model is needed; give the model.json of `dynoid study`, or an FMU of it",
+        .path.display()
+    )]
+    IsLinearModel { path: PathBuf },
+    /// A bench model where a linear model is wanted.
+    #[error(
+        "{}: this is a bench model, and a linear model is needed; `dynoid export --to linear` makes linear models of it. \
+         `dynoid model bode`, `step`, `poles`, `compare` and `simulate` take it as it is",
+        .path.display()
+    )]
+    IsBenchModel { path: PathBuf },
+    /// A model that cannot be exported.
+    #[error("{}: {source}", .path.display())]
+    Export { path: PathBuf, source: export::ExportError },
+    /// Several files for a pipe or a device.
+    #[error("{}: this target writes {count} files; give a folder", .path.display())]
+    ManyFiles { path: PathBuf, count: usize },
+    /// A file whose ending is that of another target.
+    #[error("{}: this target writes .{wanted}, not .{found}", .path.display())]
+    OtherEnding { path: PathBuf, wanted: &'static str, found: String },
+    /// One file for the linear models of a bench.
+    #[error("{}: linear models are written to a file for each control mode; give a folder", .path.display())]
+    FileOfLinear { path: PathBuf },
+    /// A name that the content of a file cannot have.
+    #[error("{asked}: the file names what is in it, which cannot have this name; {possible} can")]
+    NameInside { asked: String, possible: String },
+    /// An FMU of another version of FMI, which must not be overwritten.
+    #[error(
+        "{}: this is an FMU of FMI {found}, and one of FMI {wanted} would replace it; choose another name",
+        .path.display()
+    )]
+    OtherFmi { path: PathBuf, found: &'static str, wanted: &'static str },
+    /// A source in C that other models in the folder use.
+    #[error(
+        "{}: this source is another one than that of this dynoid, and other models in the folder may need it; choose another folder",
+        .path.display()
+    )]
+    OtherSource { path: PathBuf },
+    /// A model where a bench file is needed.
+    #[error("{}: this is a model file, not a bench file", .path.display())]
+    NotABench { path: PathBuf },
+    /// A bench that cannot be simulated.
+    #[error("{}: {source}", .path.display())]
+    VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },
+    /// An experiment that is not known, or a number that it does not take.
+    #[error("{experiment}: {source}{}", experiment_remedy(.source))]
+    Catalogue { experiment: String, source: CatalogueError },
+    /// A file of demands that makes no experiment.
+    #[error("{}: {source}", .path.display())]
+    Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
+    /// An experiment or a test that cannot be predicted on a bench.
+    #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
+    NotPredicted { path: PathBuf, reason: NotPredicted },
+    /// An excitation that cannot be designed.
+    #[error("{reason}")]
+    NotDesigned { reason: NotDesigned },
+    /// Channels that make no data set.
+    #[error(transparent)]
+    Dataset {
+        #[from]
+        source: dataset::DatasetError,
+    },
+    /// A channel that is named twice.
+    #[error("the channel \"{channel}\" is named twice among inputs and outputs; name it once")]
+    ChannelTwice { channel: String },
+    /// A recording that is named twice.
+    #[error("{name}: this recording is given twice; name it once")]
+    RecordingTwice { name: String },
+    /// A time that ends before it begins.
+    #[error("the time from {from_s} s to {to_s} s is empty; give the earlier time first")]
+    EmptyWindow { from_s: f64, to_s: f64 },
+    /// No output was named.
+    #[error("{file}: name outputs and inputs; the channels are {channels}")]
+    NoOutputNamed { file: String, channels: String },
+    /// A channel from which nothing can be computed.
+    #[error("{data}: \"{channel}\": {fault}")]
+    UnusableChannel { data: String, channel: String, fault: String },
+    /// A channel that does not move.
+    #[error(
+        "{data}: \"{channel}\": it does not vary, so nothing can be learnt from it; choose another channel, or another time"
+    )]
+    StillChannel { data: String, channel: String },
+    /// Nothing is left between gaps.
+    #[error(
+        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer sample time"
+    )]
+    OnlyGaps { data: String, channels: String, shortest: usize },
+    /// Something computed from data or models is impossible.
+    #[error("{what} is not possible: {source}")]
+    Identify { what: &'static str, source: IdentError },
+    /// An estimate is impossible.
+    #[error("{data}: the estimate is not possible: {source}")]
+    NotEstimated { data: String, source: IdentError },
+    /// A test that is not known.
+    #[error(
+        "no test has the name `{name}`{}. Cycles and shapes: {}; experiments: `dynoid experiment list`; or a file",
+        .meant.as_ref().map_or_else(String::new, |meant| format!("; `{meant}` may be meant")),
+        .known.join(", ")
+    )]
+    UnknownTest { name: String, meant: Option<String>, known: Vec<&'static str> },
+    /// A cycle of a vehicle without one.
+    #[error("{cycle}: this is the speed of a vehicle; describe it")]
+    NeedsVehicle { cycle: String },
+    /// A cycle of an engine without its map.
+    #[error("{cycle}: this cycle is in % of an engine; give its full-load curve")]
+    NeedsEngineMap { cycle: String },
+    /// A cycle that engine or vehicle cannot run.
+    #[error("{cycle}: {source}")]
+    Cycle { cycle: String, source: CycleError },
+    /// A table of an engine, a cycle or a vehicle.
+    #[error("{}: {reason}", .path.display())]
+    CycleTable { path: PathBuf, reason: String },
+    /// A table of a cycle that needs the engine's map.
+    #[error("{}: {what}; give the engine's map", .path.display())]
+    NeedsMap { path: PathBuf, what: &'static str },
+    /// A requirement that is not known.
+    #[error("{source}")]
+    Requirement { source: CycleError },
+    /// A requirement set that judges no test.
+    #[error("{set}: this set has no regressions; give one of 1065.514, 1036.545, whtc, nrtc, whsc")]
+    NoRegressions { set: String },
+    /// A recorded run without a requirement.
+    #[error(
+        "{test}: nothing to judge the recording by. This test has no requirement set of its own: name one, or give a requirement"
+    )]
+    NothingToJudgeBy { test: String },
+    /// A recording that is no run of the test.
+    #[error("{}: the run cannot be judged: {reason}", .path.display())]
+    NotAsTest { path: PathBuf, reason: String },
+    /// A speed at which a bench has no map.
+    #[error("{rpm} rpm: a map needs a speed above 0 rpm, since an engine turns forwards")]
+    SpeedOfMap { rpm: f64 },
     /// Friction that cannot be estimated.
     #[error(transparent)]
     Friction {
@@ -150,9 +327,62 @@ impl Error {
         }
     }
 
+    /// Something computed from data or models that is impossible.
+    pub fn identify(what: &'static str, source: IdentError) -> Self {
+        Error::Identify { what, source }
+    }
+
     /// A fault of dynoid.
     pub fn internal(what: impl ToString) -> Self {
         Error::Internal { what: what.to_string() }
+    }
+}
+
+/// Why an experiment or a test cannot be predicted on a bench.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotPredicted {
+    /// The shaft is not known.
+    #[error(
+        "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or give a study"
+    )]
+    UnknownShaft,
+    /// Many benches cannot be drawn, or run the test.
+    #[error(transparent)]
+    Capability(#[from] CapabilityError),
+    /// Many benches cannot be drawn, or run the experiment.
+    #[error(transparent)]
+    Safety(#[from] SafetyError),
+    /// The bench cannot be predicted.
+    #[error(transparent)]
+    Prediction(#[from] PredictionError),
+}
+
+/// Why no excitation can be designed for a bench.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotDesigned {
+    /// The shaft is not known.
+    #[error("{}", NotPredicted::UnknownShaft)]
+    UnknownShaft,
+    /// Nobody says how far the torque of the shaft may swing.
+    #[error("say how far the shaft's torque may swing, or state shaft_torque in [limits]")]
+    NoShaftLimit,
+    /// The mean torque takes all that the limits allow.
+    #[error("[limits] leaves nothing to excite with at {torque_nm} Nm; lower it")]
+    NothingLeft {
+        /// The mean torque.
+        torque_nm: f64,
+    },
+    /// The task has no solution.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+}
+
+fn experiment_remedy(error: &CatalogueError) -> &'static str {
+    match error {
+        CatalogueError::UnknownExperiment { .. } => {
+            "; `dynoid experiment list` shows all, and a file of demands will do too"
+        }
+        _ => "",
     }
 }
 

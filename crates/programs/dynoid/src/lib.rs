@@ -1,45 +1,88 @@
 //! Recordings of a dynamometer test bench in, a validated bench model out: the library that programs call.
 //!
 //! [`Files`] are the files of one run: what it reads, and what it may write. A [`Bench`] is a bench file. A [`Session`]
-//! is a bench with its recordings, and gives what they show. Long work takes a [`work::Context`], by which a program
-//! follows and ends it.
+//! is a bench with its recordings, and gives what they show; a [`StudyFolder`] takes the report. A [`KnownBench`] is a
+//! bench on which tests ([`can`]) and [`experiments`] are tried. [`linear`] has models of any channels, and [`Export`]
+//! makes files of other programs from models. Long work takes a [`work::Context`], by which a program follows and ends
+//! it.
 //!
 //! ```no_run
-//! use dynoid::{Bench, Files, Session};
+//! use dynoid::{Bench, Files, Session, StudyFolder, StudyOptions};
 //! use work::Context;
 //!
 //! # fn main() -> Result<(), dynoid::Error> {
 //! let (files, context) = (Files::new("fleet report", false), Context::new());
 //! let bench = Bench::load("cell4/bench.toml".as_ref(), &files)?;
-//! let session = Session::open(bench, &files, &context)?;
-//! let study = session.study(&context)?;
-//! assert!(study.model.is_some());
+//! let folder = StudyFolder::check(&bench, "cell4/study".as_ref(), StudyOptions::default(), &files)?;
+//! let written = folder.write(&Session::open(bench, &files, &context)?, &context)?;
+//! println!("{}", written.report.display());
 //! # Ok(())
 //! # }
+//! ```
+//!
+//! The examples of this crate run on a virtual bench, so that they run anywhere.
+//!
+//! # A study
+//!
+//! ```ignore
+#![doc = include_str!("../examples/study.rs")]
+//! ```
+//!
+//! # Can this bench run this test?
+//!
+//! ```ignore
+#![doc = include_str!("../examples/verdict.rs")]
+//! ```
+//!
+//! # A linear model of two channels
+//!
+//! ```ignore
+#![doc = include_str!("../examples/fit.rs")]
+//! ```
+//!
+//! # The model in another program
+//!
+//! ```ignore
+#![doc = include_str!("../examples/export.rs")]
 //! ```
 
 #![warn(missing_docs)]
 
 pub mod analyses;
 mod bench;
+pub mod can;
 pub mod date;
 mod error;
+pub mod experiments;
+mod exports;
 mod files;
 mod find;
 mod formats;
+mod known;
+pub mod linear;
 mod mark;
+mod models;
 mod output;
+pub mod pages;
 pub mod paths;
 mod patterns;
 mod read;
 mod session;
+mod written;
 
 pub use bench::{Bench, bench_text};
-pub use error::Error;
+pub use error::{Error, NotDesigned, NotPredicted};
+pub use exports::{Export, ExportTarget, WrittenExport};
 pub use files::Files;
 pub use find::{InputFile, is_recording, listed, recordings_in};
 pub use formats::{FileFormat, encode_mdf4, encode_table};
-pub use mark::{Kind, Mark, in_png, in_svg, is_bench_file};
+pub use known::{Draws, KnownBench, PulsesFrom};
+pub use mark::{Kind, Mark, is_bench_file};
+pub use models::{MODEL, Model, check_model_file, model_name};
 pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
 pub use session::Session;
+pub use written::{
+    DATA, EarlierStudy, FULL_REPORT, FULL_REPORT_PDF, REPORT, REPORT_PDF, SERIES, SUMMARY_PDF, StudyFolder,
+    StudyOptions, WrittenStudy,
+};

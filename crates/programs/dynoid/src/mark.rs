@@ -140,12 +140,12 @@ pub fn is_bench_file(path: &Path) -> bool {
 }
 
 /// A drawing with the mark of a run.
-pub fn in_svg(drawing: &str, files: &Files) -> String {
+pub(crate) fn in_svg(drawing: &str, files: &Files) -> String {
     drawing.replacen(">\n", &format!(">\n<metadata>{}</metadata>\n", files.generator()), 1)
 }
 
 /// A picture with the mark of a run: a chunk of text behind the header (PNG 3rd edition, 11.3.3.2).
-pub fn in_png(picture: &[u8], files: &Files) -> Vec<u8> {
+pub(crate) fn in_png(picture: &[u8], files: &Files) -> Vec<u8> {
     /// Signature, and the header with length, type and checksum.
     const BEGINNING: usize = 8 + 25;
     let (beginning, rest) = picture.split_at(picture.len().min(BEGINNING));

@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use design::excitation_design::Goal;
+use dynoid::Draws;
+use dynoid::experiments::Given;
 
 use super::identify::ResultArguments;
 use super::number;
+use crate::error::CliError;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -87,6 +90,29 @@ impl PlanArguments {
     /// The seed, or the usual one.
     pub(crate) fn seed(&self) -> u64 {
         self.seed.unwrap_or(1)
+    }
+
+    /// Names and values that were given, in either way.
+    pub(crate) fn given(&self) -> Result<Vec<Given>, CliError> {
+        let number = |name: &str, value: Option<f64>| {
+            value.map(|value| Given { name: name.to_owned(), value: value.to_string() })
+        };
+        let named = |text: &String| match text.split_once('=') {
+            Some((name, value)) => Ok(Given { name: name.to_owned(), value: value.to_owned() }),
+            None => {
+                let what = format!("--set {text}: write it as NAME=VALUE, such as --set low=35");
+                Err(CliError::Usage { what })
+            }
+        };
+        let numbers = [number("speed", self.speed), number("duration", self.duration)].into_iter().flatten();
+        numbers.map(Ok).chain(self.set.iter().map(named)).collect()
+    }
+}
+
+impl OnBenchArguments {
+    /// So many benches.
+    pub(crate) fn draws(&self, benches: u32) -> Draws {
+        Draws { benches: benches as usize, seed: self.plan.seed() }
     }
 }
 

@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use export::fmu::FmiVersion;
-use export::names::Names;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -80,37 +78,19 @@ pub(crate) enum ExportTarget {
 }
 
 impl ExportTarget {
-    /// The version of FMI.
-    pub(crate) fn fmi_version(self) -> Option<FmiVersion> {
+    /// The target of the library, with so many draws of parameters.
+    pub(crate) fn with_draws(self, draws: u32) -> dynoid::ExportTarget {
+        use dynoid::ExportTarget as Of;
         match self {
-            ExportTarget::Fmu2 => Some(FmiVersion::V2),
-            ExportTarget::Fmu3 => Some(FmiVersion::V3),
-            _ => None,
-        }
-    }
-
-    /// Tells whether its main file can have this name as it is. In the other targets it names what is in it, which
-    /// takes fewer names.
-    pub(crate) fn takes_name(self, name: &str) -> bool {
-        match self {
-            ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssp | ExportTarget::Ssv => true,
-            ExportTarget::Python | ExportTarget::Mat => Names::of(name).file == name.to_ascii_lowercase(),
-            ExportTarget::C => name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
-            ExportTarget::Modelica | ExportTarget::Linear => false,
-        }
-    }
-
-    /// The ending of its main file.
-    pub(crate) fn ending(self) -> &'static str {
-        match self {
-            ExportTarget::Mat => "mat",
-            ExportTarget::Modelica => "mo",
-            ExportTarget::Python => "py",
-            ExportTarget::Fmu2 | ExportTarget::Fmu3 => "fmu",
-            ExportTarget::C => "h",
-            ExportTarget::Ssp => "ssp",
-            ExportTarget::Ssv => "ssv",
-            ExportTarget::Linear => "json",
+            ExportTarget::Mat => Of::Mat,
+            ExportTarget::Modelica => Of::Modelica,
+            ExportTarget::Python => Of::Python,
+            ExportTarget::Fmu2 => Of::Fmu2,
+            ExportTarget::Fmu3 => Of::Fmu3,
+            ExportTarget::C => Of::C,
+            ExportTarget::Ssp => Of::Ssp,
+            ExportTarget::Ssv => Of::Ssv { draws: draws as usize },
+            ExportTarget::Linear => Of::Linear,
         }
     }
 }

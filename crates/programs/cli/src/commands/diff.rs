@@ -5,7 +5,6 @@ use serde_json::json;
 use study::compare_models;
 
 use crate::cli::diff::DiffArguments;
-use crate::commands::bench_model::read;
 use crate::commands::result::{check_plot, show};
 use crate::commands::study::model_of;
 use crate::error::{CliError, Outcome};
@@ -15,9 +14,9 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &DiffArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let DiffArguments { first, second, result } = arguments;
     check_plot(result, &terminal.files())?;
-    let old = read(first, &terminal.files())?;
+    let old = terminal.files().bench_model(first)?;
     let is_bench_file = paths::ending(second).is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    let new = if is_bench_file { model_of(second, terminal)? } else { read(second, &terminal.files())? };
+    let new = if is_bench_file { model_of(second, terminal)? } else { terminal.files().bench_model(second)? };
     let found = compare_models(&old, &new);
     let names = [paths::with_slashes(first), paths::with_slashes(second)];
     let page = || report::comparison::page(&found, [(&names[0], &old), (&names[1], &new)]);

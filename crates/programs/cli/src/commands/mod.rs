@@ -1,6 +1,5 @@
 //! The commands, one module each.
 
-mod bench_model;
 pub(crate) mod can;
 pub(crate) mod controller;
 pub(crate) mod convert;

@@ -1,10 +1,10 @@
 //! A study on the terminal, and where its report is.
 
 mod short;
-mod written;
 
 use std::path::Path;
 
+use dynoid::{EarlierStudy, WrittenStudy};
 use page::{Align, Block, Page, Table};
 use study::verdict::Level;
 use study::{Study, verdict};
@@ -12,7 +12,6 @@ use study::{Study, verdict};
 use crate::error::Outcome;
 
 pub(crate) use short::{Short, short};
-pub(crate) use written::{Earlier, Written};
 
 /// How the command ends.
 pub(crate) fn outcome(study: &Study) -> Outcome {
@@ -23,21 +22,21 @@ pub(crate) fn outcome(study: &Study) -> Outcome {
 }
 
 /// A study on a screen, and where its files are.
-pub(crate) fn page(written: &Written) -> Page {
-    let since = |earlier: &Earlier| report::comparison::since(&earlier.date, earlier.comparison.as_ref());
+pub(crate) fn page(written: &WrittenStudy) -> Page {
+    let since = |earlier: &EarlierStudy| report::comparison::since(&earlier.date, earlier.comparison.as_ref());
     let mut page = report::brief::summary(&written.study, written.earlier.as_ref().map(since));
     page.blocks.extend(places(written));
     page
 }
 
 /// Judgement of a study without its numbers, and the places of its files.
-pub(crate) fn judgement(written: &Written) -> Vec<Block> {
+pub(crate) fn judgement(written: &WrittenStudy) -> Vec<Block> {
     let mut blocks = report::brief::judgement(&written.study).blocks;
     blocks.extend(places(written));
     blocks
 }
 
-fn places(written: &Written) -> [Block; 2] {
+fn places(written: &WrittenStudy) -> [Block; 2] {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     if let Some(path) = &written.full_report {

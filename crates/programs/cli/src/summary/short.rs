@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynoid::WrittenStudy;
 use report::brief::key_numbers;
 use report::wording;
 use rig::results::{Parameter, Part, Reason};
@@ -9,8 +10,6 @@ use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
 use study::verdict::Rule;
 use study::{ModelComparison, RecordingSummary, verdict};
-
-use super::written::Written;
 
 /// A study in short, for programs.
 #[derive(Serialize)]
@@ -86,7 +85,7 @@ struct ShortRecording<'a> {
 }
 
 /// A study in short, for programs.
-pub(crate) fn short(written: &Written) -> Short<'_> {
+pub(crate) fn short(written: &WrittenStudy) -> Short<'_> {
     let study = &written.study;
     let verdict = verdict(study);
     let rule = |rule: &Rule| ShortRule {

@@ -1,4 +1,4 @@
-//! The tutorials of the book: their files are written and their commands run, in the order of the pages.
+//! The tutorials and the cookbook of the book: their files are written and their commands run, in the order of the pages.
 //!
 //! A block ```` ```toml file=NAME ```` is a file. In a block ```` ```console ```` each line that begins with `$` is a
 //! command;
@@ -8,11 +8,15 @@ use std::path::Path;
 
 use crate::support::dynoid;
 
-const PAGES: [(&str, &str); 4] = [
+const PAGES: [(&str, &str); 8] = [
     ("1-first-study", include_str!("../../../../../docs/src/tutorials/1-first-study.md")),
     ("2-one-part", include_str!("../../../../../docs/src/tutorials/2-one-part.md")),
     ("3-experiments", include_str!("../../../../../docs/src/tutorials/3-experiments.md")),
     ("4-linear-models", include_str!("../../../../../docs/src/tutorials/4-linear-models.md")),
+    ("cookbook/study", include_str!("../../../../../docs/src/cookbook/study.md")),
+    ("cookbook/verdict", include_str!("../../../../../docs/src/cookbook/verdict.md")),
+    ("cookbook/fit", include_str!("../../../../../docs/src/cookbook/fit.md")),
+    ("cookbook/export", include_str!("../../../../../docs/src/cookbook/export.md")),
 ];
 
 /// A fenced block: the words behind the fence, and the lines.

@@ -24,3 +24,30 @@ fn regress_examples_run() {
         testdata::skip(&format!("{missing} examples were not built"));
     }
 }
+
+/// The book prints each example whole, below its attributes.
+#[test]
+fn exact_the_cookbook_prints_the_examples() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for name in ["study", "verdict", "fit", "export"] {
+        let example = std::fs::read_to_string(root.join(format!("examples/{name}.rs"))).unwrap();
+        let code = &example[example.find("\nuse ").unwrap() + 1..];
+        let page = std::fs::read_to_string(root.join(format!("../../../docs/src/cookbook/{name}.md"))).unwrap();
+        assert!(
+            page.contains(&format!("```rust\n{code}```\n")),
+            "docs/src/cookbook/{name}.md: another text than the example"
+        );
+    }
+}
+
+/// The README prints the example of the crate's documentation, which is compiled.
+#[test]
+fn exact_the_readme_prints_the_example_of_the_documentation() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let library = std::fs::read_to_string(root.join("src/lib.rs")).unwrap();
+    let readme = std::fs::read_to_string(root.join("../../../README.md")).unwrap();
+    let printed = readme.split_once("```rust\n").unwrap().1.split_once("```").unwrap().0;
+    let compiled: Vec<&str> = library.lines().filter_map(|line| line.strip_prefix("//! ")).collect();
+    let missing: Vec<&str> = printed.lines().filter(|line| !line.is_empty() && !compiled.contains(line)).collect();
+    assert!(printed.lines().count() > 5 && missing.is_empty(), "{missing:?}");
+}

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use dynoid::linear::DataOptions;
+use ident::{Intersample, TrendShape};
 
 use crate::cli::number;
 
@@ -44,6 +46,37 @@ pub(crate) struct DataArguments {
     /// --sample-time is filtered and then band-limited [default: held]
     #[arg(long, value_enum, value_name = "HOW", help_heading = "Data")]
     pub(crate) between: Option<Between>,
+}
+
+impl DataArguments {
+    /// The same for the library.
+    pub(crate) fn options(&self) -> DataOptions {
+        DataOptions {
+            recordings: self.recordings.clone(),
+            inputs: self.inputs.clone(),
+            outputs: self.outputs.clone(),
+            from_s: self.window.from_s,
+            to_s: self.window.to_s,
+            sample_time_s: self.sample_time_s,
+            detrend: match self.detrend {
+                Detrend::Mean => Some(TrendShape::Mean),
+                Detrend::Line => Some(TrendShape::Line),
+                Detrend::None => None,
+            },
+            between: self.between.map(Between::intersample),
+        }
+    }
+}
+
+impl Between {
+    /// The same for the library.
+    pub(crate) fn intersample(self) -> Intersample {
+        match self {
+            Between::Held => Intersample::ZeroOrderHold,
+            Between::Straight => Intersample::FirstOrderHold,
+            Between::BandLimited => Intersample::BandLimited,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use dynoid::linear::operating_point::MeetingTrend;
+use ident::TrendShape;
 
 use super::data::{ResultArguments, Window};
 use crate::cli::number;
@@ -35,6 +37,18 @@ pub(crate) enum MeetDetrend {
     Line,
     /// Nothing
     None,
+}
+
+impl MeetDetrend {
+    /// The same for the library.
+    pub(crate) fn off(self) -> MeetingTrend {
+        match self {
+            MeetDetrend::Model => MeetingTrend::Model,
+            MeetDetrend::Mean => MeetingTrend::Own(TrendShape::Mean),
+            MeetDetrend::Line => MeetingTrend::Own(TrendShape::Line),
+            MeetDetrend::None => MeetingTrend::Nothing,
+        }
+    }
 }
 
 /// Arguments about the recordings for a bench model.

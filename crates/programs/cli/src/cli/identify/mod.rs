@@ -11,7 +11,7 @@ mod show;
 use clap::Subcommand;
 
 pub(crate) use convert::{ModelConvertArguments, Representation, Sampling};
-pub(crate) use data::{Between, DataArguments, Detrend, FitArguments, ResultArguments, Window};
+pub(crate) use data::{Between, DataArguments, Detrend, FitArguments, ResultArguments};
 pub(crate) use explore::{DelayArguments, OrderArguments, Period, SpectrumArguments, SpectrumMethod};
 pub(crate) use fit::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,

@@ -155,7 +155,7 @@ fn one(
     let sample_time_s = arguments.rate.map(|rate_hz| 1.0 / rate_hz).or(clock_s);
     if let Some(sample_time_s) = sample_time_s {
         let between = between(arguments.between);
-        let brought = on_one_clock(&target.input.name, recording, sample_time_s, between)?;
+        let brought = on_one_clock(&target.input.name, recording, sample_time_s, between).map_err(Error::from)?;
         notes.extend(one_clock::adjustments(&brought.adjustments));
         notes.extend(one_clock::left_out(&brought.left_out));
         recording = brought.recording;

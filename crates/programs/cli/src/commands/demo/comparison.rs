@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynoid::WrittenStudy;
 use page::{Align, Cell, Table, Tone};
 use report::wording::number;
 use rig::bench_parameters::BenchParameters;
@@ -9,7 +10,7 @@ use rig::results::{Notation, Parameter, Quantity, WrittenParameter};
 use serde::Serialize;
 use study::Study;
 
-use crate::summary::{self, Written};
+use crate::summary;
 
 /// Relative difference of numbers that are the same but for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -128,7 +129,7 @@ pub(super) struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn new(seed: u64, written: &'a Written, bench_file: &'a Path, rows: &'a [Row]) -> Self {
+    pub(super) fn new(seed: u64, written: &'a WrittenStudy, bench_file: &'a Path, rows: &'a [Row]) -> Self {
         Document { seed, bench_file, comparison: rows, study: summary::short(written) }
     }
 }

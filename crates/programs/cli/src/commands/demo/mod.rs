@@ -5,17 +5,16 @@ mod comparison;
 
 use std::path::{Path, PathBuf};
 
-use dynoid::{Files, Mark, OutputFolder, check_replaceable};
+use dynoid::pages::html;
+use dynoid::{Files, MODEL, Mark, OutputFolder, StudyOptions, WrittenStudy, check_replaceable};
 use effects::{Effects, ShaftZeros};
 use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
 
 use crate::cli::bench::DemoArguments;
-use crate::commands::bench_model::MODEL;
-use crate::commands::result::html;
-use crate::commands::study::{self, Wanted};
+use crate::commands::study;
 use crate::error::{CliError, Outcome};
-use crate::summary::{self, Written, shown};
+use crate::summary::{self, shown};
 use crate::terminal::Terminal;
 use numerics::parallel;
 use page::{Block, Page, Prose};
@@ -42,7 +41,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     dynoid::replace_file(&out.join(EFFECTS), effects.as_bytes(), &terminal.files())?;
     let bench = out.join(BENCH_FILE);
     dynoid::replace_file(&bench, bench_file(&parameters).as_bytes(), &terminal.files())?;
-    let written = study::study(&bench, out, Some(arguments.seed), Wanted::REPORT, terminal)?;
+    let written = study::study(&bench, out, Some(arguments.seed), StudyOptions::default(), terminal)?;
     let rows = comparison::rows(&written.study, &parameters);
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;
@@ -75,8 +74,8 @@ fn check_folder(out: &Path, recordings: &[String], files: &Files) -> Result<(), 
     let refuse = |found: PathBuf| CliError::NotADemoFolder { path: out.to_owned(), found: shown(&found) };
     check_replaceable(&out.join(BENCH_FILE), Some(&Mark::of_run(files)), files)?;
     let own = |name: &str| {
-        let of_study = [study::REPORT, study::FULL_REPORT, study::DATA, study::SERIES, MODEL, "study"];
-        let on_paper = [study::REPORT_PDF, study::FULL_REPORT_PDF, study::SUMMARY_PDF];
+        let of_study = [dynoid::REPORT, dynoid::FULL_REPORT, dynoid::DATA, dynoid::SERIES, MODEL, "study"];
+        let on_paper = [dynoid::REPORT_PDF, dynoid::FULL_REPORT_PDF, dynoid::SUMMARY_PDF];
         [RECORDINGS, BENCH_FILE, EFFECTS].iter().chain(&of_study).chain(&on_paper).any(|own| *own == name)
     };
     for file in recordings.iter().map(|name| out.join(RECORDINGS).join(name)).chain([out.join(EFFECTS)]) {
@@ -99,7 +98,7 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
 }
 
 /// Page of the demo on a screen.
-fn page(written: &Written, bench: &Path, rows: &[comparison::Row]) -> Page {
+fn page(written: &WrittenStudy, bench: &Path, rows: &[comparison::Row]) -> Page {
     let beside = |name: &str| shown(&written.report.with_file_name(name));
     let next = vec![
         format!("open {} in a browser", shown(&written.report)),

@@ -4,7 +4,5 @@ pub(crate) mod check;
 pub(crate) mod design;
 pub(crate) mod list;
 pub(crate) mod next;
-mod optimal;
 pub(in crate::commands) mod planned;
 pub(crate) mod simulate;
-pub(in crate::commands) mod stated;

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use dynoid::{Bench, Error, Session, paths};
+use dynoid::{Bench, Error, MODEL, Session, paths};
 use report::next::{best, command};
 use study::{NextError, NextExperiments, NextOptions};
 
 use crate::cli::experiment::NextArguments;
-use crate::commands::bench_model::MODEL;
 use crate::error::{CliError, Outcome};
 use crate::summary::shown;
 use crate::terminal::Terminal;
@@ -46,7 +45,7 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
 fn refused(bench: &Path, error: NextError) -> CliError {
     match error {
         NextError::Study(error) => Error::of_study(bench, error).into(),
-        NextError::VirtualBench(source) => CliError::VirtualBench { path: bench.to_owned(), source },
+        NextError::VirtualBench(source) => Error::VirtualBench { path: bench.to_owned(), source }.into(),
         NextError::TooShort { .. } => CliError::Usage { what: format!("--duration: {error}") },
         NextError::UnknownShaft => CliError::Usage {
             what: format!(

@@ -3,58 +3,50 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use dynoid::experiments::{SimulatedExperiment, SimulationFacts};
 use dynoid::{FileFormat, Files, Mark, check_file, paths};
 use recording::Recording;
 use rig::ExperimentLabel;
-use serde_json::json;
-use virtual_bench::{Numerics, VirtualRun, rename, simulate_as_step};
+use serde::Serialize;
 
-use super::planned::{self, Planned};
-use super::stated::Bench;
-use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
-use crate::commands::result::{check_plot, show_with};
+use super::planned::{self, WithDoubts};
+use crate::cli::experiment::SimulateArguments;
+use crate::commands::result::{Sorted, check_plot, show_with};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments, &terminal.files())?;
-    let OnBenchArguments { bench: path, plan: settings, result } = &arguments.on;
-    let bench = Bench::read(path, settings.study.as_deref(), terminal)?;
+    let bench = planned::known(&arguments.on, terminal)?;
     check_places(arguments, &terminal.files())?;
-    let Planned { plan, .. } = planned::plan(&arguments.experiment, settings, terminal)?;
-    let doubts = planned::doubts(&plan, &bench.file);
-    doubts.iter().for_each(|doubt| terminal.warning(doubt));
-    let since = Instant::now();
-    let seed = settings.seed();
-    let numerics = if arguments.truth.is_some() { Numerics::default() } else { Numerics::WITHOUT_TRUTH };
-    let simulated = simulate_as_step(terminal.work(), &bench.stated.parameters, &plan, seed, numerics);
-    let VirtualRun { mut recording, hidden } =
-        simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;
-    rename(&mut recording, &bench.file.channels);
+    let plan = planned::plan(&arguments.experiment, &arguments.on.plan, terminal)?.plan;
+    let doubts = planned::doubts(&plan, &bench, terminal);
+    let (since, seed) = (Instant::now(), arguments.on.plan.seed());
+    let mut run = SimulatedExperiment::of(&bench, &plan, seed, arguments.truth.is_some(), terminal.work())?;
     if let Some(out) = &arguments.out {
-        write(&mut recording, out, terminal)?;
+        write(&mut run.recording, out, terminal)?;
         unlabelled(out, &plan.label).into_iter().for_each(|note| terminal.note(&note));
     }
-    if let Some(truth) = &arguments.truth {
-        write(&mut hidden.recording(), truth, terminal)?;
+    if let (Some(path), Some(truth)) = (&arguments.truth, &mut run.truth) {
+        write(truth, path, terminal)?;
     }
-    let assumptions = bench.stated.assumed_for(&plan);
     let json = || {
-        json!({
-            "label": plan.label.to_string(),
-            "duration_s": plan.duration_s,
-            "seed": seed,
-            "channels": channels(&recording),
-            "assumptions": assumptions,
-            "doubts": doubts,
-            "out": arguments.out,
-            "truth": arguments.truth,
-            "computing_time_s": since.elapsed().as_secs_f64(),
-        })
+        let (out, truth) = (&arguments.out, &arguments.truth);
+        let run = WithDoubts { facts: run.facts(), doubts: &doubts };
+        Sorted(Facts { run, out, truth, computing_time_s: since.elapsed().as_secs_f64() })
     };
-    let page = || report::recording::simulated(&plan.label, &recording, &assumptions);
-    show_with(result, &[&arguments.out, &arguments.truth], page, json, terminal)?;
+    show_with(&arguments.on.result, &[&arguments.out, &arguments.truth], || run.page(), json, terminal)?;
     Ok(Outcome::Done)
+}
+
+/// A simulated experiment in numbers, with its files.
+#[derive(Serialize)]
+struct Facts<'a> {
+    #[serde(flatten)]
+    run: WithDoubts<'a, SimulationFacts<'a>>,
+    out: &'a Option<PathBuf>,
+    truth: &'a Option<PathBuf>,
+    computing_time_s: f64,
 }
 
 /// Refuses, before any work, outputs that cannot be written.
@@ -103,13 +95,4 @@ fn unlabelled(out: &Path, label: &ExperimentLabel) -> Option<String> {
             "a study knows experiments by their files' names; it would take {name} for {label} if that were in the name"
         )
     })
-}
-
-fn channels(recording: &Recording) -> Vec<serde_json::Value> {
-    let channel = |channel: &recording::Channel| {
-        let peak =
-            channel.samples.iter().copied().fold(0.0, |most: f64, v| if v.abs() > most.abs() { v } else { most });
-        json!({"name": channel.name, "unit": channel.unit, "samples": channel.samples.len(), "peak": peak})
-    };
-    recording.channels.iter().map(channel).collect()
 }

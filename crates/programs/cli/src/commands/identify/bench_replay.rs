@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use bench_model::document::BenchModelDocument;
 use bench_model::replay::Replay;
-use dynoid::{FileFormat, Files, paths};
+use dynoid::{FileFormat, Files, Model, paths};
 use recording::{Channel, Format, Raster, Recording};
 use report::replayed::Replayed;
 use report::wording;
@@ -18,7 +18,6 @@ use rig::{BenchFile, ControlMode, Excitation, Experiment, ExperimentLabel, Sever
 use serde_json::{Value, json};
 use study::{ReplayModel, experiment_of, replayed_stretch};
 
-use super::model_file::AnyModelFile;
 use super::recorded::check_output;
 use crate::cli::identify::{BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, RunArguments};
 use crate::commands::result::{check_plot, show, show_with};
@@ -39,9 +38,9 @@ impl Named {
     pub(super) fn all(paths: &[PathBuf], files: &Files) -> Result<Option<Vec<Named>>, CliError> {
         let (mut found, mut linear) = (Vec::new(), None);
         for path in paths {
-            match AnyModelFile::read(path, files)? {
-                AnyModelFile::Bench(document) => found.push(Named { path: path.clone(), document: *document }),
-                AnyModelFile::Linear(_) => linear = linear.or(Some(path)),
+            match files.model(path)? {
+                Model::Bench(document) => found.push(Named { path: path.clone(), document: *document }),
+                Model::Linear(_) => linear = linear.or(Some(path)),
             }
         }
         match (found.first(), linear) {

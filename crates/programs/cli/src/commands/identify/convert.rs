@@ -10,7 +10,6 @@ use page::decimal::significant;
 use toolbox_report::convert::{Conversion, ConvertError, Form, convert as converted};
 use toolbox_report::words::pair;
 
-use super::model_file;
 use crate::cli::identify::{ModelConvertArguments, Representation, Sampling};
 use crate::commands::result::{check_plot, show_with};
 use crate::error::{CliError, Outcome};
@@ -49,11 +48,11 @@ fn failed(error: ConvertError) -> CliError {
 pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments, &terminal.files())?;
     let result = &arguments.result;
-    let found = converted(model_file::read(&arguments.model, &terminal.files())?, &asked(arguments)).map_err(failed)?;
+    let found = converted(terminal.files().linear_model(&arguments.model)?, &asked(arguments)).map_err(failed)?;
     // No kind of model is written down by its zeros and poles.
     let is_model = arguments.to != Representation::Zpk && (result.json || arguments.out.is_some());
     let document = is_model.then(|| found.document()).transpose().map_err(failed)?;
-    let mut page = found.page(&model_file::name(&arguments.model)).map_err(failed)?;
+    let mut page = found.page(&dynoid::model_name(&arguments.model)).map_err(failed)?;
     if result.plot.is_some() {
         page.blocks.extend(found.figures().map_err(failed)?.into_iter().map(Block::figure));
     }
@@ -106,5 +105,5 @@ fn check(arguments: &ModelConvertArguments, files: &Files) -> Result<(), CliErro
         let what = "--out writes a model file, which has no form of zeros and poles; give --to tf or --to ss".into();
         return Err(CliError::Usage { what });
     }
-    model_file::check_output(path, files)
+    Ok(dynoid::check_model_file(path, files)?)
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use dynoid::{Files, paths::with_slashes};
 use ident::uncertainty::Dynamics;
-use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, GreyNoise, InitialState, Structure};
+use ident::{AnyModel, FormulaStructure, GreyBox, GreyNoise, InitialState, Structure};
 
 use crate::cli::identify::{Detrend, FitCommand, GreyBoxArguments};
 use crate::error::CliError;
@@ -53,14 +53,10 @@ fn structure(path: &Path, files: &Files) -> Result<FormulaStructure, CliError> {
         .map_err(wrong)
 }
 
-pub(super) fn fit(
-    arguments: &GreyBoxArguments,
-    structure: FormulaStructure,
-    data: &Dataset,
-) -> Result<Fit<AnyModel>, CliError> {
+/// The estimator of a structure.
+pub(super) fn estimator(arguments: &GreyBoxArguments, structure: FormulaStructure) -> GreyBox<FormulaStructure> {
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
-    let options = GreyBox::new(structure).with_initial_state(initial).with_further_starts(arguments.starts);
-    options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(|source| CliError::identify("the estimate", source))
+    GreyBox::new(structure).with_initial_state(initial).with_further_starts(arguments.starts)
 }
 
 /// The method and its options, as a person would write them.

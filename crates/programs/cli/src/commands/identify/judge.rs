@@ -1,6 +1,8 @@
 //! `dynoid model compare`, `residuals`, `simulate`, `predict`: models on recordings.
 
 use dynoid::FileFormat;
+use dynoid::linear::operating_point::taken_off;
+use dynoid::linear::{Loaded, Note, RecordedFiles, which_data};
 use ident::InitialState;
 use ident::uncertainty::Dynamics;
 use ident::validate::{ResidualTest, judge};
@@ -11,9 +13,7 @@ use toolbox_report::residuals::{self, REGION};
 use toolbox_report::response::Responded;
 use toolbox_report::words::growing_pole;
 
-use super::data::{Loaded, Note, RecordedFiles, say};
-use super::operating_point::taken_off;
-use super::sources::which_data;
+use super::data::say;
 use super::{bench_replay, model_file, recorded};
 use crate::cli::identify::{
     BenchArguments, CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments,
@@ -53,14 +53,15 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
 /// Every model on the recordings, which are read once.
 fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec<Met>, CliError> {
     let documents: Vec<ModelDocument> =
-        arguments.models.iter().map(|path| model_file::read(path, &terminal.files())).collect::<Result<_, _>>()?;
+        arguments.models.iter().map(|path| terminal.files().linear_model(path)).collect::<Result<_, _>>()?;
     let (mut files, mut said, mut all): (Option<RecordedFiles>, _, _) = (None, Vec::new(), Vec::new());
     for (path, document) in arguments.models.iter().zip(&documents) {
         let row_time_s = model_file::row_time_s(document, &arguments.meet);
         let read = match files.take() {
             Some(read) if read.serves(row_time_s) => read,
             _ => {
-                RecordedFiles::read(&arguments.meet.on, &model_file::channels(&documents), Some(row_time_s), terminal)?
+                let (files, channels) = (terminal.files(), model_file::channels(&documents));
+                RecordedFiles::read(&arguments.meet.on, &channels, Some(row_time_s), &files, terminal.work())?
             }
         };
         let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
@@ -68,7 +69,7 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         say(&notes, &mut said, terminal);
         say(&beyond(arguments.horizon, &data), &mut said, terminal);
         let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        let name = model_file::name(path);
+        let name = dynoid::model_name(path);
         if arguments.horizon.is_none()
             && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
         {
@@ -77,7 +78,7 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
                 format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
             say(&[Note::Warning(text)], &mut said, terminal);
         } else if let Ok(judged) = &judged
-            && let Some(hint) = hint(document, &data, &judged.response, taken_off(arguments.meet.detrend))
+            && let Some(hint) = hint(document, &data, &judged.response, taken_off(arguments.meet.detrend.off()))
         {
             say(&[Note::Warning(format!("{name}: {hint}"))], &mut said, terminal);
         }
@@ -102,13 +103,14 @@ fn recordings(
     terminal: &Terminal,
 ) -> Result<RecordedFiles, CliError> {
     let names = model_file::channels(std::slice::from_ref(document));
-    RecordedFiles::read(&arguments.on, &names, Some(model_file::row_time_s(document, arguments)), terminal)
+    let row_time_s = model_file::row_time_s(document, arguments);
+    Ok(RecordedFiles::read(&arguments.on, &names, Some(row_time_s), &terminal.files(), terminal.work())?)
 }
 
 /// `dynoid model residuals`
 pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &terminal.files())?;
-    let document = model_file::read(&arguments.model, &terminal.files())?;
+    let document = terminal.files().linear_model(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
     say(&notes, &mut Vec::new(), terminal);
@@ -122,7 +124,7 @@ pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal)
     }
     let failed = |source| CliError::identify("the residual test", source);
     let predicted = judge(&document.model, &data, Some(1), &InitialState::Estimated).map_err(failed)?;
-    let hint = hint(&document, &data, &predicted.response, taken_off(arguments.meet.detrend));
+    let hint = hint(&document, &data, &predicted.response, taken_off(arguments.meet.detrend.off()));
     hint.iter().for_each(|hint| terminal.warning(hint));
     let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
     let report = match &document.estimate {
@@ -173,7 +175,7 @@ fn run(
     if let Some(path) = &arguments.out {
         recorded::check_output(path, arguments.meet.on.len(), &terminal.files())?;
     }
-    let document = model_file::read(&arguments.model, &terminal.files())?;
+    let document = terminal.files().linear_model(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
         Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
@@ -186,13 +188,13 @@ fn run(
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
     let response = &judged.response;
-    let hint = hint(&document, &loaded.data, response, taken_off(arguments.meet.detrend));
+    let hint = hint(&document, &loaded.data, response, taken_off(arguments.meet.detrend.off()));
     hint.iter().for_each(|hint| terminal.warning(hint));
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
         FileFormat::of_output(path)?.write(&recording, path, &terminal.files())?;
     }
-    let model = model_file::name(&arguments.model);
+    let model = dynoid::model_name(&arguments.model);
     let found = Responded { model: &model, what, outputs: &document.outputs, data: &loaded.data, judged: &judged };
     show_with(&arguments.result, &[&arguments.out], || found.page(), || found.json(), terminal)?;
     Ok(Outcome::Done)

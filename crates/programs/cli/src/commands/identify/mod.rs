@@ -9,6 +9,4 @@ mod greybox;
 pub(crate) mod judge;
 pub(crate) mod model;
 pub(super) mod model_file;
-mod operating_point;
 mod recorded;
-mod sources;

@@ -1,6 +1,6 @@
 //! `dynoid model bode`, `step`, `poles`: what models are like.
 
-use dynoid::Files;
+use dynoid::{Error, Files};
 use ident::IdentError;
 use toolbox_report::models::{self, Curves, Detail, Model};
 
@@ -44,7 +44,7 @@ fn read(arguments: &ModelArguments, files: &Files) -> Result<Vec<Model>, CliErro
     check_plot(&arguments.result, files)?;
     let mut all = Vec::new();
     for path in &arguments.models {
-        let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
+        let wrong = |error: IdentError| Error::ModelFile { path: path.clone(), reason: error.to_string() };
         for NamedModel { name, document, margins } in model_file::read_all(path, files)? {
             let models = Model::with_noise(&name, document, arguments.noise).map_err(wrong)?;
             all.extend(models.into_iter().map(|model| model.with_margins(margins)));

@@ -2,65 +2,19 @@
 
 use std::path::Path;
 
-use ::bench_model::analysis;
-use ::bench_model::document::{BenchModelDocument, from_json};
+use bench_model::analysis;
 use dataset::{CommonClock, DatasetError};
-use dynoid::{Files, Mark, check_file};
+use dynoid::linear::{DataOptions, Gaps, Loaded, RecordedFiles, operating_point};
+use dynoid::{Error, Files, Model, model_name};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
-use ident::{DocumentHeader, Experiment, Intersample, ModelDocument};
+use ident::{Experiment, ModelDocument};
 use toolbox_report::data::Purpose;
 use toolbox_report::models::LoopMargins;
 use units::may_be_same;
 
-use super::data::{Gaps, Loaded, RecordedFiles, take_about};
-use super::operating_point;
-use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
-use crate::commands::bench_model::{self, Kind};
+use crate::cli::identify::{MeetArguments, MeetDetrend};
 use crate::error::CliError;
-
-const WANTED: &str = "a model file as `dynoid fit … --out model.json` writes";
-const ANY: &str = "a model file as `dynoid fit` or `dynoid study` writes, or an FMU of dynoid";
-
-/// Reads a model file.
-pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<ModelDocument, CliError> {
-    of_text(path, &bench_model::text(path, WANTED, files)?)
-}
-
-/// The model that the text of a file holds.
-pub(in crate::commands) fn of_text(path: &Path, text: &str) -> Result<ModelDocument, CliError> {
-    match Kind::of(text) {
-        Kind::Linear => {}
-        Kind::Bench => return Err(CliError::IsBenchModel { path: path.to_owned() }),
-        Kind::Study => return Err(CliError::IsStudy { path: path.to_owned() }),
-        Kind::Other => return Err(bench_model::no_model(path, text, WANTED)),
-    }
-    let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    // First of all what it is: a later version may have another layout.
-    let header: DocumentHeader = from_json(text).map_err(|fault| wrong(fault.to_string()))?;
-    header.check().map_err(|source| CliError::ModelVersion { path: path.to_owned(), source })?;
-    let document: ModelDocument = from_json(text).map_err(|fault| wrong(fault.to_string()))?;
-    document.checked().map_err(|error| wrong(error.to_string()))
-}
-
-/// A model of either kind.
-pub(in crate::commands) enum AnyModelFile {
-    Bench(Box<BenchModelDocument>),
-    Linear(Box<ModelDocument>),
-}
-
-impl AnyModelFile {
-    /// The model in a file, whichever kind it is.
-    pub(in crate::commands) fn read(path: &Path, files: &Files) -> Result<Self, CliError> {
-        let text = bench_model::text(path, ANY, files)?;
-        match Kind::of(&text) {
-            Kind::Bench => Ok(AnyModelFile::Bench(Box::new(bench_model::of_text(path, &text)?))),
-            Kind::Linear => Ok(AnyModelFile::Linear(Box::new(of_text(path, &text)?))),
-            Kind::Study => Ok(AnyModelFile::Bench(Box::new(bench_model::read(path, files)?))),
-            Kind::Other => Err(bench_model::no_model(path, &text, ANY)),
-        }
-    }
-}
 
 /// A linear model with its name.
 pub(super) struct NamedModel {
@@ -73,40 +27,25 @@ pub(super) struct NamedModel {
 /// Reads a model file, or a bench model as linear models. A bench model has the margins of its speed loop, which is
 /// closed in it.
 pub(super) fn read_all(path: &Path, files: &Files) -> Result<Vec<NamedModel>, CliError> {
-    let name = name(path);
-    let bench = match AnyModelFile::read(path, files)? {
-        AnyModelFile::Linear(document) => {
+    let name = model_name(path);
+    let bench = match files.model(path)? {
+        Model::Linear(document) => {
             return Ok(vec![NamedModel { name, document: *document, margins: LoopMargins::OfModel }]);
         }
-        AnyModelFile::Bench(bench) => bench,
+        Model::Bench(bench) => bench,
     };
     let speed_loop = analysis::margins(&bench.model).map_or(LoopMargins::None, |found| LoopMargins::Within {
         gain_db: found.gain_margin_db,
         phase_deg: found.phase_margin_deg,
         crossover_hz: found.crossover_hz,
     });
-    let models = export::toolbox_models(&bench).map_err(|source| CliError::Export { path: path.to_owned(), source })?;
+    let models = export::toolbox_models(&bench).map_err(|source| Error::Export { path: path.to_owned(), source })?;
     let named = |(mode, document): (&str, ModelDocument)| NamedModel {
         name: format!("{name} {mode}"),
         margins: if document.inputs.iter().any(|input| input.name == "N_d*") { speed_loop } else { LoopMargins::None },
         document,
     };
     Ok(models.into_iter().map(named).collect())
-}
-
-/// Checks that a model can be written there: under the ending .json, but for what is no file.
-pub(super) fn check_output(path: &Path, files: &Files) -> Result<(), CliError> {
-    let is_json = dynoid::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
-    let is_device = || std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
-    if is_json || is_device() {
-        return Ok(check_file(path, &Mark::Document(Kind::Linear), files)?);
-    }
-    Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
-}
-
-/// Name of a model: that of its file.
-pub(in crate::commands) fn name(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// The names of all channels of models, each once.
@@ -131,23 +70,20 @@ pub(super) fn meet(
     arguments: &MeetArguments,
 ) -> Result<Loaded, CliError> {
     let names = |labels: &[ident::Label]| labels.iter().map(|label| label.name.clone()).collect();
-    let data = DataArguments {
+    let options = DataOptions {
         recordings: arguments.on.clone(),
         inputs: names(&document.inputs),
         outputs: names(&document.outputs),
-        window: arguments.window,
+        from_s: arguments.window.from_s,
+        to_s: arguments.window.to_s,
         sample_time_s: Some(clock_s(document, files, arguments)?),
-        detrend: Detrend::None,
-        between: Some(match document.intersample {
-            Intersample::ZeroOrderHold => Between::Held,
-            Intersample::FirstOrderHold => Between::Straight,
-            Intersample::BandLimited => Between::BandLimited,
-        }),
+        detrend: None,
+        between: Some(document.intersample),
     };
-    let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend, data, sources);
-    let loaded = take_about(files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
+    let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend.off(), data, sources);
+    let loaded = Loaded::take_about(files, CommonClock::Slowest, &options, Purpose::Judgement, about)?;
     check_units(document, &loaded)?;
-    loaded.cut_at(Gaps::OfInputs)
+    Ok(loaded.cut_at(Gaps::OfInputs)?)
 }
 
 /// Refuses channels in another unit than the model's.
@@ -190,7 +126,11 @@ pub(super) fn meet_inputs(
 ) -> Result<Loaded, CliError> {
     let is_output = |name: &str| document.outputs.iter().any(|label| label.name == name);
     let missing = match meet(document, files, arguments) {
-        Err(CliError::Dataset(DatasetError::NoChannel { channel, .. })) if is_output(&channel) => channel,
+        Err(CliError::Door { source: Error::Dataset { source: DatasetError::NoChannel { channel, .. } } })
+            if is_output(&channel) =>
+        {
+            channel
+        }
         other => return other,
     };
     let failed = |source| CliError::identify("the simulation", source);

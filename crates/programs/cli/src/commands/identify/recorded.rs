@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use dataset::instant_s;
+use dynoid::linear::Loaded;
 use dynoid::{FileFormat, Files, Mark, check_file};
 use faer::Mat;
 use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
 use recording::{Channel, Format, Raster, Recording};
 
-use super::data::Loaded;
 use crate::error::CliError;
 
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.

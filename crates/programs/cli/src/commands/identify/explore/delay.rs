@@ -1,10 +1,11 @@
 //! `dynoid data delay`: dead times beside dynamics, and what other methods say.
 
 use dataset::CommonClock;
+use dynoid::linear::{Gaps, Loaded, check_movement};
 use ident::Dataset;
 use toolbox_report::delay::{Delays, Known, spacing};
 
-use super::super::data::{Gaps, check_movement, read, say, take};
+use super::super::data::{read, say};
 use crate::cli::identify::DelayArguments;
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
@@ -19,8 +20,8 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     if arguments.data.inputs.is_empty() {
         return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
     }
-    let files = read(&arguments.data, terminal)?;
-    let loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
+    let options = arguments.data.options();
+    let loaded = Loaded::take(&read(&options, terminal)?, CommonClock::Fastest, &options)?;
     check_movement(&loaded)?;
     let spacing = spacing(&loaded.data);
     let loaded = loaded.cut_at(Gaps::OfInputs)?;

@@ -3,10 +3,11 @@
 use std::ops::RangeInclusive;
 
 use dataset::CommonClock;
+use dynoid::linear::{Gaps, check_movement};
 use ident::OrderScan;
 use toolbox_report::order::Orders;
 
-use super::super::data::{Gaps, check_movement, load_between_gaps};
+use super::super::data::load_between_gaps;
 use crate::cli::identify::OrderArguments;
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};

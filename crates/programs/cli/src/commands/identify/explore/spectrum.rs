@@ -1,11 +1,12 @@
 //! `dynoid data spectrum`: power spectra and frequency responses.
 
 use dataset::CommonClock;
+use dynoid::linear::{Gaps, Loaded, check_movement};
 use ident::Dataset;
 use signal::SignalError;
 use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, json, page, spectra};
 
-use super::super::data::{Gaps, Loaded, check_movement, load_on};
+use super::super::data::{load_on, say_one};
 use crate::cli::identify::{Period, SpectrumArguments, SpectrumMethod as Method};
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
@@ -54,7 +55,7 @@ fn without_gaps(loaded: Loaded, terminal: &mut Terminal) -> Result<Dataset, CliE
     let known = loaded.notes.len();
     let cut = loaded.cut_at(Gaps::OfAll)?;
     for note in &cut.notes[known..] {
-        note.clone().with("; of each recording the longest is shown").say(terminal);
+        say_one(&note.clone().with("; of each recording the longest is shown"), terminal);
     }
     let experiments = cut.data.experiments();
     let mut longest: Vec<usize> = Vec::new();

@@ -1,11 +1,11 @@
 //! The estimators, as the command line asks for them.
 
+use dynoid::linear::{Method, Search};
 use ident::{
-    AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Dataset, Fit, Focus, FormulaStructure, IdentError, Iv4,
-    Polynomial, ProcessFit, StateSpacePem, Subspace, TransferFunctionMethod, Weighting,
+    Arx, ArxOrders, ContinuousTransferFunction, Dataset, Focus, FormulaStructure, Iv4, Polynomial, ProcessFit,
+    Subspace, TransferFunctionMethod, Weighting,
 };
 use signal::Sos;
-use work::Context;
 
 use super::greybox;
 use super::orders::{Delay, Members, bounded, delays, held, polynomial_orders, states};
@@ -19,30 +19,28 @@ use page::decimal::digits;
 /// Most states that `auto` may choose.
 const MOST_STATES: usize = 10;
 
-fn failed(source: IdentError) -> CliError {
-    CliError::identify("the estimate", source)
-}
-
-pub(super) fn estimate(
+/// The estimator that a command asks for, for these data.
+pub(super) fn method(
     command: &FitCommand,
     structure: Option<FormulaStructure>,
     data: &Dataset,
-    context: &Context,
-) -> Result<Fit<AnyModel>, CliError> {
-    match (command, structure) {
-        (FitCommand::Greybox(arguments), Some(structure)) => greybox::fit(arguments, structure, data),
-        (FitCommand::Greybox(_), None) => Err(CliError::internal("a grey box without a structure")),
-        (FitCommand::Arx(arguments), _) => arx(arguments, data).map_err(failed),
-        (FitCommand::Tf(arguments), _) => transfer_function(arguments, data),
-        (FitCommand::Process(arguments), _) => process(arguments, data),
-        (FitCommand::Ss(arguments), _) => state_space(arguments, data, context),
-        (FitCommand::Armax(a) | FitCommand::Oe(a) | FitCommand::Bj(a) | FitCommand::Poly(a), _) => {
-            polynomial(a, Members::of(command), data)
+) -> Result<Method, CliError> {
+    Ok(match (command, structure) {
+        (FitCommand::Greybox(arguments), Some(structure)) => {
+            Method::GreyBox(Box::new(greybox::estimator(arguments, structure)))
         }
-    }
+        (FitCommand::Greybox(_), None) => return Err(CliError::internal("a grey box without a structure")),
+        (FitCommand::Arx(arguments), _) => arx(arguments, data),
+        (FitCommand::Tf(arguments), _) => Method::TransferFunction(Box::new(transfer_function(arguments)?)),
+        (FitCommand::Process(arguments), _) => Method::Process(Box::new(process(arguments)?)),
+        (FitCommand::Ss(arguments), _) => state_space(arguments)?,
+        (FitCommand::Armax(a) | FitCommand::Oe(a) | FitCommand::Bj(a) | FitCommand::Poly(a), _) => {
+            Method::Polynomial(Box::new(polynomial(a, Members::of(command), data)?))
+        }
+    })
 }
 
-fn arx(arguments: &ArxArguments, data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+fn arx(arguments: &ArxArguments, data: &Dataset) -> Method {
     let (outputs, inputs) = (data.outputs(), data.inputs());
     let each = |values: &[usize]| if let [one] = values { vec![*one; inputs] } else { values.to_vec() };
     let orders = ArxOrders {
@@ -50,11 +48,13 @@ fn arx(arguments: &ArxArguments, data: &Dataset) -> Result<Fit<AnyModel>, IdentE
         nb: vec![each(&arguments.nb); outputs],
         nk: vec![each(&arguments.nk); outputs],
     };
-    let fit = if arguments.iv { Iv4::with_orders(orders).fit(data) } else { Arx::with_orders(orders).fit(data) };
-    Ok(fit?.map(AnyModel::from))
+    match arguments.iv {
+        true => Method::InstrumentalVariables(Iv4::with_orders(orders)),
+        false => Method::Arx(Arx::with_orders(orders)),
+    }
 }
 
-fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset) -> Result<Polynomial, CliError> {
     let o = polynomial_orders(arguments, members)?;
     let mut options = Polynomial::new(o.na, o.nb, o.nc, o.nd, o.nf, o.nk);
     if matches!(arguments.initial, Initial::Zero) {
@@ -66,7 +66,7 @@ fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset)
     if let Some(band) = band(arguments, data)? {
         options = options.with_prefilter(band);
     }
-    options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
+    Ok(options)
 }
 
 fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, CliError> {
@@ -86,7 +86,7 @@ fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, 
     }
 }
 
-fn transfer_function(arguments: &TransferFunctionArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+fn transfer_function(arguments: &TransferFunctionArguments) -> Result<ContinuousTransferFunction, CliError> {
     let mut options = ContinuousTransferFunction::per_input(arguments.zeros.clone(), arguments.poles.clone())
         .with_integrators(arguments.integrators);
     options = match arguments.method {
@@ -104,10 +104,11 @@ fn transfer_function(arguments: &TransferFunctionArguments, data: &Dataset) -> R
             false => options.with_delay_between(&ranges.iter().map(|r| (r.low_s, r.high_s)).collect::<Vec<_>>()),
         };
     }
-    options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
+    Ok(options)
 }
 
-fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+fn process(arguments: &ProcessArguments) -> Result<ProcessFit, CliError> {
+    let failed = |source| CliError::identify("the estimate", source);
     let mut options = ProcessFit::named(&arguments.structure).map_err(failed)?;
     if let Some(text) = &arguments.delay {
         let range = Delay::read(text)?;
@@ -124,10 +125,10 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
         let (name, (low, high)) = bounded(text)?;
         options = options.with_bounds(name, low, high);
     }
-    options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
+    Ok(options)
 }
 
-fn state_space(arguments: &StateSpaceArguments, data: &Dataset, context: &Context) -> Result<Fit<AnyModel>, CliError> {
+fn state_space(arguments: &StateSpaceArguments) -> Result<Method, CliError> {
     let subspace = states(arguments)?.map_or(Subspace::auto(MOST_STATES), Subspace::new);
     let mut subspace = subspace.with_weighting(match arguments.weighting {
         SubspaceWeighting::Auto => Weighting::Automatic,
@@ -142,14 +143,10 @@ fn state_space(arguments: &StateSpaceArguments, data: &Dataset, context: &Contex
     if arguments.simulation {
         subspace = subspace.without_noise_model().with_stability();
     }
-    if arguments.subspace {
-        return subspace.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed);
-    }
-    let start = subspace.start(data).map_err(failed)?;
-    let _step = context.step(format!("searching from the subspace model of order {}", start.system().states()), 0);
-    let mut search = StateSpacePem::from_model(start);
-    if arguments.simulation {
-        search = search.with_focus(Focus::Simulation);
-    }
-    search.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
+    let search = match (arguments.subspace, arguments.simulation) {
+        (true, _) => Search::None,
+        (false, true) => Search::Simulation,
+        (false, false) => Search::Prediction,
+    };
+    Ok(Method::StateSpace { subspace, search })
 }

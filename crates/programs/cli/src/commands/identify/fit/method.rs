@@ -1,7 +1,5 @@
 //! Methods and their orders, as a person would write them.
 
-use ident::AnyModel;
-
 use super::greybox;
 use crate::cli::identify::{FitCommand, PolynomialArguments};
 
@@ -35,38 +33,5 @@ pub(super) fn wanted(command: &FitCommand) -> String {
             format!("state space by {how}, order {}", a.order)
         }
         FitCommand::Greybox(a) => greybox::method(a),
-    }
-}
-
-/// The method with the orders that the model came to have, the usual ones included.
-pub(super) fn fitted(wanted: String, model: &AnyModel) -> String {
-    let list = |values: Vec<usize>| values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
-    match model {
-        AnyModel::Polynomial(model) => {
-            let Some(e) = model.equations().first() else { return wanted };
-            let name = match wanted.split(" n").next().unwrap_or(&wanted) {
-                // Without inputs the X goes.
-                "ARX" if model.inputs() == 0 => "AR",
-                "ARMAX" if model.inputs() == 0 => "ARMA",
-                name => name,
-            };
-            let lengths = |lists: &[Vec<f64>]| list(lists.iter().map(Vec::len).collect());
-            let orders = [
-                ("na", lengths(&e.a)),
-                ("nb", lengths(&e.b)),
-                ("nc", e.c.len().to_string()),
-                ("nd", e.d.len().to_string()),
-                ("nf", lengths(&e.f)),
-                ("nk", list(e.nk.clone())),
-            ];
-            let is_there = |text: &str| text.split(' ').any(|n| n != "0" && !n.is_empty());
-            let orders = orders.iter().filter(|(name, text)| (*name == "nk" && !text.is_empty()) || is_there(text));
-            orders.fold(name.to_owned(), |text, (name, order)| format!("{text} {name} {order}"))
-        }
-        AnyModel::StateSpace(model) => {
-            let name = wanted.split(", order").next().unwrap_or(&wanted);
-            format!("{name}, order {}", model.system().states())
-        }
-        _ => wanted,
     }
 }
