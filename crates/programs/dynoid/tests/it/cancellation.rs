@@ -9,19 +9,22 @@ use bench_model::disturbances::Disturbances;
 use bench_model::document::Validity;
 use bench_model::model::BenchModel;
 use bench_testkit::benches::default_bench;
-use capability::{CanInputs, Demand, FollowingSpread, shapes};
+use capability::{CanInputs, Demand, FollowingSpread, Verdict, shapes};
 use design::safety::{BenchSpread, FrictionSpread, Prior};
 use dynoid::{Bench, FileFormat, Files, OutputFolder, Session};
 use ident::recursive::{Adaptation, Recursive, RecursiveStructure};
-use ident::validate::{ResidualTest, TestData};
-use ident::{BoxJenkins, Dataset, OrderScan, StateSpacePem, Subspace};
+use ident::validate::{ResidualReport, ResidualTest, TestData};
+use ident::{BoxJenkins, Dataset, Fit, OrderScan, OrderTable, StateSpaceModel, StateSpacePem};
+use lti::PolynomialModel;
 use numerics::order::quantile_of_sorted;
 use numerics::random::Random;
+use recording::Recording;
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{Demands, ExperimentPlan};
+use study::{Analyses, Study};
 use tempfile::TempDir;
 use virtual_bench::{Numerics, simulate, simulate_as_step};
 use work::{Cancelled, Context};
@@ -37,8 +40,16 @@ struct Given {
     size: usize,
 }
 
-/// Work that writes results into a folder, and gives what it found as text.
-type Work = fn(&Given, &Path, &Context) -> String;
+/// Work that writes results into a folder, and gives what it found.
+type Work = fn(&Given, &Path, &Context) -> Found;
+
+#[derive(Debug, PartialEq)]
+enum Found {
+    Study(Box<(Study, Analyses)>),
+    Fit(Box<(OrderTable, Fit<PolynomialModel>, Fit<StateSpaceModel>, ResidualReport, Vec<f64>)>),
+    Simulation(Box<Recording>),
+    Can(Box<Verdict>),
+}
 
 const WORKS: [(&str, Work); 4] = [("study", study), ("fit", fit), ("simulation", simulation), ("can", can)];
 
@@ -74,18 +85,18 @@ fn write(out: &Path, files: &[(&str, &[u8])]) {
     OutputFolder::check(out, &Files::new("test", false)).unwrap().write(files).unwrap();
 }
 
-fn study(given: &Given, out: &Path, context: &Context) -> String {
+fn study(given: &Given, out: &Path, context: &Context) -> Found {
     let mut bench = default_bench();
     bench.recordings.files = vec!["*.mf4".to_owned()];
     let bench = Bench::of(&given.folder.path().join("bench.toml"), bench);
     let session = Session::open(bench, &Files::new("test", false), context).unwrap();
     let (study, analyses) = session.study_full(context).unwrap();
-    let found = format!("{study:?}\n{analyses:?}");
-    write(out, &[("study.txt", found.as_bytes()), ("model.txt", format!("{:?}", study.model).as_bytes())]);
-    found
+    let [shaft, model] = [format!("{:?}", study.shaft), format!("{:?}", session.model(&study).is_some())];
+    write(out, &[("shaft.txt", shaft.as_bytes()), ("model.txt", model.as_bytes())]);
+    Found::Study(Box::new((study, analyses)))
 }
 
-fn fit(given: &Given, out: &Path, context: &Context) -> String {
+fn fit(given: &Given, out: &Path, context: &Context) -> Found {
     let data = &given.data;
     let parts = data.split(0.6).unwrap();
     let scan = OrderScan::new(1..=6, 1..=6, 1..=3);
@@ -93,26 +104,29 @@ fn fit(given: &Given, out: &Path, context: &Context) -> String {
     let one = data.channels(&[0], &[0]).unwrap();
     let noisy = BoxJenkins::new(2, 2, 2, 2, 1).fit(&one).unwrap();
     let states = StateSpacePem::new(3).fit(&parts.estimation).unwrap();
-    let first = Subspace::new(3).fit(&parts.estimation).unwrap();
     let test = ResidualTest::default().run(&states, &parts.validation, TestData::Unseen).unwrap();
-    let drawn = noisy.sample(200, &mut Random::new(2)).unwrap();
+    let mut drawn: Vec<f64> = Vec::new();
+    for sample in noisy.sample(200, &mut Random::new(2)).unwrap().models {
+        drawn.extend(sample.model.coefficients());
+    }
     let structure = RecursiveStructure::Arx { na: 2, nb: vec![2], nk: vec![1] };
-    let course = Recursive::new(structure, Adaptation::Forgetting(0.999)).unwrap().run(&one).unwrap();
-    let found = format!("{orders:?} {noisy:?} {states:?} {first:?} {test:?} {drawn:?} {course:?}");
-    write(out, &[("fit.txt", found.as_bytes())]);
-    found
+    let mut recursive = Recursive::new(structure, Adaptation::Forgetting(0.999)).unwrap();
+    recursive.run(&one).unwrap();
+    drawn.extend(recursive.parameters());
+    write(out, &[("fit.txt", format!("{drawn:?}").as_bytes())]);
+    Found::Fit(Box::new((orders, noisy, states, test, drawn)))
 }
 
-fn simulation(given: &Given, out: &Path, context: &Context) -> String {
+fn simulation(given: &Given, out: &Path, context: &Context) -> Found {
     let plan = ExperimentPlan::white_noise_t_tn(1200.0, 20.0 * given.size as f64);
     let numerics = Numerics::WITHOUT_TRUTH;
     let run = simulate_as_step(context, &BenchParameters::default(), &plan, 1, numerics).unwrap();
     std::fs::create_dir_all(out).unwrap();
     FileFormat::Mf4.write(&run.recording, &out.join("made.mf4"), &Files::new("test", false)).unwrap();
-    format!("{:?}", run.recording)
+    Found::Simulation(Box::new(run.recording))
 }
 
-fn can(given: &Given, out: &Path, context: &Context) -> String {
+fn can(given: &Given, out: &Path, context: &Context) -> Found {
     let parameters = BenchParameters::default();
     let tip_in = shapes::find("tip-in").unwrap();
     let wanted = [("to", "110"), ("speed", "1100"), ("duration", "3")];
@@ -136,9 +150,9 @@ fn can(given: &Given, out: &Path, context: &Context) -> String {
         samples: 40 * given.size,
         seed: 1,
     };
-    let found = format!("{:?}", capability::can(&inputs, context).unwrap());
-    write(out, &[("verdict.txt", found.as_bytes())]);
-    found
+    let verdict = capability::can(&inputs, context).unwrap();
+    write(out, &[("verdict.txt", format!("{:?}", verdict.answer).as_bytes())]);
+    Found::Can(Box::new(verdict))
 }
 
 /// Names of the files in a folder that need not be there.
@@ -148,7 +162,7 @@ fn files_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Runs some work in a folder of its own, and gives the files that it left.
-fn run(work: Work, given: &Given, context: &Context) -> (Result<String, Cancelled>, Vec<PathBuf>) {
+fn run(work: Work, given: &Given, context: &Context) -> (Result<Found, Cancelled>, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let found = context.run(|| work(given, &out, context));
@@ -157,7 +171,7 @@ fn run(work: Work, given: &Given, context: &Context) -> (Result<String, Cancelle
 
 /// Runs some work, cancels it at a moment after its beginning, and gives the time that it took to end; none where it
 /// had ended before. What is left is checked: all files of a work that was done, none of one that was cancelled.
-fn cancelled(work: Work, given: &Given, threads: usize, after: Duration, whole: &str) -> Option<Duration> {
+fn cancelled(work: Work, given: &Given, threads: usize, after: Duration, whole: &Found) -> Option<Duration> {
     let context = Context::new().with_threads(threads);
     let cancel = context.cancel();
     let (ended, (found, left), wished) = thread::scope(|scope| {
@@ -172,14 +186,14 @@ fn cancelled(work: Work, given: &Given, threads: usize, after: Duration, whole: 
         (ended, done, wished)
     });
     match found {
-        Ok(found) => assert!(found == whole && !left.is_empty(), "cancelled too late, and not the same"),
+        Ok(found) => assert!(found == *whole && !left.is_empty(), "cancelled too late, and not the same"),
         Err(Cancelled) => assert_eq!(left, [] as [PathBuf; 0], "left by work that was cancelled"),
     }
     (ended > wished).then(|| ended - wished)
 }
 
 /// Time that each kind of work takes, and what it finds on one thread and on two.
-fn alone(given: &Given) -> Vec<(Duration, String)> {
+fn alone(given: &Given) -> Vec<(Duration, Found)> {
     let both = |(name, work): &(&str, Work)| {
         let start = Instant::now();
         let found = run(*work, given, &Context::new().with_threads(2)).0.unwrap();
