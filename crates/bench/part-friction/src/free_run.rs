@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use numerics::order;
+use numerics::{order, vector};
 use part_torque::torque_control;
 use rig::estimation::timing_floor_s;
 use rig::prepare::wrong_sign;
@@ -143,7 +143,7 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Optio
         later.signals.get_mut(&Role::AirGapTorque)?.start_s += AHEAD_S;
         let fit = torque_control::estimate(&later, torque_limit_nm).ok()?;
         let (model, delay) = (fit.model, fit.result.delay_and_lag.parameters.get(2)?);
-        let spread = torque_control::standard_deviation(&recorded.samples);
+        let spread = vector::standard_deviation(&recorded.samples);
         let agrees = model.residual.standard_deviation_nm < DISAGREES * spread;
         agrees.then(|| {
             let torque = model.finer_air_gap_torque(demand, FINER);

@@ -1,5 +1,7 @@
 //! Numbers in records: where they are, and how their bytes are read.
 
+use jiff::civil::Date;
+
 /// Where a number is in a record, and how it is coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Field {
@@ -282,30 +284,26 @@ fn vax(bits: u64, exponent_bits: u32, excess: i32) -> f64 {
     }
 }
 
+/// Origin of times.
+const EPOCH: Date = Date::constant(1970, 1, 1);
+
 fn canopen_date(bytes: [u8; 7]) -> f64 {
     let [ms_low, ms_high, minute, hour, day, month, year] = bytes;
     let milliseconds = f64::from(u16::from_le_bytes([ms_low, ms_high]));
     let (minute, hour, day) = (i64::from(minute & 0x3F), i64::from(hour & 0x1F), i64::from(day & 0x1F));
-    let (month, year) = (i64::from(month & 0x3F), i64::from(year & 0x7F));
+    let (month, year) = ((month & 0x3F).cast_signed(), i16::from(year & 0x7F));
     let year = if year < 84 { 2000 + year } else { 1900 + year };
-    let days = days_since_1970(year, month.clamp(1, 12), day);
-    (days * 86_400 + hour * 3600 + minute * 60) as f64 + milliseconds / 1000.0
+    // A day beyond the end of its month counts on from it.
+    let of_month = Date::constant(year, month.clamp(1, 12), 1).duration_since(EPOCH).as_secs();
+    (of_month + (day - 1) * 86_400 + hour * 3600 + minute * 60) as f64 + milliseconds / 1000.0
 }
 
 fn canopen_time(bytes: [u8; 6]) -> f64 {
     let [a, b, c, d, e, f] = bytes;
     // The upper four bits of the milliseconds are reserved.
     let milliseconds = f64::from(u32::from_le_bytes([a, b, c, d]) & 0x0FFF_FFFF);
-    let days = days_since_1970(1984, 1, 1) + i64::from(u16::from_le_bytes([e, f]));
-    (days * 86_400) as f64 + milliseconds / 1000.0
-}
-
-/// Days since 1970-01-01 in the Gregorian calendar.
-pub(crate) fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
-    let shifted = if month <= 2 { year - 1 } else { year };
-    let (era, of_era) = (shifted.div_euclid(400), shifted.rem_euclid(400));
-    let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + day_of_year - 719_468
+    let since_1984 = i64::from(u16::from_le_bytes([e, f])) * 86_400;
+    (Date::constant(1984, 1, 1).duration_since(EPOCH).as_secs() + since_1984) as f64 + milliseconds / 1000.0
 }
 
 /// Returns true if the numbers that a field can hold are only integers.

@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::fmt;
 
+use jiff::ToSpan;
+use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
 use crate::{Finding, RecordingError, names};
@@ -217,18 +219,8 @@ impl StartTime {
     pub fn day(&self) -> String {
         let offset_min = if self.is_local { 0 } else { self.utc_offset_min.unwrap_or(0) };
         let seconds = self.nanoseconds.div_euclid(1_000_000_000) + 60 * i64::from(offset_min);
-        // Days since 0000-03-01 to year, month and day: H. Hinnant, "chrono-compatible low-level date algorithms",
-        // civil_from_days.
-        let days = seconds.div_euclid(86_400) + 719_468;
-        let era = days.div_euclid(146_097);
-        let day_of_era = days.rem_euclid(146_097);
-        let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-        let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-        let from_march = (5 * day_of_year + 2) / 153;
-        let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-        let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-        let year = year_of_era + 400 * era + i64::from(month <= 2);
-        format!("{year:04}-{month:02}-{day:02}")
+        let days = seconds.div_euclid(86_400);
+        Date::constant(1970, 1, 1).saturating_add(days.days()).to_string()
     }
 }
 

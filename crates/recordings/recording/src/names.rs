@@ -19,27 +19,11 @@ pub fn likely_meant<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>)
     (distance(&wanted.to_lowercase(), &best.to_lowercase()) <= allowed).then_some(best)
 }
 
-/// Twice the edit distance, less where one text holds the other.
+/// Twice the distance of Levenshtein, less where one text holds the other.
 fn distance(a: &str, b: &str) -> usize {
-    let edits = 2 * edit_distance(a, b);
+    let edits = 2 * strsim::levenshtein(a, b);
     let shared = !a.is_empty() && !b.is_empty() && (a.contains(b) || b.contains(a));
     if shared { edits.div_ceil(3) } else { edits }
-}
-
-/// Levenshtein distance: the least number of characters inserted, removed or replaced.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 /// Returns true if a name fits a pattern, in which `*` stands for any characters and `?` for one.

@@ -70,6 +70,18 @@ pub fn add_scaled(factor: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
+/// The root of the mean squared deviation from the mean, in the unit of the values; NaN of none.
+///
+/// # Example
+/// ```
+/// assert_eq!(numerics::vector::standard_deviation(&[1.0, 3.0]), 1.0);
+/// ```
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
 /// The variation about the mean, `Σ (y − ȳ)²`; `None` where the values are one constant but for rounding.
 ///
 /// `values` is run through three times.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
-use part_torque::torque_control::standard_deviation;
+use numerics::vector;
 use rig::Role;
 use rig::align::split_window;
 use rig::estimation::{ESTIMATION_SHARE, EstimateError, ReadOut, transformed};
@@ -450,7 +450,7 @@ impl Solution {
 
 fn check_moved(inputs: &ShaftInputs<'_>) -> Result<(), EstimateError> {
     for (role, speed) in [(Role::DynoSpeed, inputs.dyno_speed), (Role::EngineSpeed, inputs.engine_speed)] {
-        let standard_deviation = standard_deviation(&speed.samples);
+        let standard_deviation = vector::standard_deviation(&speed.samples);
         if standard_deviation < STILL_RAD_S {
             return Err(EstimateError::WeakExcitation { file: inputs.file.to_owned(), role, standard_deviation });
         }

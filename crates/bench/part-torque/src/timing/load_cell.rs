@@ -5,11 +5,12 @@ use std::ops::RangeInclusive;
 use faer::{Mat, MatMut, mat};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
 use lti::StateSpace;
+use numerics::vector;
 use rig::estimation::timing_floor_s;
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use signal::Signal;
 
-use crate::torque_control::{AirGapTorqueModel, Observed, robust_covariance, standard_deviation, usable_samples};
+use crate::torque_control::{AirGapTorqueModel, Observed, robust_covariance, usable_samples};
 
 /// Relative step of the numerical derivatives by ω_n and ζ of an exact step: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
@@ -206,7 +207,7 @@ impl CellModel<'_> {
             for delay in &delays {
                 let modelled = self.delayed(&reading, *delay);
                 let apart: Vec<f64> = self.observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
-                let spread = standard_deviation(&apart);
+                let spread = vector::standard_deviation(&apart);
                 if spread < best.0 {
                     best = (spread, vec![*delay, natural, DAMPED, 1.0, 0.0]);
                 }

@@ -19,6 +19,7 @@ mod validation;
 use faer::Mat;
 use ident::distributions::interval;
 use ident::{Bounds, IdentError, Minimum};
+use numerics::vector;
 use rig::estimation::{ESTIMATION_SHARE, EstimateError, liveliest_part, timing_floor_s};
 use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
@@ -213,7 +214,7 @@ pub fn second_order(
 fn signals(experiment: &Experiment) -> Result<(&Signal, &Signal), EstimateError> {
     let demand = usable_signal(experiment, Role::DynoTorqueDemand)?;
     let torque = usable_signal(experiment, Role::AirGapTorque)?;
-    let standard_deviation = standard_deviation(&demand.samples);
+    let standard_deviation = vector::standard_deviation(&demand.samples);
     if standard_deviation.is_nan() || standard_deviation < WEAK_NM {
         let role = Role::DynoTorqueDemand;
         return Err(EstimateError::WeakExcitation { file: experiment.file.clone(), role, standard_deviation });
@@ -231,13 +232,6 @@ pub(super) fn usable_signal(experiment: &Experiment, role: Role) -> Result<&Sign
         return Err(EstimateError::TooShort { file: file(), duration_s, needed_s: SHORTEST_S });
     }
     Ok(signal)
-}
-
-/// Standard deviation of values about their mean, in their unit.
-pub fn standard_deviation(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 pub(super) fn stretch_of(experiment: &Experiment, signal: &Signal, range: std::ops::Range<usize>) -> Stretch {

@@ -6,8 +6,9 @@ mod conversion;
 
 use std::sync::Arc;
 
+use jiff::civil::Date;
+
 use crate::error::damaged;
-use crate::field::days_since_1970;
 use crate::model::{Address, Event, Finding, Group, Master, Quantity, Records, StartTime};
 use crate::pages::Pages;
 use crate::parts::{Data, Parts};
@@ -163,12 +164,10 @@ fn local_time(date: &str, time: &str) -> Option<StartTime> {
         parts.ok()?.try_into().ok()
     };
     let ([day, month, year], [hour, minute, second]) = (numbers(date)?, numbers(time)?);
-    let is_date = (1..=31).contains(&day) && (1..=12).contains(&month) && (1900..2200).contains(&year);
+    let date = Date::new(year.try_into().ok()?, month.try_into().ok()?, day.try_into().ok()?).ok()?;
+    let is_date = (1900..2200).contains(&year);
     let is_time = (0..24).contains(&hour) && (0..60).contains(&minute) && (0..=60).contains(&second);
-    let seconds = || days_since_1970(year, month, day) * 86_400 + hour * 3600 + minute * 60 + second;
-    (is_date && is_time).then(|| StartTime {
-        nanoseconds: seconds() * 1_000_000_000,
-        is_local: true,
-        utc_offset_min: None,
-    })
+    let midnight = date.duration_since(Date::constant(1970, 1, 1)).as_secs();
+    let nanoseconds = || (midnight + hour * 3600 + minute * 60 + second) * 1_000_000_000;
+    (is_date && is_time).then(|| StartTime { nanoseconds: nanoseconds(), is_local: true, utc_offset_min: None })
 }

@@ -1,5 +1,7 @@
 //! Time stamps that are written as dates and clock times.
 
+use jiff::civil::Date;
+
 use crate::CsvProblem;
 
 const SECOND: i64 = 1_000_000_000;
@@ -96,20 +98,8 @@ fn day(text: &str) -> Option<Day> {
 
 /// Days since 1970-01-01 of a date of the Gregorian calendar.
 fn date(year: i64, month: i64, day: i64) -> Option<i64> {
-    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    let length = match month {
-        2 => 28 + i64::from(is_leap),
-        4 | 6 | 9 | 11 => 30,
-        1..=12 => 31,
-        _ => return None,
-    };
-    if !(1..=length).contains(&day) {
-        return None;
-    }
-    // Years begin in March here, so that the leap day is the last of its year.
-    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let before_month = (153 * month + 2) / 5;
-    Some(365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400) + before_month + day - 719_469)
+    let date = Date::new(year.try_into().ok()?, month.try_into().ok()?, day.try_into().ok()?).ok()?;
+    Some(date.duration_since(Date::constant(1970, 1, 1)).as_hours() / 24)
 }
 
 /// Takes the zone off: `Z`, `UTC`, `+01:00`, `+0100`, `-05`. In minutes ahead of UTC.

@@ -5,9 +5,8 @@ use fitting::frequency::{
     Equation, ErrorsInVariables, FrequencyFit, Modulated, NoisySpectrum, ORDERS, Prior, Slope, Window,
 };
 use fitting::{Bounds, IdentError, ResidualModel};
+use numerics::random::Stream;
 use signal::{Complex64, Signal};
-
-use signal::excitation::Random;
 
 const TRUTH: [f64; 3] = [12.0, 30.0, 0.004];
 const WINDOW: Window = Window { start_s: 0.0, duration_s: 16.0 };
@@ -41,7 +40,7 @@ impl Equation for Lag {
 }
 
 /// A sum of sines that do not fit the window, with y computed in closed form: u at 100 Hz, y at 250 Hz.
-fn records(noise: &mut Random, sd: f64) -> [Signal; 2] {
+fn records(noise: &mut Stream, sd: f64) -> [Signal; 2] {
     let tones: Vec<(f64, f64)> = (0..40)
         .map(|k| (2.0 + 0.47 * f64::from(k) + 0.1 * noise.uniform(), std::f64::consts::TAU * noise.uniform()))
         .collect();
@@ -86,7 +85,7 @@ fn fit_dated(signals: &[NoisySpectrum], dated_s: f64, priors: &[Prior]) -> Frequ
 
 #[test]
 fn exact_noise_free_records_on_two_clocks_return_the_truth() {
-    let signals = records(&mut Random::new(1), 0.0);
+    let signals = records(&mut Stream::new(1, 0), 0.0);
     let found = fit(&signals, 1e-3, &[]);
     for (estimate, truth) in found.fit.parameters.iter().zip(TRUTH) {
         assert!((estimate / truth - 1.0).abs() < 1e-5, "{:?}", found.fit.parameters);
@@ -111,7 +110,7 @@ fn exact_transform_of_a_derivative_is_the_derivative_of_the_transform() {
 
 #[test]
 fn prop_gradient_equals_differences() {
-    let signals = spectra(&records(&mut Random::new(2), 0.05), 0.05, 0.0);
+    let signals = spectra(&records(&mut Stream::new(2, 0), 0.05), 0.05, 0.0);
     let bins: Vec<usize> = WINDOW.bins(0.2, 4.0).collect();
     let priors = [Prior { parameter: 2, value: 0.0, standard_uncertainty: 1e-3 }];
     let mut problem = ErrorsInVariables::new(&Lag { dated_s: 0.0 }, &signals, WINDOW, &bins, &priors);
@@ -143,7 +142,7 @@ fn prop_gradient_equals_differences() {
 #[test]
 fn stat_intervals_cover_the_truth_with_noise_on_both_signals() {
     let runs = 300;
-    let mut noise = Random::new(3);
+    let mut noise = Stream::new(3, 0);
     let (mut covered, mut scale) = ([0; 3], 0.0);
     for _ in 0..runs {
         let found = fit(&records(&mut noise, 0.3), 0.3, &[]);
@@ -165,7 +164,7 @@ fn stat_intervals_cover_the_truth_with_noise_on_both_signals() {
 
 #[test]
 fn exact_prior_alone_gives_its_own_uncertainty_back() {
-    let signals = records(&mut Random::new(4), 0.3);
+    let signals = records(&mut Stream::new(4, 0), 0.3);
     let tight = Prior { parameter: 2, value: 0.004, standard_uncertainty: 1e-7 };
     let found = fit(&signals, 0.3, &[tight]);
     let error = found.covariance[(2, 2)].sqrt();
@@ -177,7 +176,7 @@ fn exact_prior_alone_gives_its_own_uncertainty_back() {
 /// is in units of its own.
 #[test]
 fn exact_prior_and_data_combine_whatever_the_stated_noise() {
-    let signals = records(&mut Random::new(6), 0.3);
+    let signals = records(&mut Stream::new(6, 0), 0.3);
     let data = fit(&signals, 0.3, &[]);
     let deviation = data.covariance[(2, 2)].sqrt();
     let prior =
@@ -196,7 +195,7 @@ fn exact_prior_and_data_combine_whatever_the_stated_noise() {
 #[test]
 fn stat_intervals_with_a_prior_hold_the_truth_where_the_noise_is_overstated() {
     let (runs, uncertainty) = (300, 2e-4);
-    let (mut noise, mut held) = (Random::new(7), 0);
+    let (mut noise, mut held) = (Stream::new(7, 0), 0);
     for _ in 0..runs {
         let error = uncertainty * noise.normal();
         let prior = Prior { parameter: 2, value: TRUTH[2] + error, standard_uncertainty: uncertainty };
@@ -219,7 +218,7 @@ fn regress_windows_that_do_not_fit_are_refused() {
 
 #[test]
 fn exact_a_drifting_clock_is_as_good_as_a_true_one() {
-    let mut signals = records(&mut Random::new(1), 0.0);
+    let mut signals = records(&mut Stream::new(1, 0), 0.0);
     // u again, on a clock that gains 20 µs a second.
     let times: Vec<f64> = (0..1610).map(|i| -0.05 + f64::from(i) * 0.01 * (1.0 - 2e-5)).collect();
     let samples = signal::resample::interpolate_at(&signals[1], &times, signal::resample::Interpolation::BandLimited);

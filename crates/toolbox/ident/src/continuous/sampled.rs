@@ -26,8 +26,8 @@ const DECAYED: f64 = 1e-30;
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
 /// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the
-/// coefficients of its [course](crate::data::band_limited) from sample k on. A fractional delay puts the change from one
-/// interval's `u` to the next within the interval.
+/// coefficients of its [course](crate::data::band_limited) from sample k on. A fractional delay puts the change from
+/// one interval's `u` to the next within the interval.
 ///
 /// # Source
 /// Van Loan, C. F. (1978), IEEE Trans. Autom. Control 23(3), 395–404; Åström & Wittenmark (1997), *Computer-Controlled
