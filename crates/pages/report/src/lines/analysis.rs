@@ -7,8 +7,8 @@ use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, Rec
 
 use rig::Role;
 
-use super::{figures, heading, no_result, plain_table, sentence};
-use crate::lines::{cause, figure, kind_of_cause, over_speed_figures, unit};
+use crate::blocks::{figures, heading, no_result, plain_table, sentence};
+use super::words::{cause, figure, kind_of_cause, over_speed_figures, unit};
 use crate::wording::number;
 
 /// Lines of a signal that are looked at for those to mind, the strongest first.
@@ -17,7 +17,7 @@ const STRONGEST: usize = 8;
 const DRAWN_PARTS: usize = 1;
 
 /// The section on lines.
-pub(crate) fn lines(looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
+pub(crate) fn analysis(looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
     let mut all = sentence(
         "The lines of every signal, found without a model. Each line is named after its cause: the crank angle (orders), the \
          demand, the mains. The table lists the lines that are not plainly of the engine or demanded",

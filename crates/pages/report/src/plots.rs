@@ -2,7 +2,7 @@
 
 use rig::results::{ResidualTest, Trace, Validation};
 
-use super::parts::seconds;
+use crate::estimates::seconds;
 use crate::wording::number;
 use page::{Abscissa, Axis, Block, Figure, Layer, Panel, Rounded, Style, rounded};
 

@@ -4,8 +4,8 @@ use page::Blocks;
 use part_shaft::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
 use rig::results::{Estimate, Outcome, Quantity, Shaft};
 
-use super::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
-use crate::shaft as words;
+use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
+use super::words;
 use crate::wording::{self, number};
 
 /// Why a recording may have two values.
@@ -13,7 +13,7 @@ const WHICH: &str = "The values of each recording come from its first part, and 
     gives values that differ a little";
 
 /// Findings of all recordings with a shaft on it.
-pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
+pub(crate) fn analysis(found: &ShaftAnalysis) -> Blocks {
     let mut all = match found.recordings.len() {
         0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),
         1 => Blocks::default(),

@@ -4,21 +4,21 @@ use page::Blocks;
 use part_friction::{Friction, FrictionError, Inertia};
 use rig::facts::{BenchFacts, StatedInertia};
 
-use super::{figures, no_result, parameters, plain_table, sentence};
-use crate::friction as words;
+use crate::blocks::{figures, no_result, parameters, plain_table, sentence};
+use super::words;
 use crate::wording::number;
 
 /// The section on friction.
-pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFacts) -> Blocks {
+pub(crate) fn analysis(found: &Result<Friction, FrictionError>, bench: &BenchFacts) -> Blocks {
     let found = match found {
         Ok(found) => found,
         Err(why) => return no_result("Friction and inertia of the dynamometer are not known", &why.to_string()),
     };
-    friction_of(found, bench.dynamometer_inertia())
+    analysis_of(found, bench.dynamometer_inertia())
 }
 
 /// Friction and inertia as they were found.
-pub(crate) fn friction_of(found: &Friction, stated: StatedInertia) -> Blocks {
+pub(crate) fn analysis_of(found: &Friction, stated: StatedInertia) -> Blocks {
     let inertia = match &found.inertia {
         Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
         Inertia::Stated { .. } => Vec::new(),

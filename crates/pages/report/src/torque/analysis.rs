@@ -4,12 +4,12 @@ use page::Blocks;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
 use rig::results::Outcome;
 
-use super::{figures, heading, no_result, parameters, plain_table, sentence};
-use crate::torque;
+use crate::blocks::{figures, heading, no_result, parameters, plain_table, sentence};
+use super::words as torque;
 use crate::wording::{self, number};
 
 /// The section on the torque signals.
-pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
+pub(crate) fn analysis(found: &TorqueSignals) -> Blocks {
     let mut all = sentence(
         "Accuracy and delay of the torque signals. Each is compared with T_d*, with the bend in N_d, and with the \
          load cell at steady torque. The shaft torque is computed from N_d and T_d, with its standard deviation",

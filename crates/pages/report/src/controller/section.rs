@@ -7,13 +7,13 @@ use study::Study;
 
 use page::{Block, Blocks};
 
-use crate::sections::parts::{fit_line, lead, not_estimated, parameters};
-use crate::sections::plots::{Extent, comparison, correlations, cross_outside, residual_test};
+use crate::estimates::{fit_line, lead, not_estimated, parameters};
+use crate::plots::{Extent, comparison, correlations, cross_outside, residual_test};
 use crate::torque;
 use crate::wording::number;
 
 /// PI with delay.
-pub(crate) fn speed_controller(study: &Study) -> Blocks {
+pub(crate) fn section(study: &Study) -> Blocks {
     let what = "The controller that holds the dynamometer’s speed: it turns the speed error N_d − N_d* into a torque \
                 demand T_d*.";
     let part = match &study.speed_controller {
@@ -75,7 +75,7 @@ fn delay_evidence(part: &SpeedController) -> Blocks {
 }
 
 /// Feed-forward, and PI alone beside it.
-pub(crate) fn feed_forward(study: &Study) -> Blocks {
+pub(crate) fn feed_forward_section(study: &Study) -> Blocks {
     let what = "The torque the controller adds from the speed demand N_d* alone, without waiting for an error.";
     let part: &FeedForward = match &study.feed_forward {
         Outcome::Estimated(part) => part,
@@ -125,45 +125,4 @@ fn delay_places(places: &[DelayPlace]) -> String {
             )
         }
     }
-}
-
-/// Meaning of a delay below zero, where one is.
-fn early(estimate: &Estimate) -> Blocks {
-    let said = torque::early_delays(&estimate.parameters);
-    said.iter().map(|text| Block::paragraph(format!("{text}."))).collect()
-}
-
-/// Torque control: delay alone, and delay with lag.
-pub(crate) fn torque_control(study: &Study) -> Blocks {
-    let what = "How the air-gap torque T_d follows its demand T_d*.";
-    let part: &TorqueControl = match &study.torque_control {
-        Outcome::Estimated(part) => part,
-        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
-    };
-    let equation = "T_d = e^(−s τ) {a}/{s + a} T_d*";
-    let bar = format!(
-        "The reference is a delay alone: on the same stretch it has a fit of {}, delay and lag have {}.",
-        number::fit(part.pure_delay_validation.fit_percent),
-        number::fit(part.delay_and_lag_validation.fit_percent)
-    );
-    let title = "Torque control on the held-out stretch";
-    let all: Vec<Blocks> = vec![
-        lead(what, equation),
-        Block::paragraph(torque::clock_of_delay(
-            part.torque_skew.as_ref(),
-            part.delay_and_lag.parameter(Quantity::TorqueControlDelay),
-        ))
-        .into(),
-        Block::heading("Delay and lag").into(),
-        parameters(&part.delay_and_lag, &[]),
-        early(&part.delay_and_lag),
-        Block::heading("Delay alone").into(),
-        parameters(&part.pure_delay, &[]),
-        early(&part.pure_delay),
-        fit_line(&part.delay_and_lag_validation).into(),
-        Block::paragraph(bar).into(),
-        comparison(title, &part.delay_and_lag_validation, Some(("delay alone", &part.pure_delay_validation))).into(),
-        residual_test(&part.delay_and_lag_validation).into(),
-    ];
-    all.into_iter().collect()
 }

@@ -6,7 +6,7 @@ use rig::Role;
 use rig::results::Trace;
 use study::{RecordedCourse, StepResponse};
 
-use super::{figures, sentence};
+use crate::blocks::{figures, no_result, sentence};
 use crate::lines::unit;
 use crate::wording::{capitalised, experiment, number};
 
@@ -76,7 +76,7 @@ fn of(signals: &[(Role, Trace)], role: Role) -> Option<&Trace> {
 pub(crate) fn step(found: Option<&StepResponse>) -> Blocks {
     match found {
         Some(found) => figures(vec![step_figure(found)]),
-        None => super::no_result(
+        None => no_result(
             "A step of T_d* with what follows it is not shown",
             "no recording in torque control holds T_d* constant, steps it and holds it again; run Step_T_TN",
         ),

@@ -6,7 +6,7 @@ use study::Study;
 
 use page::{Block, Blocks, Cell, Prose, Table};
 
-use crate::sections::parts::{not_estimated, parameters, stretch};
+use crate::estimates::{not_estimated, parameters, stretch};
 use crate::wording::{number, role, role_name};
 
 const WHAT: &str = "How late each torque signal is behind the torque demand T_d*, and behind the torque itself. The course of N_d \

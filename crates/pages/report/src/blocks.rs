@@ -1,31 +1,10 @@
-//! Parts of the report from the analyses of the parts: the figures of their own pages, and the words that the command
-//! line has.
-
-mod controller;
-mod engine;
-mod friction;
-mod lines;
-mod next;
-mod recorded;
-mod shaft;
-mod torque;
-mod torque_control;
-
-pub(crate) use controller::{controller, feed_forward, pi_study};
-pub(crate) use engine::engine;
-pub(crate) use friction::{friction, friction_of};
-pub(crate) use lines::{every_line, lines, summed_up, with_figures};
-pub(crate) use next::{next, next_experiment};
-pub(crate) use recorded::{courses, step};
-pub(crate) use shaft::shaft;
-pub(crate) use torque::torque;
-pub(crate) use torque_control::{torque_control, torque_control_in_report};
+//! Blocks that the analyses of all parts share.
 
 use page::{Block, Blocks, Cell, Figure, Panel, Prose, Table};
 use rig::ExperimentLabel;
 use rig::results::Parameter;
 
-use super::parts::parameter_table;
+use crate::estimates::parameter_table;
 use crate::wording::capitalised;
 
 /// Height of the panels of a figure that fits a printed page, and room between two, CSS pixels.

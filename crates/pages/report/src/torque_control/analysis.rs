@@ -8,12 +8,12 @@ use part_torque::model_comparison::{
 use rig::results::{Parameter, ResidualTest};
 use study::Analyses;
 
-use super::{figures, heading, no_result, of_recording, plain_table, sentence};
-use crate::torque_control as words;
+use crate::blocks::{figures, heading, no_result, of_recording, plain_table, sentence};
+use super::words;
 use crate::wording::{self, number};
 
 /// Models of the torque control, with the orders that a report tries.
-pub(crate) fn torque_control_in_report(found: &Result<ModelComparison, ModelComparisonError>) -> Blocks {
+pub(crate) fn analysis_in_report(found: &Result<ModelComparison, ModelComparisonError>) -> Blocks {
     let studied = match found {
         Ok(studied) => studied,
         Err(why) => return no_result("Models of the torque control beyond delay and lag", &why.to_string()),
@@ -23,12 +23,12 @@ pub(crate) fn torque_control_in_report(found: &Result<ModelComparison, ModelComp
         "Black boxes of up to {} poles and {} samples of delay were tried here; `dynoid torque-control` tries more, which takes minutes",
         orders.highest, orders.longest_delay
     ));
-    all.push(torque_control(studied));
+    all.push(analysis(studied));
     all
 }
 
 /// Every model compared with a delay of one sample.
-pub(crate) fn torque_control(studied: &ModelComparison) -> Blocks {
+pub(crate) fn analysis(studied: &ModelComparison) -> Blocks {
     let mut all = heading("Delay, lag or black box?");
     all.push(sentence(
         "Every model is compared with the simplest one, the reference: T_d is T_d* one sample of T_d,calc ago",

@@ -4,12 +4,12 @@ use page::Blocks;
 use part_engine::{EngineRecording, EngineTorque};
 use rig::results::Outcome;
 
-use super::{figures, no_result, of_recording, plain_table, sentence};
-use crate::engine as words;
+use crate::blocks::{figures, no_result, of_recording, plain_table, sentence};
+use super::words;
 use crate::wording;
 
 /// The section on the engine's torque.
-pub(crate) fn engine(found: &EngineTorque) -> Blocks {
+pub(crate) fn analysis(found: &EngineTorque) -> Blocks {
     let mut all = sentence(
         "No bench records the torque of the engine. It is computed from both speeds and T_d, with the shaft and the \
          inertias estimated from the recordings",

@@ -8,12 +8,12 @@ use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
-use super::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
-use crate::controller as words;
+use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
+use super::words;
 use crate::wording::{self, number};
 
 /// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
-pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
+pub(crate) fn analysis(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));
     if !found.controllers.is_empty() {
@@ -104,7 +104,7 @@ fn test_row(test: &TermTest) -> Vec<String> {
 }
 
 /// Terms that bend the feed-forward, in every recording in which N_d* moves.
-pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
+pub(crate) fn feed_forward_analysis(found: &SpeedControl) -> Blocks {
     let mut all = Blocks::default();
     for one in &found.feed_forward {
         all.push(of_recording(&one.file, &one.label));

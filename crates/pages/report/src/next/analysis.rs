@@ -3,21 +3,21 @@
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 use study::{Candidate, NextError, NextExperiments};
 
-use super::{no_result, sentence};
-use crate::next::{self as words, Choice};
+use crate::blocks::{no_result, sentence};
+use super::words::{self, Choice};
 use crate::wording::{self, number};
 
 /// The section on the next experiment.
-pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Blocks {
+pub(crate) fn analysis(found: &Result<NextExperiments, NextError>) -> Blocks {
     let found = match found {
         Ok(found) => found,
         Err(why) => return no_result("What to record next cannot be said", &why.to_string()),
     };
-    next_experiment(found)
+    analysis_of(found)
 }
 
 /// Gain from each further experiment, the best first.
-pub(crate) fn next_experiment(found: &NextExperiments) -> Blocks {
+pub(crate) fn analysis_of(found: &NextExperiments) -> Blocks {
     let mut all = sentence(&words::recommendation(found));
     all.push(sentence(
         "Each experiment was simulated on a virtual bench like this one, and studied together with the present \

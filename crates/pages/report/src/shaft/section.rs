@@ -6,15 +6,15 @@ use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 
-use crate::sections::parts::{fit_line, lead, not_estimated, parameters};
-use crate::sections::plots::comparison;
+use crate::estimates::{fit_line, lead, not_estimated, parameters};
+use crate::plots::comparison;
 use crate::wording::number;
 
 /// An inertia less certain than this part of itself is not worth a number.
 const SILENT: f64 = 0.2;
 
 /// The section on the shaft.
-pub(crate) fn shaft(study: &Study) -> Blocks {
+pub(crate) fn section(study: &Study) -> Blocks {
     let what = "The elastic connection between engine and dynamometer: it carries torque when the two are twisted against \
                 each other.";
     let part = match &study.shaft {
