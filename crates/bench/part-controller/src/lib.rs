@@ -1,7 +1,5 @@
 //! The dynamometer's speed controller: its estimator, and what recordings show of it.
 
-mod recordings;
-pub mod speed_control;
 pub mod speed_controller;
 
-pub use recordings::SpeedControllers;
+pub use speed_controller::SpeedControllers;

@@ -1,7 +1,7 @@
 //! Findings of the parts' analyses on a campaign, in addition to the study: the same as each of them shows on its own.
 
 use numerics::parallel;
-use part_controller::speed_control::{SpeedControl, speed_control};
+use part_controller::speed_controller::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};

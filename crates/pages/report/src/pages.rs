@@ -1,7 +1,7 @@
 //! One analysis as a page of its own: what its command shows, writes and what its section of the report holds.
 
 use page::{Blocks, Page};
-use part_controller::speed_control::SpeedControl;
+use part_controller::speed_controller::SpeedControl;
 use part_engine::EngineTorque;
 use part_friction::Friction;
 use part_lines::lines::{OverSpeed, RecordingLines};
@@ -63,7 +63,6 @@ pub fn next(found: &NextExperiments) -> Page {
 /// The lines of recordings, `most` a signal; zero counts all. The lines of several recordings are summed up in one
 /// table; `each` shows those of each recording.
 pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], (most, each): (usize, bool)) -> Page {
-    let tables =
-        if each || looks.len() <= 1 { lines::every_line(looks, most) } else { lines::summed_up(looks, most) };
+    let tables = if each || looks.len() <= 1 { lines::every_line(looks, most) } else { lines::summed_up(looks, most) };
     titled("Lines of the recordings", lines::with_figures(tables, looks, signals))
 }

@@ -5,10 +5,9 @@ mod benches;
 mod hidden;
 
 use part_controller::SpeedControllers;
-use part_controller::speed_control::{IntegrationRule, speed_control};
 use part_controller::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward,
-    feed_forward_terms, limit, structure,
+    AntiWindup, FeedForwardTerms, IntegrationRule, Limit, LimitReached, Structure, Term, Verdict, estimate,
+    estimate_feed_forward, feed_forward_terms, limit, speed_control, structure,
 };
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;

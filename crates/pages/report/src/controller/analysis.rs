@@ -1,15 +1,16 @@
 //! The speed controller and its feed-forward beyond what the model takes of them.
 
 use page::Blocks;
-use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
-use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
+use part_controller::speed_controller::{
+    Controller, ControllerRecording, FeedForwardTerms, Round, SpeedControl, TermTest,
+};
 use rig::estimation::EstimateError;
 use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
-use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use super::words;
+use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use crate::wording::{self, number};
 
 /// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.

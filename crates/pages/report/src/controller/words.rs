@@ -1,9 +1,9 @@
 //! The speed controller, in words and figures.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
-use part_controller::speed_control::{Controller, FeedForwardFound, IntegrationRule, SpeedControl};
 use part_controller::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
+    AntiWindup, Controller, FeedForwardFound, FeedForwardTerms, IntegrationRule, Limit, LimitReached, MATTERS,
+    MapPoint, Round, SpeedControl, Structure, Term, TermTest, Verdict,
 };
 use rig::results::{Outcome, Quantity, ResidualTest, WrittenParameter};
 use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};

@@ -4,8 +4,8 @@ use page::Blocks;
 use part_engine::{EngineRecording, EngineTorque};
 use rig::results::Outcome;
 
-use crate::blocks::{figures, no_result, of_recording, plain_table, sentence};
 use super::words;
+use crate::blocks::{figures, no_result, of_recording, plain_table, sentence};
 use crate::wording;
 
 /// The section on the engine's torque.

@@ -4,8 +4,8 @@ use page::Blocks;
 use part_friction::{Friction, FrictionError, Inertia};
 use rig::facts::{BenchFacts, StatedInertia};
 
-use crate::blocks::{figures, no_result, parameters, plain_table, sentence};
 use super::words;
+use crate::blocks::{figures, no_result, parameters, plain_table, sentence};
 use crate::wording::number;
 
 /// The section on friction.

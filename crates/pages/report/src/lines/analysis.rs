@@ -7,8 +7,8 @@ use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, Rec
 
 use rig::Role;
 
-use crate::blocks::{figures, heading, no_result, plain_table, sentence};
 use super::words::{cause, figure, kind_of_cause, over_speed_figures, unit};
+use crate::blocks::{figures, heading, no_result, plain_table, sentence};
 use crate::wording::number;
 
 /// Lines of a signal that are looked at for those to mind, the strongest first.

@@ -3,8 +3,8 @@
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 use study::{Candidate, NextError, NextExperiments};
 
-use crate::blocks::{no_result, sentence};
 use super::words::{self, Choice};
+use crate::blocks::{no_result, sentence};
 use crate::wording::{self, number};
 
 /// The section on the next experiment.

@@ -4,8 +4,8 @@ use page::Blocks;
 use part_shaft::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
 use rig::results::{Estimate, Outcome, Quantity, Shaft};
 
-use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use super::words;
+use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use crate::wording::{self, number};
 
 /// Why a recording may have two values.

@@ -4,8 +4,8 @@ use page::Blocks;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
 use rig::results::Outcome;
 
-use crate::blocks::{figures, heading, no_result, parameters, plain_table, sentence};
 use super::words as torque;
+use crate::blocks::{figures, heading, no_result, parameters, plain_table, sentence};
 use crate::wording::{self, number};
 
 /// The section on the torque signals.

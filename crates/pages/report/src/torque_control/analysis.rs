@@ -8,8 +8,8 @@ use part_torque::model_comparison::{
 use rig::results::{Parameter, ResidualTest};
 use study::Analyses;
 
-use crate::blocks::{figures, heading, no_result, of_recording, plain_table, sentence};
 use super::words;
+use crate::blocks::{figures, heading, no_result, of_recording, plain_table, sentence};
 use crate::wording::{self, number};
 
 /// Models of the torque control, with the orders that a report tries.

@@ -2,10 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::speed_controller::{SpeedControllerFit, estimate, estimate_feed_forward};
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
 use rig::results::{FeedForward, Part, Reason};
+
+use super::feed_forward::estimate_feed_forward;
+use super::fit::{SpeedControllerFit, estimate};
 
 /// The speed controller as recordings give it.
 #[derive(Debug)]

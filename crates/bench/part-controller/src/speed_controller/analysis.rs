@@ -1,8 +1,5 @@
 //! The dynamometer's speed controller, as recordings show it: PI without and with delay side by side, its discrete
-//! form, what may be added to it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what
-//! noise does to the estimate.
-
-mod discrete;
+//! form, what may be added to it, the limit of T_d*, and the feed-forward (thesis §6.3.1).
 
 use numerics::parallel;
 use rig::experiment::Sought;
@@ -11,11 +8,11 @@ use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
 use serde::Serialize;
 use work::Context;
 
-use crate::SpeedControllers;
-use crate::speed_controller::{
-    FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
-};
-pub use discrete::{Discrete, IntegrationRule};
+use super::discrete::Discrete;
+use super::fit::SpeedControllerFit;
+use super::limit::{Limit, limit};
+use super::recordings::SpeedControllers;
+use super::terms::{FeedForwardTerms, Structure, feed_forward_terms, structure};
 
 /// Findings of recordings on the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
