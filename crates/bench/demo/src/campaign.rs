@@ -1,25 +1,33 @@
-//! The demo's experiments and their simulation.
+//! The experiments of the demonstration, and its bench file.
 
-use dynoid::{Files, encode_mdf4};
-use numerics::parallel;
+use recording::Recording;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ReportIdentity, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
 use rig::{BenchFile, Role};
-use virtual_bench::{CHANNELS, simulate};
-use work::Context;
-
-use crate::error::CliError;
+use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
 
 /// An experiment and the file its recording goes to.
-pub(super) struct Planned {
-    pub(super) file_name: String,
+#[derive(Debug, Clone)]
+pub struct Planned {
+    /// Name of the file.
+    pub file_name: String,
     plan: ExperimentPlan,
 }
 
+impl Planned {
+    /// The recording of the experiment.
+    ///
+    /// # Errors
+    /// Those of [`simulate`].
+    pub fn record(&self, parameters: &BenchParameters, seed: u64) -> Result<Recording, VirtualBenchError> {
+        simulate(parameters, &self.plan, seed)
+    }
+}
+
 /// The experiments, the longest first, so that two cores finish together.
-pub(super) fn plans() -> Vec<Planned> {
+pub fn plans() -> Vec<Planned> {
     let planned = |speed_rpm: f64, duration_s: f64, plan: fn(f64, f64) -> ExperimentPlan| {
         let plan = plan(speed_rpm, duration_s);
         Planned { file_name: format!("{}_{speed_rpm:.0}.mf4", plan.label), plan }
@@ -37,26 +45,8 @@ pub(super) fn plans() -> Vec<Planned> {
     ]
 }
 
-/// Simulates the experiments on all cores; returns the recordings' bytes in their order. Every experiment has a seed of
-/// its own, counted from `seed`.
-pub(super) fn simulate_all(
-    parameters: &BenchParameters,
-    plans: &[Planned],
-    seed: u64,
-    context: &Context,
-    files: &Files,
-) -> Result<Vec<Vec<u8>>, CliError> {
-    let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
-    let record = |(planned, seed): &(&Planned, u64)| record(parameters, &planned.plan, *seed, files);
-    parallel::map_as_step(context, "simulating the bench", &seeded, record).into_iter().collect()
-}
-
-fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64, files: &Files) -> Result<Vec<u8>, CliError> {
-    Ok(encode_mdf4(&simulate(parameters, plan, seed).map_err(CliError::internal)?, files)?)
-}
-
 /// Bench file that the user of a real bench would write.
-pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
+pub fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
     let is_recorded = |(role, _): &&(Role, &str)| !matches!(role, Role::FlangeTorque | Role::Throttle);
     BenchFile {
         name: "Virtual bench".to_owned(),

@@ -3,15 +3,17 @@
 use ident::distributions::interval;
 use recording::Recording;
 use rig::BenchFile;
+use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::filter::Sos;
 use study::{Campaign, Prepared, Source, run};
 use units::RPM_RAD_S;
+use virtual_bench::simulate;
 
-use crate::sampled::sampled;
-use crate::{BenchParameters, EffectsError, simulate};
+use super::error::EffectsError;
+use super::sampled::sampled;
 
 /// How late the engine's speed is stamped, s.
 const SKEWS_S: [f64; 3] = [-0.5e-3, 0.0, 0.5e-3];

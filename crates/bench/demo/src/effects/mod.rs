@@ -79,12 +79,12 @@ impl Effects {
     /// # Example
     ///
     /// ```
-    /// let found = effects::Effects::of(&Default::default(), 1)?;
+    /// let found = demo::effects::Effects::of(&Default::default(), 1)?;
     /// let firing = &found.firing[0];
     /// let largest = firing.amplitude.iter().copied().fold(0.0, f64::max);
     /// let strongest = firing.amplitude.iter().position(|a| *a == largest).unwrap_or(0);
     /// assert!((firing.frequency_hz[strongest] - 40.0).abs() < 0.2);
-    /// # Ok::<(), effects::EffectsError>(())
+    /// # Ok::<(), demo::effects::EffectsError>(())
     /// ```
     pub fn of(parameters: &BenchParameters, seed: u64) -> Result<Self, EffectsError> {
         let bench = BenchParameters { variant: BenchVariant::LoadCell, ..parameters.clone() };

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-use effects::{Effects, ShaftZeros, ShownTrace, Spectrum};
+use demo::effects::{Effects, ShaftZeros, ShownTrace, Spectrum};
 use faer::c64;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, Waveform};

@@ -10,7 +10,7 @@ use serde::Serialize;
 use units::RPM_RAD_S;
 use virtual_bench::{Truth, simulate};
 
-use crate::EffectsError;
+use super::error::EffectsError;
 
 /// Where the engine's orders, 0.5 the lowest, lie above the sines, rpm.
 const SPEED_RPM: f64 = 3000.0;
@@ -75,7 +75,7 @@ struct Sampled<'a> {
 
 impl<'a> Sampled<'a> {
     fn of(recording: &'a Recording, name: &str, shift_s: f64) -> Self {
-        let (samples, sample_time_s) = crate::sampled::sampled(recording, name);
+        let (samples, sample_time_s) = super::sampled::sampled(recording, name);
         Sampled { samples, sample_time_s, shift_s }
     }
 
