@@ -3,10 +3,17 @@
 use recording::Recording;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ReportIdentity, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
-use rig::experiment::ExperimentPlan;
+use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::facts::BenchVariant;
-use rig::{BenchFile, Role};
+use rig::{BenchFile, Experiment, Role};
+use signal::Signal;
+use units::RPM_RAD_S;
 use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
+
+/// Length of the recording at a held speed, s.
+const HELD_S: f64 = 60.0;
+/// Its speed, rpm.
+const HELD_RPM: f64 = 1200.0;
 
 /// An experiment and the file its recording goes to.
 #[derive(Debug, Clone)]
@@ -71,4 +78,21 @@ pub fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
         recordings: RecordingList { files: vec![recordings.to_owned()], labels: Vec::new() },
         report: ReportIdentity::default(),
     }
+}
+
+/// N_d and N_d* of a BS_T_NT on the bench of the demonstration: speeds for a controller where no recording is given.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn held_speed(seed: u64) -> Result<Experiment, VirtualBenchError> {
+    let plan = ExperimentPlan::bs_t_nt(HELD_RPM, HELD_S);
+    let recording = simulate(&BenchParameters::default(), &plan, seed)?;
+    let signal = |(role, name): &(Role, &str)| {
+        let channel = recording.channels.iter().find(|channel| channel.name == *name)?;
+        let samples = channel.samples.iter().map(|rpm| rpm * RPM_RAD_S).collect();
+        Some((*role, Signal::new(0.0, UPDATE_S, samples).ok()?))
+    };
+    let speeds = CHANNELS.iter().filter(|(role, _)| matches!(role, Role::DynoSpeed | Role::DynoSpeedDemand));
+    let signals = speeds.filter_map(signal).collect();
+    Ok(Experiment { file: format!("{} of a virtual bench", plan.label), label: plan.label, signals })
 }

@@ -1,6 +1,7 @@
 //! One analysis as a page of its own: what its command shows, writes and what its section of the report holds.
 
 use page::{Blocks, Page};
+use part_controller::noise_test::NoiseTest;
 use part_controller::speed_controller::SpeedControl;
 use part_engine::EngineTorque;
 use part_friction::Friction;
@@ -9,7 +10,6 @@ use part_shaft::shaft_analysis::ShaftAnalysis;
 use part_torque::model_comparison::ModelComparison;
 use part_torque::torque_signals::TorqueSignals;
 use study::NextExperiments;
-use study::noise_test::NoiseTest;
 
 use crate::{controller, engine, friction, lines, next, shaft, torque, torque_control};
 use rig::facts::StatedInertia;

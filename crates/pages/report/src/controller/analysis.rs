@@ -1,12 +1,12 @@
 //! The speed controller and its feed-forward beyond what the model takes of them.
 
 use page::Blocks;
+use part_controller::noise_test::{Case, Estimator, NoiseTest, Summary};
 use part_controller::speed_controller::{
     Controller, ControllerRecording, FeedForwardTerms, Round, SpeedControl, TermTest,
 };
 use rig::estimation::EstimateError;
 use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
-use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
 use super::words;

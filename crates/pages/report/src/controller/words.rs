@@ -1,12 +1,12 @@
 //! The speed controller, in words and figures.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use part_controller::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use part_controller::speed_controller::{
     AntiWindup, Controller, FeedForwardFound, FeedForwardTerms, IntegrationRule, Limit, LimitReached, MATTERS,
     MapPoint, Round, SpeedControl, Structure, Term, TermTest, Verdict,
 };
 use rig::results::{Outcome, Quantity, ResidualTest, WrittenParameter};
-use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use units::RPM_RAD_S;
 
 use crate::figures::HEIGHT;

@@ -13,31 +13,25 @@
 
 use std::ops::RangeInclusive;
 
-use design::safety::Proportion;
 use numerics::parallel;
 use numerics::random::Stream;
-use part_controller::speed_controller;
-use rig::bench_parameters::BenchParameters;
 use rig::estimation::{EstimateError, need};
-use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::random::Source;
 use rig::results::{Estimate, Notation, Quantity};
 use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
+use signal::proportion::Proportion;
 use signal::spline::UniformSpline;
 use units::RPM_RAD_S;
-use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
 use work::Context;
+
+use crate::speed_controller;
 
 /// Order of the noise's Butterworth filters (that of a band-pass is twice this).
 const NOISE_ORDER: usize = 4;
 /// The integrator starts within this of a middling torque, Nm.
 const INITIAL_NM: RangeInclusive<f64> = 20.0..=60.0;
-/// Length of the virtual recording, s.
-const VIRTUAL_S: f64 = 60.0;
-/// Speed of the virtual recording, rpm.
-const VIRTUAL_RPM: f64 = 1200.0;
 
 /// A row of table 7.1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -214,23 +208,6 @@ impl From<Summary> for WrittenSummary {
     fn from(summary: Summary) -> Self {
         summary.written()
     }
-}
-
-/// Experiment that is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
-///
-/// # Errors
-/// Those of [`simulate`].
-pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
-    let plan = ExperimentPlan::bs_t_nt(VIRTUAL_RPM, VIRTUAL_S);
-    let recording = simulate(&BenchParameters::default(), &plan, seed)?;
-    let signal = |(role, name): &(Role, &str)| {
-        let channel = recording.channels.iter().find(|channel| channel.name == *name)?;
-        let samples = channel.samples.iter().map(|rpm| rpm * RPM_RAD_S).collect();
-        Some((*role, Signal::new(0.0, UPDATE_S, samples).ok()?))
-    };
-    let speeds = CHANNELS.iter().filter(|(role, _)| matches!(role, Role::DynoSpeed | Role::DynoSpeedDemand));
-    let signals = speeds.filter_map(signal).collect();
-    Ok(Experiment { file: format!("{} of a virtual bench", plan.label), label: plan.label, signals })
 }
 
 /// Runs the study on the speeds of a recording; Its draws are a step of the work.
