@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use design::safety::Proportion;
 use numerics::parallel;
 use serde::Serialize;
+use signal::proportion::Proportion;
 use work::Context;
 
 use crate::answer::{Trial, nominal_keeps};

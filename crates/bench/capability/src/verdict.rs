@@ -1,9 +1,10 @@
 //! Joint verdict of all benches.
 
 use cycle::{Judged, Own, RequirementSet, Signal, Statistic, Validation};
-use design::safety::{Proportion, reaches};
+use design::safety::reaches;
 use numerics::order;
 use serde::Serialize;
+use signal::proportion::Proportion;
 
 use crate::beyond::{Beyond, beyond};
 use crate::doubt::{Doubt, doubts};

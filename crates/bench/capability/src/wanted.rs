@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use design::safety::Proportion;
 use numerics::parallel;
 use serde::Serialize;
+use signal::proportion::Proportion;
 use units::{Quantity, parse_value};
 
 use crate::error::CapabilityError;

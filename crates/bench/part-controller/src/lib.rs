@@ -1,7 +1,7 @@
-//! The dynamometer's speed controller: its estimator, and what recordings show of it.
+//! The dynamometer's speed controller: its estimator, what recordings show of it, and what noise
+//! does to the estimate.
 
-mod recordings;
-pub mod speed_control;
+pub mod noise_test;
 pub mod speed_controller;
 
-pub use recordings::SpeedControllers;
+pub use speed_controller::SpeedControllers;

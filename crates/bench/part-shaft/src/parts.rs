@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::shaft::{self, NoisyTorque, ShaftInputs};
+use crate::shaft::{self, NoisyTorque, ShaftInputs, Wanted};
 use crate::shaft_inputs::{both_inertias, shaft_inputs, shaft_torque};
 use part_controller::SpeedControllers;
 use part_torque::TorqueControls;
@@ -115,9 +115,9 @@ impl<'a> Parts<'a> {
     /// The shaft's parameters from the whole of a recording, to compare recordings with one another.
     ///
     /// # Errors
-    /// Those of [`shaft::estimate_parameters`].
+    /// Those of [`shaft::fit`].
     pub fn shaft_of_whole(&self, experiment: &Experiment) -> Result<Arc<Estimate>, EstimateError> {
-        self.shafts.whole.get(experiment, || shaft::estimate_parameters(&self.shaft_inputs(experiment)?))
+        self.shafts.whole.get(experiment, || Ok(shaft::fit(&self.shaft_inputs(experiment)?, Wanted::Shaft)?.estimate))
     }
 
     /// The shaft from the recording that is chosen for it.
@@ -137,7 +137,7 @@ impl<'a> Parts<'a> {
     /// Both inertias from a recording, as if nothing were known of them.
     ///
     /// # Errors
-    /// Those of [`shaft::estimate_with_inertias`].
+    /// Those of [`shaft::fit`].
     pub fn inertias(&self, experiment: &Experiment) -> Result<Arc<Estimate>, EstimateError> {
         let estimate = || both_inertias(experiment, &self.shaft_inputs(experiment)?, self.bench);
         self.shafts.inertias.get(experiment, estimate)

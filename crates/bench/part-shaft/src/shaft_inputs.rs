@@ -9,7 +9,7 @@ use rig::prepare::believable;
 use rig::results::{Estimate, Quantity};
 use rig::{BenchFile, Experiment, Role};
 
-use crate::shaft::{self, NoisyTorque, ShaftInputs, TorqueDelay};
+use crate::shaft::{self, NoisyTorque, ShaftInputs, TorqueDelay, Wanted};
 
 /// The torque that moves the shaft, between its samples; of a long recording in the minutes in which N_e changes most.
 pub fn shaft_torque(
@@ -87,15 +87,15 @@ fn friction_slope(bench: &BenchFile) -> (f64, f64) {
 /// Both inertias as if nothing were known of them.
 ///
 /// # Errors
-/// Those of [`shaft::estimate_with_inertias`].
+/// Those of [`shaft::fit`].
 pub fn both_inertias(
     experiment: &Experiment,
     inputs: &ShaftInputs<'_>,
     bench: &BenchFile,
 ) -> Result<Estimate, EstimateError> {
     let demand = need(experiment, Role::DynoTorqueDemand)?;
-    let engine = bench.engine();
-    shaft::estimate_with_inertias(inputs, demand, engine.firings_per_turn())
+    let firings_per_turn = bench.engine().firings_per_turn();
+    Ok(shaft::fit(inputs, Wanted::Inertias { demand, firings_per_turn })?.estimate)
 }
 
 /// The gate of N_d as the bench file states it, s.

@@ -1,7 +1,8 @@
 //! Findings of the parts' analyses on a campaign, in addition to the study: the same as each of them shows on its own.
 
 use numerics::parallel;
-use part_controller::speed_control::{SpeedControl, speed_control};
+use part_controller::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
+use part_controller::speed_controller::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
@@ -16,7 +17,6 @@ use work::Context;
 
 use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
-use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
 
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of
 /// `OrdersTried::default()` take minutes.

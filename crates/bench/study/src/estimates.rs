@@ -177,7 +177,7 @@ fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &Spee
 fn doubt_exchange(findings: &mut Findings<'_>, parts: &Parts<'_>) {
     let chosen = parts.chosen_shaft().ok().map(|chosen| chosen.experiment.file.as_str());
     for experiment in Sought::Shaft.candidates(&parts.experiments) {
-        let ratio = parts.shaft_inputs(experiment).and_then(|inputs| shaft::gain_by_exchange(&inputs)).ok();
+        let ratio = parts.shaft_inputs(experiment).and_then(|inputs| shaft::checks::gain_by_exchange(&inputs)).ok();
         if let Some(misfit_ratio) = ratio.filter(|ratio| *ratio > EXCHANGED) {
             findings.doubt(&experiment.file, Severity::Error, Finding::SpeedsExchanged { misfit_ratio });
             return;
@@ -219,7 +219,7 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, shaft: &mut Shaft
             None => shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone())),
         }
     }
-    let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::estimate_inertia(&inputs));
+    let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::checks::inertia(&inputs));
     let own = inertia.ok().flatten().map(|estimated| (experiment.file.as_str(), estimated));
     let of_inertia = doubt_shaft(findings, experiment, shaft, own.or_else(|| agreed(&moved)));
     cover_contradictions(shaft, of_inertia.max(torque_error(parts)));

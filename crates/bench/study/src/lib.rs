@@ -13,7 +13,6 @@ mod gather;
 pub mod known;
 mod model_json;
 mod next;
-pub mod noise_test;
 mod parts;
 mod recorded;
 mod replayed;

@@ -1,6 +1,6 @@
 //! A page of figures of what a simulated bench shows before any model is made of it.
 
-use effects::{Effects, Gains, ShaftZeros, ShownTrace, Spectrum};
+use demo::effects::{Effects, Gains, ShaftZeros, ShownTrace, Spectrum};
 use page::{Abscissa, Axis, Figure, Layer, Page, Panel, Rounded, Style, rounded};
 
 /// Height of a panel on the page.

@@ -7,6 +7,7 @@
 //! text and `null` in JSON.
 
 mod assumptions;
+mod blocks;
 pub mod brief;
 pub mod can;
 pub mod catalogue;
@@ -15,6 +16,7 @@ pub mod controller;
 pub mod design;
 mod effects;
 pub mod engine;
+mod estimates;
 mod figures;
 pub mod friction;
 pub mod inspection;
@@ -22,6 +24,7 @@ pub mod known;
 pub mod lines;
 pub mod next;
 pub mod pages;
+mod plots;
 pub mod proposal;
 pub mod recording;
 pub mod replayed;

@@ -5,7 +5,7 @@ use page::decimal::significant;
 use page::{Block, Blocks, Cell, Figure, Page, Prose, Table};
 use rig::results::Validation;
 
-use crate::sections::parts::stretch;
+use crate::estimates::stretch;
 use crate::sections::replays;
 use crate::wording::{mode_short, number};
 

@@ -2,7 +2,7 @@
 //! recordings.
 
 use part_controller::SpeedControllers;
-use part_controller::speed_control::{SpeedControl, speed_control};
+use part_controller::speed_controller::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{Friction, FrictionError, FrictionOptions};
 use part_shaft::Parts;

@@ -2,7 +2,7 @@
 
 use bench_model::document::BenchModelDocument;
 use numerics::parallel::current_num_threads;
-use part_controller::speed_control::SpeedControl;
+use part_controller::speed_controller::SpeedControl;
 use part_engine::EngineTorque;
 use part_friction::{Friction, FrictionOptions};
 use part_lines::lines::RecordingLines;

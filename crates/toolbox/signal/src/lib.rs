@@ -14,6 +14,7 @@ pub mod filter;
 pub mod frf;
 pub mod periodicity;
 mod plans;
+pub mod proportion;
 pub mod quality;
 pub mod resample;
 mod runs;

@@ -11,7 +11,7 @@ use bench_model::model::{AssembledModel, BenchModel, ModelParameter, ModelUncert
 use bench_testkit::benches::bench_file;
 use bench_testkit::recordings::BENCH_A;
 use capability::{CanInputs, Demand, FollowingSpread, LimitOf, can, shapes};
-use design::safety::{BenchSpread, FrictionSpread, Proportion};
+use design::safety::{BenchSpread, FrictionSpread};
 use numerics::parallel;
 use numerics::random::Stream;
 use rig::bench_file::Limits;
@@ -19,6 +19,7 @@ use rig::bench_parameters::BenchParameters;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use signal::proportion::Proportion;
 use study::{Campaign, Prepared, Source};
 use virtual_bench::{Numerics, simulate, simulate_hidden};
 

@@ -2,9 +2,9 @@
 
 use numerics::order;
 use serde::Serialize;
+use signal::proportion::Proportion;
 
 use super::quantity::Quantity;
-use super::verdict::Proportion;
 use super::verdict::Safety;
 
 /// One quantity over all benches drawn.
@@ -32,12 +32,12 @@ impl Checked {
 
     /// Verdict of its limit alone.
     pub fn safety(&self) -> Safety {
-        self.reached.map_or(Safety::NotChecked, |reached| reached.safety())
+        self.reached.map_or(Safety::NotChecked, Safety::against)
     }
 }
 
 /// The verdict of all limits together, by how many benches reach any of them or are not stable.
 pub(crate) fn overall(checked: &[Checked], any: Proportion) -> Safety {
     let is_stated = checked.iter().any(|one| one.reached.is_some());
-    if !is_stated && any.count == 0 { Safety::NotChecked } else { any.safety() }
+    if !is_stated && any.count == 0 { Safety::NotChecked } else { Safety::against(any) }
 }

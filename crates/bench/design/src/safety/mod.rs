@@ -20,6 +20,7 @@ use rig::engine_pulses::KnownPulses;
 use rig::experiment::Demands;
 use rig::random::Source;
 use serde::Serialize;
+use signal::proportion::Proportion;
 use work::Context;
 
 pub use checked::Checked;
@@ -30,7 +31,7 @@ use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
 use spread::Drawn;
 pub use spread::{BenchSpread, Prior, slowed};
-pub use verdict::{ALLOWED, Proportion, Safety};
+pub use verdict::{ALLOWED, Safety};
 
 /// Share of the bandwidth that the speed control of an engine of which nothing is known has at least.
 pub const ASSUMED_ENGINE: f64 = 0.1;

@@ -3,13 +3,14 @@
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use rig::experiment::{Demands, ExperimentPlan};
 use serde::Serialize;
+use signal::proportion::Proportion;
 use work::Context;
 
 use super::ladder::Ladder;
 use super::quantity::reaches;
 use super::run::{self, Outcome};
 use super::spread::Drawn;
-use super::{ALLOWED, Proportion, Quantity};
+use super::{ALLOWED, Quantity};
 
 /// Amplitudes stay this part below the ones computed: they are said with three digits.
 const MARGIN: f64 = 0.99;

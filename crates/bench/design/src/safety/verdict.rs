@@ -1,28 +1,10 @@
 //! From counts to verdicts.
 
 use serde::Serialize;
-use signal::distributions::f_quantile;
+use signal::proportion::Proportion;
 
 /// The probability of reaching a limit that is allowed.
 pub const ALLOWED: f64 = 0.05;
-
-/// Half of what the 95 % interval leaves out.
-const TAIL: f64 = 0.025;
-
-/// A probability, from how often something happened.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Proportion {
-    /// How often it happened.
-    pub count: usize,
-    /// Of how many.
-    pub of: usize,
-    /// count/of.
-    pub estimate: f64,
-    /// Lower end of the 95 % interval.
-    pub lower: f64,
-    /// Its upper end.
-    pub upper: f64,
-}
 
 /// A verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -38,33 +20,10 @@ pub enum Safety {
     NotChecked,
 }
 
-impl Proportion {
-    /// With the exact binomial interval: its ends are quantiles of the beta distribution, here by those of F.
-    ///
-    /// # Source
-    /// Clopper & Pearson, Biometrika 26 (1934) 404.
-    pub fn new(count: usize, of: usize) -> Self {
-        let (x, rest) = (count as f64, of.saturating_sub(count) as f64);
-        // Without a success there is nothing for F to tell, and the ends have closed forms.
-        let lower = match (count, rest > 0.0) {
-            (0, _) => 0.0,
-            (_, false) => TAIL.powf(1.0 / x),
-            _ => 1.0 / (1.0 + (rest + 1.0) / x * f_quantile(1.0 - TAIL, 2.0 * (rest + 1.0), 2.0 * x)),
-        };
-        let upper = match (count, rest > 0.0) {
-            (_, false) => 1.0,
-            (0, _) => 1.0 - TAIL.powf(1.0 / rest),
-            _ => {
-                let odds = (x + 1.0) / rest * f_quantile(1.0 - TAIL, 2.0 * (x + 1.0), 2.0 * rest);
-                odds / (1.0 + odds)
-            }
-        };
-        Proportion { count, of, estimate: x / of.max(1) as f64, lower, upper }
-    }
-
+impl Safety {
     /// Safety against something that must not happen.
-    pub fn safety(&self) -> Safety {
-        match (self.estimate > ALLOWED, self.upper > ALLOWED) {
+    pub(super) fn against(happened: Proportion) -> Self {
+        match (happened.estimate > ALLOWED, happened.upper > ALLOWED) {
             (true, _) => Safety::Unsafe,
             (false, true) => Safety::Risky,
             (false, false) => Safety::Safe,

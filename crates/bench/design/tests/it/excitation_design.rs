@@ -8,7 +8,7 @@ use design::excitation_design::{
     Criterion, DesignError, DesignTask, ExcitationDesign, ExcitedDemand, LimitedQuantity, Measurements, Nuisance,
     PeakLimits, Robustness, SampleNoise, Unknown, design,
 };
-use part_shaft::shaft::{ShaftInputs, estimate_parameters};
+use part_shaft::shaft::{ShaftInputs, Wanted, fit};
 use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::Role;
@@ -288,7 +288,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         torque_control: None,
         firings_per_turn: 0.0,
     };
-    let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(bench));
+    let (found, truth) = (fit(&inputs, Wanted::Shaft).unwrap().estimate, virtual_bench::Truth::of(bench));
     let error = |quantity, truth: f64| found.parameter(quantity).unwrap().value / truth - 1.0;
     [error(Quantity::Stiffness, truth.stiffness_nm_per_rad), error(Quantity::Damping, truth.damping_nm_s_per_rad)]
 }

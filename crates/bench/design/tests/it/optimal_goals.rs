@@ -9,7 +9,8 @@ use design::excitation_design::{
     DesignTask, ExcitationDesign, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design,
 };
 use part_controller::speed_controller;
-use part_shaft::shaft::{ShaftInputs, estimate_inertia, estimate_parameters};
+use part_shaft::shaft::checks::inertia;
+use part_shaft::shaft::{ShaftInputs, Wanted, fit};
 use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, SensorParameters};
@@ -121,7 +122,7 @@ fn column(rows: &[Vec<f64>], index: usize) -> Vec<f64> {
 fn stat_stiffness_and_damping_scatter_as_predicted() {
     let (found, plan) = designed(&[Goal::Stiffness, Goal::Damping], ExcitedDemand::Torque);
     let rows = all(&plan, |inputs| {
-        let estimate = estimate_parameters(inputs).unwrap();
+        let estimate = fit(inputs, Wanted::Shaft).unwrap().estimate;
         [Quantity::Stiffness, Quantity::Damping].map(|quantity| estimate.parameter(quantity).unwrap().value).to_vec()
     });
     for (index, parameter) in [ModelParameter::Stiffness, ModelParameter::Damping].into_iter().enumerate() {
@@ -134,7 +135,7 @@ fn stat_stiffness_and_damping_scatter_as_predicted() {
 #[ignore = "slow: Monte Carlo"]
 fn stat_the_inertia_of_the_dynamometer_scatters_as_predicted() {
     let (found, plan) = designed(&[Goal::DynoInertia], ExcitedDemand::Torque);
-    let rows = all(&plan, |inputs| vec![estimate_inertia(inputs).unwrap().unwrap().0]);
+    let rows = all(&plan, |inputs| vec![inertia(inputs).unwrap().unwrap().0]);
     let ratio = judged(&found, ModelParameter::DynoInertia, &column(&rows, 0));
     // 2.6 was measured: beside the window, the estimator has four amplitudes of once-a-turn errors to tell from J_d.
     assert!((0.7..3.5).contains(&ratio), "{ratio}");

@@ -5,14 +5,14 @@ use bench_model::friction::DynoFriction;
 use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench_model::prediction::PredictionInputs;
 use design::safety::{
-    BenchSpread, Checked, FrictionSpread, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyError, SafetyInputs,
-    check,
+    BenchSpread, Checked, FrictionSpread, Prior, Quantity, Safety, SafetyCheck, SafetyError, SafetyInputs, check,
 };
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
 use signal::distributions::{chi_squared_tail, normal_quantile};
+use signal::proportion::Proportion;
 use units::RPM_RAD_S;
 
 /// A bench with a sharp resonance near 18 Hz, and an engine whose speed control does not damp it.

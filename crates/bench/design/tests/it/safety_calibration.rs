@@ -4,7 +4,7 @@ use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
 use bench_model::prediction::PredictionInputs;
-use design::safety::{BenchSpread, FrictionSpread, Prior, Proportion, Quantity, SafetyInputs, check};
+use design::safety::{BenchSpread, FrictionSpread, Prior, Quantity, SafetyInputs, check};
 use numerics::parallel;
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, MechanicsParameters};
@@ -12,6 +12,7 @@ use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, UPDATE_S, Waveform};
 use signal::distributions::normal_quantile;
 use signal::excitation::Random;
+use signal::proportion::Proportion;
 use virtual_bench::{Numerics, simulate_hidden};
 
 const BENCHES: usize = 200;

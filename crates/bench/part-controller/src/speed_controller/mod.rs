@@ -18,8 +18,10 @@
 //! # Source
 //! Thesis (6.2), (6.5)–(6.7); Ljung 1999, §4.3 (output error), §9.4.
 
+mod analysis;
 mod data;
 mod demand_lags;
+mod discrete;
 mod encoder;
 mod feed_forward;
 mod fit;
@@ -27,14 +29,21 @@ mod forward;
 mod inverse;
 mod lag;
 mod limit;
+mod recordings;
 mod terms;
 
+pub use analysis::{
+    Controller, ControllerRecording, FeedForwardFound, FeedForwardRecording, LimitRecording, SpeedControl,
+    speed_control,
+};
+pub use discrete::{Discrete, IntegrationRule};
 pub use encoder::Encoder;
 pub use feed_forward::estimate_feed_forward;
 pub use fit::estimate_alone;
 pub use fit::{KnownController, SpeedControllerFit, estimate, once_a_turn};
 pub use forward::estimate_forward;
 pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
+pub use recordings::SpeedControllers;
 pub use terms::{
     FeedForwardTerms, LEVEL, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict, feed_forward_terms,
     structure,

@@ -4,17 +4,17 @@
 mod benches;
 mod hidden;
 
+use demo::campaign::held_speed;
 use part_controller::SpeedControllers;
-use part_controller::speed_control::{IntegrationRule, speed_control};
+use part_controller::noise_test::{Estimator, Noise, NoiseTestOptions, noise_test};
 use part_controller::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward,
-    feed_forward_terms, limit, structure,
+    AntiWindup, FeedForwardTerms, IntegrationRule, Limit, LimitReached, Structure, Term, Verdict, estimate,
+    estimate_feed_forward, feed_forward_terms, limit, speed_control, structure,
 };
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::results::Quantity;
 use rig::{BenchFile, Experiment, prepare};
-use study::noise_test::{Estimator, Noise, NoiseTestOptions, noise_test, virtual_experiment};
 
 use bench_testkit::recordings::{bench_file, recordings};
 use benches::recorded;
@@ -256,7 +256,7 @@ fn options(draws: usize) -> NoiseTestOptions {
 
 #[test]
 fn exact_the_study_returns_the_controller_without_noise() {
-    let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
+    let speeds = held_speed(2).unwrap().within((0.0, 20.0));
     let found = noise_test(&speeds, &options(2), &work::Context::new()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise == Noise::None) {
         for summary in &case.summaries {
@@ -272,7 +272,7 @@ fn exact_the_study_returns_the_controller_without_noise() {
 #[ignore = "slow"]
 fn stat_the_study_covers_the_truth_from_t_d_demand() {
     let draws = 40;
-    let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
+    let speeds = held_speed(2).unwrap().within((0.0, 20.0));
     let found = noise_test(&speeds, &options(draws), &work::Context::new()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise != Noise::None) {
         for s in &case.summaries {

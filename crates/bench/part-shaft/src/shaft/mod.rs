@@ -10,6 +10,7 @@
 //! # Source
 //! Thesis (6.1), (6.10), §6.3.5.2; Pintelon & Schoukens 2012, ch. 9.
 
+pub mod checks;
 mod engine_side;
 mod equation;
 mod estimate;
@@ -17,20 +18,18 @@ mod inputs;
 mod places;
 mod response;
 mod skew_search;
+mod solution;
 mod spectra;
 mod springs;
 mod term;
 mod terms;
 
-pub(crate) use estimate::{ECCENTRICITY, SLOWEST_RAD_S, WITHOUT_FIRING_S, model_errors};
-pub use estimate::{
-    estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
-    gain_by_exchange, test_terms,
-};
+pub use estimate::{Fitted, Wanted, estimate, fit};
 pub(crate) use inputs::LARGEST_SKEW_S;
 pub use inputs::{ShaftInputs, TorqueDelay};
 pub use part_torque::air_gap_torque::NoisyTorque;
 pub(crate) use places::{DYNO, ENGINE, TORQUE};
+pub(crate) use solution::{ECCENTRICITY, SLOWEST_RAD_S, WITHOUT_FIRING_S, model_errors};
 pub(crate) use spectra::{CLEAN_PART, HIGHEST_HZ};
 pub use term::{Term, Weight};
 pub use terms::{Beyond, TermTest};

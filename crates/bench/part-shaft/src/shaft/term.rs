@@ -12,7 +12,7 @@ pub enum Term {
     /// the first effect of a dual-mass flywheel.
     SecondMass,
     /// That flywheel as it is: a mass, and a spring with damping behind it. It has three parameters and is no
-    /// `TermTest`; see [`super::estimate_dual_mass`].
+    /// `TermTest`; see [`super::Wanted::DualMass`].
     DualMass,
     /// K changes with the weight, as a part of K.
     OfStiffness(Weight),

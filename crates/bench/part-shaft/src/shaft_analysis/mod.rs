@@ -15,7 +15,7 @@ use signal::Signal;
 use work::Context;
 
 use crate::Parts;
-use crate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
+use crate::shaft::{self, Beyond, Fitted, ShaftInputs, Term, TermTest, Wanted};
 use crate::shaft_routes::Timing;
 use crate::shaft_routes::black_box;
 use crate::shaft_routes::multisine::{self, DynoInertia};
@@ -75,8 +75,8 @@ fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
     let (mut dual_mass, mut routes) = (None, Routes::default());
     if let (Ok(inputs), Outcome::Estimated(shaft)) = (&inputs, &shaft) {
         routes = by_other_routes(experiment, inputs, shaft, bench);
-        bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
-        beyond = folded.map_or_else(|| shaft::test_terms(inputs).into(), Outcome::because);
+        bands = shaft::checks::by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
+        beyond = folded.map_or_else(|| shaft::checks::beyond(inputs).into(), Outcome::because);
         dual_mass = needs_dual_mass(bench, &beyond).then(|| with_dual_mass(inputs).into());
         let both = || Outcome::from(parts.inertias(experiment).map(|both| both.as_ref().clone()));
         inertias = parts.gives_inertias(experiment).then(both);
@@ -122,7 +122,7 @@ fn needs_dual_mass(bench: &BenchFile, beyond: &Outcome<Beyond>) -> bool {
 }
 
 fn with_dual_mass(inputs: &ShaftInputs<'_>) -> Result<DualMass, EstimateError> {
-    let (estimate, misfit) = shaft::estimate_dual_mass(inputs)?;
+    let Fitted { estimate, misfit } = shaft::fit(inputs, Wanted::DualMass)?;
     Ok(DualMass { estimate, misfit })
 }
 

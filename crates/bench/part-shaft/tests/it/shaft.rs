@@ -1,6 +1,7 @@
 //! The shaft's estimator on the virtual bench: with computed and with measured shaft torque, and what it says of J_d.
 
-use part_shaft::shaft::{ShaftInputs, estimate, estimate_inertia};
+use part_shaft::shaft::checks::inertia;
+use part_shaft::shaft::{ShaftInputs, estimate};
 use part_torque::air_gap_torque::NoisyTorque;
 use rig::bench_parameters::BenchParameters;
 use rig::estimation::EstimateError;
@@ -79,7 +80,7 @@ fn stat_a_torque_flange_needs_no_inertia() {
     let found = estimate(&inputs).unwrap();
     is_near(&found.estimate, Quantity::Stiffness, STIFFNESS, 0.01 * STIFFNESS);
     is_near(&found.estimate, Quantity::Damping, DAMPING, 0.05 * DAMPING);
-    assert_eq!(estimate_inertia(&inputs), Ok(None));
+    assert_eq!(inertia(&inputs), Ok(None));
 }
 
 #[test]
@@ -88,7 +89,7 @@ fn stat_the_inertia_in_the_data_is_seen_whatever_was_stated() {
     let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
     for stated in [0.3, 0.6, 6.0] {
         let record = torque(&run, &run.hidden.air_gap_torque_nm, 0.0, 0.05);
-        let (found, error) = estimate_inertia(&inputs(&speeds, record, Some((stated, 0.0)))).unwrap().unwrap();
+        let (found, error) = inertia(&inputs(&speeds, record, Some((stated, 0.0)))).unwrap().unwrap();
         assert!((found - INERTIA).abs() < 0.05 * INERTIA, "{stated}: {found} ± {error}");
     }
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use part_shaft::shaft::{ShaftInputs, estimate_parameters};
+use part_shaft::shaft::{ShaftInputs, Wanted, fit};
 use part_shaft::shaft_routes::Timing;
 use part_shaft::shaft_routes::black_box::{self, BlackBoxDoubt, BlackBoxRoute};
 use part_shaft::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
@@ -160,7 +160,7 @@ impl Recorded {
     }
 
     fn timing(&self) -> Timing {
-        Timing::of(&estimate_parameters(&self.inputs()).unwrap()).unwrap()
+        Timing::of(&fit(&self.inputs(), Wanted::Shaft).unwrap().estimate).unwrap()
     }
 
     fn state_space(&self, timing: &Timing) -> StateSpaceRoute {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use part_shaft::shaft::{ShaftInputs, estimate_with_inertias};
+use part_shaft::shaft::{ShaftInputs, Wanted, fit};
 use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, Harmonic};
@@ -86,7 +86,8 @@ impl Drawn {
         let experiment = self.white_noise((60.0, deviation_nm), 64.0, seed);
         let demand = experiment.signal(Role::DynoTorqueDemand).unwrap();
         // Nothing is known of J_d but its order of magnitude.
-        estimate_with_inertias(&inputs(&experiment, 0.6), demand, 2.0).unwrap()
+        let wanted = Wanted::Inertias { demand, firings_per_turn: 2.0 };
+        fit(&inputs(&experiment, 0.6), wanted).unwrap().estimate
     }
 
     /// A recording of a white torque demand of so much mean and standard deviation.

@@ -1,9 +1,7 @@
 //! Terms that may be in a shaft beyond K and B: found where they are, and nowhere else; and friction that is not taken
 //! for damping.
 
-use part_shaft::shaft::{
-    Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms,
-};
+use part_shaft::shaft::{Beyond, Fitted, Term, TermTest, Wanted, Weight, checks, fit};
 use rig::bench_parameters::{DualMassFlywheel, LossFactor, MechanicsParameters};
 use rig::results::Quantity;
 
@@ -13,7 +11,7 @@ use bench_testkit::benches::in_parallel;
 /// The terms of a bench's shaft, with 30 Nm upon so much.
 fn terms_of(bench: &Drawn, mean_nm: f64, seed: u64) -> Beyond {
     let experiment = bench.white_noise((mean_nm, 30.0), 40.0, seed);
-    let beyond = test_terms(&inputs(&experiment, bench.parameters.mechanics.dyno_inertia_kg_m2)).unwrap();
+    let beyond = checks::beyond(&inputs(&experiment, bench.parameters.mechanics.dyno_inertia_kg_m2)).unwrap();
     for test in beyond.tests.iter().filter(|test| test.found) {
         println!("{:?}: {:?} misfit {:?} of {}", test.term, test.value, test.misfit, beyond.simple_misfit);
     }
@@ -77,11 +75,11 @@ fn stat_a_dual_mass_flywheel_is_estimated() {
         let bench = altered(7000 + i, |m| m.flywheel = Some(flywheel));
         let experiment = bench.white_noise((40.0, 30.0), 40.0, i as u64);
         let mechanics = bench.parameters.mechanics;
-        let found = estimate_dual_mass(&inputs(&experiment, mechanics.dyno_inertia_kg_m2)).unwrap();
+        let found = fit(&inputs(&experiment, mechanics.dyno_inertia_kg_m2), Wanted::DualMass).unwrap();
         (mechanics, found)
     });
     let mut held = 0;
-    for (mechanics, (estimate, misfit)) in &rows {
+    for (mechanics, Fitted { estimate, misfit }) in &rows {
         let truths = [
             (Quantity::Stiffness, mechanics.shaft_stiffness_nm_per_rad),
             (Quantity::Damping, mechanics.shaft_damping_nm_s_per_rad),
@@ -110,7 +108,7 @@ fn stat_friction_does_not_go_into_the_damping() {
         let bench = altered(6000 + i, |m| m.viscous_friction_nm_s_per_rad = slope(m));
         let experiment = bench.white_noise((40.0, 30.0), 40.0, i as u64);
         let mechanics = bench.parameters.mechanics;
-        let estimate = estimate_parameters(&inputs(&experiment, mechanics.dyno_inertia_kg_m2)).unwrap();
+        let estimate = fit(&inputs(&experiment, mechanics.dyno_inertia_kg_m2), Wanted::Shaft).unwrap().estimate;
         (mechanics, estimate)
     });
     type Truth = fn(&MechanicsParameters) -> f64;
@@ -138,7 +136,7 @@ fn stat_every_band_tells_the_same_shaft_once_timing_is_part_of_it() {
     let inputs = inputs(&experiment, mechanics.dyno_inertia_kg_m2);
     let truth = mechanics.shaft_damping_nm_s_per_rad;
     let bands_hz = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (1.0, 110.0)];
-    for (band_hz, found) in bands_hz.iter().zip(estimate_by_band(&inputs, &bands_hz).unwrap()) {
+    for (band_hz, found) in bands_hz.iter().zip(checks::by_band(&inputs, &bands_hz).unwrap()) {
         let (estimate, ignoring_timing) = found.unwrap();
         let (own, naive) =
             (estimate.parameter(Quantity::Damping).unwrap(), ignoring_timing.parameter(Quantity::Damping).unwrap());

@@ -2,11 +2,12 @@
 
 use capability::{Answer, Beyond, Easier, FollowingSpread, LimitOf, Verdict};
 use cycle::RequirementSet;
-use design::safety::{FrictionSpread, Proportion};
+use design::safety::FrictionSpread;
 use page::{
     Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Style, Table, Tone, rounded,
 };
 use rig::engine_pulses::KnownPulses;
+use signal::proportion::Proportion;
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 

@@ -3,8 +3,8 @@
 use bench_model::document::Range;
 use capability::{Answer, Beyond, LimitOf, Verdict};
 use cycle::{Checked, Omission, Omitted, Own, RequirementSet, Sensor, Signal, Statistic};
-use design::safety::Proportion;
 use page::{Finding, Tone};
+use signal::proportion::Proportion;
 use units::RPM_RAD_S;
 
 use crate::wording::number;

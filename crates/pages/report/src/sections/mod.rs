@@ -3,18 +3,15 @@
 //! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what
 //! was recorded, each part, the whole model, replays, doubts, where it all came from, by which methods.
 
-pub(crate) mod analyses;
 pub(crate) mod diagnostics;
 mod diagram;
 mod foundation;
 mod identity;
 mod known;
 mod methods;
-pub(crate) mod parts;
-mod plots;
 mod provenance;
+mod recorded;
 pub(crate) mod replays;
-mod submodels;
 pub(crate) mod verdict;
 mod whole;
 
@@ -23,7 +20,7 @@ use study::{Analyses, Origin, Study};
 
 use page::{Block, Blocks, Page};
 
-use crate::wording;
+use crate::{controller, engine, friction, lines, next, shaft, torque, torque_control, wording};
 
 /// The report of a study.
 pub fn study(study: &Study, origin: &Origin) -> Page {
@@ -84,38 +81,38 @@ fn sections(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Vec<
         Some(("verdict", "Verdict", verdict::section(study))),
         Some(("known", "What is known", known::section(study, analyses))),
         Some(("diagram", "Block diagram", diagram::section(study))),
-        only("recorded", "What was recorded", &|found| analyses::courses(&found.courses)),
-        only("lines", "Lines", &|found| analyses::lines(&found.lines, &found.over_speed)),
-        Some(("timing", "Timing", with(submodels::timing(study), &|found| analyses::step(found.step.as_ref())))),
+        only("recorded", "What was recorded", &|found| recorded::courses(&found.courses)),
+        only("lines", "Lines", &|found| lines::analysis(&found.lines, &found.over_speed)),
+        Some(("timing", "Timing", with(torque::timing(study), &|found| recorded::step(found.step.as_ref())))),
         only_unless(Part::TorqueControl, "torque-signals", "Torque signals", &|found| {
-            analyses::torque(&found.torque_signals)
+            torque::analysis(&found.torque_signals)
         }),
         Some((
             "speed-control",
             "Speed control",
-            unless(Part::SpeedController, submodels::speed_controller(study), &|found| {
-                analyses::controller(&found.speed_control, found.pi_study.as_ref())
+            unless(Part::SpeedController, controller::section(study), &|found| {
+                controller::analysis(&found.speed_control, found.pi_study.as_ref())
             }),
         )),
         Some((
             "feed-forward",
             "Feed-forward",
-            unless(Part::FeedForward, submodels::feed_forward(study), &|found| {
-                analyses::feed_forward(&found.speed_control)
+            unless(Part::FeedForward, controller::feed_forward_section(study), &|found| {
+                controller::feed_forward_analysis(&found.speed_control)
             }),
         )),
         Some((
             "torque-control",
             "Torque control",
-            unless(Part::TorqueControl, submodels::torque_control(study), &|found| {
-                analyses::torque_control_in_report(&found.torque_control)
+            unless(Part::TorqueControl, torque_control::section(study), &|found| {
+                torque_control::analysis_in_report(&found.torque_control)
             }),
         )),
-        only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
-        Some(("shaft", "Shaft", unless(Part::Shaft, submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
-        only_unless(Part::Whole, "engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
+        only("friction", "Friction", &|found| friction::analysis(&found.friction, &study.bench)),
+        Some(("shaft", "Shaft", unless(Part::Shaft, shaft::section(study), &|found| shaft::analysis(&found.shaft)))),
+        only_unless(Part::Whole, "engine-torque", "Engine torque", &|found| engine::analysis(&found.engine_torque)),
         Some(("whole", "Whole model", whole::section(study, origin))),
-        only_unless(Part::Whole, "next", "What to record next", &|found| analyses::next(&found.next)),
+        only_unless(Part::Whole, "next", "What to record next", &|found| next::analysis(&found.next)),
         Some(("replays", "Replays", replays::section(study))),
         Some(("findings", "Findings", diagnostics::section(study))),
         Some(("provenance", "Recordings and bench", provenance::section(study, origin))),

@@ -6,8 +6,8 @@ use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
 
-use super::parts::stretch;
-use super::plots::{difference, trace_layer};
+use crate::estimates::stretch;
+use crate::plots::{difference, trace_layer};
 use crate::wording::{capitalised, experiment, mode, number};
 
 /// As much of a replay is shown on the first page, s.

@@ -10,7 +10,7 @@ use units::RPM_RAD_S;
 
 use page::{Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 
-use super::parts::{lead, not_estimated, parameter_table};
+use crate::estimates::{lead, not_estimated, parameter_table};
 use crate::wording::{self, mode_short, number};
 
 /// Normal quantile of the error bars.

@@ -1,8 +1,8 @@
 //! Numbers of a study as engineers write them.
 
-use design::safety::Proportion;
 use page::{Quantity, Uncertainty, Unit};
 use rig::results::WrittenParameter;
+use signal::proportion::Proportion;
 
 pub use page::number::*;
 

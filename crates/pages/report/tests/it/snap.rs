@@ -1,12 +1,12 @@
 //! Wording and structure, word for word.
 #![allow(clippy::unwrap_used)]
 
-use design::safety::Proportion;
 use recording::RecordingError;
 use report::wording::{self, number};
 use rig::estimation::EstimateError;
 use rig::results::{Notation, Part, Quantity, Reason, WrittenParameter};
 use rig::{Diagnostic, ExperimentLabel, Finding, LikelyUnit, NotReplayed, Place, Role, SeenInstead, Severity};
+use signal::proportion::Proportion;
 
 use crate::fixture;
 

@@ -3,7 +3,7 @@
 mod noise_test;
 
 use dynoid::analyses;
-use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl};
+use part_controller::speed_controller::{ControllerRecording, FeedForwardRecording, SpeedControl};
 use rig::results::Validation;
 use serde_json::{Value, json};
 

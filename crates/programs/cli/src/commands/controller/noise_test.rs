@@ -1,8 +1,9 @@
 //! `dynoid controller noise-test`: what noise does to the estimate of a PI that is known.
 
+use demo::campaign::held_speed;
+use part_controller::noise_test::{NoiseTestOptions, noise_test};
 use rig::experiment::Test;
 use rig::{ControlMode, Experiment, Role};
-use study::noise_test::{NoiseTestOptions, noise_test, virtual_experiment};
 
 use crate::cli::GivenRecordings;
 use crate::cli::controller::NoiseTestArguments;
@@ -17,7 +18,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
         Some(bench) => recorded(bench, arguments, terminal)?,
         None => {
             check_plot(&arguments.result, &terminal.files())?;
-            virtual_experiment(arguments.seed).map_err(CliError::internal)?
+            held_speed(arguments.seed).map_err(CliError::internal)?
         }
     };
     let found = noise_test(&experiment, &options, terminal.work());

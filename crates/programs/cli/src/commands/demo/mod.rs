@@ -1,13 +1,14 @@
 //! `dynoid demo`: a bench whose every parameter is known, its recordings, and a study of them beside the truth.
 
-mod campaign;
 mod comparison;
 
 use std::path::{Path, PathBuf};
 
+use demo::campaign::{self, Planned};
+use demo::comparison::{Row, rows};
+use demo::effects::{Effects, ShaftZeros};
 use dynoid::pages::html;
-use dynoid::{Files, MODEL, Mark, OutputFolder, StudyOptions, WrittenStudy, check_replaceable};
-use effects::{Effects, ShaftZeros};
+use dynoid::{Files, MODEL, Mark, OutputFolder, StudyOptions, WrittenStudy, check_replaceable, encode_mdf4};
 use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
 
@@ -18,6 +19,7 @@ use crate::summary::{self, shown};
 use crate::terminal::Terminal;
 use numerics::parallel;
 use page::{Block, Page, Prose};
+use work::Context;
 
 const RECORDINGS: &str = "recordings";
 const BENCH_FILE: &str = "bench.toml";
@@ -32,7 +34,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let plans = campaign::plans();
     let names: Vec<String> = plans.iter().map(|plan| plan.file_name.clone()).collect();
     check_folder(out, &names, &terminal.files())?;
-    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, terminal.work(), &terminal.files())?;
+    let recordings = simulate_all(&parameters, &plans, arguments.seed, terminal.work(), &terminal.files())?;
     let folder = out.join(RECORDINGS);
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
@@ -42,13 +44,30 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let bench = out.join(BENCH_FILE);
     dynoid::replace_file(&bench, bench_file(&parameters).as_bytes(), &terminal.files())?;
     let written = study::study(&bench, out, Some(arguments.seed), StudyOptions::default(), terminal)?;
-    let rows = comparison::rows(&written.study, &parameters);
+    let rows = rows(&written.study, &parameters);
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;
     } else if !terminal.is_quiet() {
         terminal.page(&page(&written, &bench, &rows));
     }
     Ok(summary::outcome(&written.study))
+}
+
+/// Simulates the experiments on all cores; returns the recordings' bytes in their order. Every experiment has a seed of
+/// its own, counted from `seed`.
+fn simulate_all(
+    parameters: &BenchParameters,
+    plans: &[Planned],
+    seed: u64,
+    context: &Context,
+    files: &Files,
+) -> Result<Vec<Vec<u8>>, CliError> {
+    let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
+    let record = |(planned, seed): &(&Planned, u64)| {
+        let recording = planned.record(parameters, *seed).map_err(CliError::internal)?;
+        Ok(encode_mdf4(&recording, files)?)
+    };
+    parallel::map_as_step(context, "simulating the bench", &seeded, record).into_iter().collect()
 }
 
 /// The page of what the bench shows, its two parts at the same time.
@@ -98,7 +117,7 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
 }
 
 /// Page of the demo on a screen.
-fn page(written: &WrittenStudy, bench: &Path, rows: &[comparison::Row]) -> Page {
+fn page(written: &WrittenStudy, bench: &Path, rows: &[Row]) -> Page {
     let beside = |name: &str| shown(&written.report.with_file_name(name));
     let next = vec![
         format!("open {} in a browser", shown(&written.report)),

@@ -1,0 +1,7 @@
+//! Experiments to record next: words and figures, and the analysis of all recordings.
+
+mod analysis;
+mod words;
+
+pub(crate) use analysis::{analysis, analysis_of};
+pub use words::*;

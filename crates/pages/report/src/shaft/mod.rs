@@ -1,0 +1,9 @@
+//! The shaft: words and figures, the analysis of all recordings, and the section of a study.
+
+mod analysis;
+mod section;
+mod words;
+
+pub(crate) use analysis::analysis;
+pub(crate) use section::section;
+pub use words::*;
