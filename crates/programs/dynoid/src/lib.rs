@@ -55,6 +55,7 @@ pub mod date;
 mod error;
 pub mod experiments;
 mod exports;
+pub mod facts;
 mod files;
 mod find;
 mod formats;
