@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &DiffArguments, terminal: &mut Terminal) -> Result<
     Ok(if found.has_changed() { Outcome::Changed } else { Outcome::Done })
 }
 
-/// What has changed, with the files.
+/// Changes of a bench, with the files.
 #[derive(Serialize)]
 struct Facts<'a> {
     first: &'a Path,
