@@ -34,8 +34,8 @@ pub struct Proposal {
 }
 
 impl Proposal {
-    /// The bench file at `path` that recordings, or folders of recordings, propose. With `update` it has all that is there
-    /// already, word for word.
+    /// The bench file at `path` that recordings, or folders of recordings, propose. With `update` it has all that is
+    /// there already, word for word.
     ///
     /// # Errors
     /// No recording that can be read, and a file to which nothing can be added.
