@@ -112,7 +112,11 @@ fn held_speed<'a>(parts: &Parts<'a>) -> Option<&'a Experiment> {
     parts.controllers.chosen().ok().map(|chosen| chosen.experiment).or_else(candidates)
 }
 
-fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
+/// Friction and inertia of the dynamometer, from the recordings without shaft.
+///
+/// # Errors
+/// No recording that shows them.
+pub fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
     let without_shaft: Vec<&Experiment> =
         experiments.iter().copied().filter(|experiment| experiment.label.is_without_shaft()).collect();
     friction::estimate(&without_shaft, FrictionOptions::of(bench))

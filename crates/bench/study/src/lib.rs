@@ -24,7 +24,7 @@ mod validity;
 pub mod verdict;
 mod whole;
 
-pub use analyses::{Analyses, lines};
+pub use analyses::{Analyses, friction_of, lines};
 pub use assemble::{StudyParts, assemble};
 pub use comparison::{
     CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges, WaldTest,

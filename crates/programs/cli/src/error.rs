@@ -65,9 +65,6 @@ pub(crate) enum CliError {
         #[from]
         source: Error,
     },
-    /// None of the recordings given can be decoded.
-    #[error("no recording can be read ({count} tried); the reasons are above")]
-    NoneReadable { count: usize },
     /// Something that is no bench file where one is to be written.
     #[error("{}: there is a file of this name, and it is no bench file; choose another name with --out, or replace it with --overwrite", .path.display())]
     NotABenchFile { path: PathBuf },
@@ -164,6 +161,8 @@ fn code_of(error: &Error) -> u8 {
         | Error::PageEnding { .. }
         | Error::NotABench { .. }
         | Error::ManyFiles { .. }
+        | Error::NotToml { .. }
+        | Error::NothingAdded { .. }
         | Error::ChannelTwice { .. }
         | Error::RecordingTwice { .. }
         | Error::EmptyWindow { .. }
@@ -210,6 +209,9 @@ fn in_options(error: &Error) -> String {
         Error::OnlyGaps { data, channels, shortest } => format!(
             "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
         ),
+        Error::NoneReadable { reasons } => {
+            format!("no recording can be read ({} tried); the reasons are above", reasons.len())
+        }
         Error::SpeedOfMap { rpm } => {
             format!("--speed {rpm}: a map needs a speed above 0 rpm, since an engine turns forwards")
         }

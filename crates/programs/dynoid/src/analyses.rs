@@ -4,7 +4,7 @@
 use part_controller::SpeedControllers;
 use part_controller::speed_controller::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
-use part_friction::{Friction, FrictionError, FrictionOptions};
+use part_friction::{Friction, FrictionError};
 use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
 use part_torque::TorqueControls;
@@ -54,10 +54,8 @@ pub fn engine(experiments: &[Experiment], bench: &BenchFile, context: &Context) 
 ///
 /// # Errors
 /// No recording that shows them.
-pub fn friction(experiments: &[Experiment], options: FrictionOptions) -> Result<Friction, FrictionError> {
-    let without_shaft: Vec<&Experiment> =
-        experiments.iter().filter(|experiment| experiment.label.is_without_shaft()).collect();
-    part_friction::estimate(&without_shaft, options)
+pub fn friction(experiments: &[Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
+    study::friction_of(&all(experiments), bench)
 }
 
 fn all(experiments: &[Experiment]) -> Vec<&Experiment> {

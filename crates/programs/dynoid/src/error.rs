@@ -54,6 +54,15 @@ pub enum Error {
     /// A folder without recordings.
     #[error("{}: this folder has no recordings (endings: {}); name files or another folder", .path.display(), .endings)]
     EmptyFolder { path: PathBuf, endings: String },
+    /// None of the recordings given can be decoded.
+    #[error("no recording can be read ({} tried):\n  {}", .reasons.len(), .reasons.join("\n  "))]
+    NoneReadable { reasons: Vec<String> },
+    /// A bench file to be updated that is not TOML.
+    #[error("{}: this is not TOML: {reason}; correct it first", .path.display())]
+    NotToml { path: PathBuf, reason: String },
+    /// A bench file of a layout to which nothing can be added.
+    #[error("{}: nothing can be added to this layout; add the recordings by hand", .path.display())]
+    NothingAdded { path: PathBuf },
     /// No recording can be used for a study.
     #[error("no study: no recording of {} can be used ({count} tried):\n{}", .bench.display(), .reasons.join("\n"))]
     NothingUsable { bench: PathBuf, count: usize, reasons: Vec<String> },

@@ -207,8 +207,8 @@ fn fmu(
     Ok(vec![export::fmu::fmu(document, names, version, report)?])
 }
 
-/// The report that is in the folder of the model, for targets that take it along. One of another study is left out, which
-/// the remark says.
+/// The report that is in the folder of the model, for targets that take it along. One of another study is left out,
+/// which the remark says.
 fn report(source: &Model, path: &Path, target: ExportTarget) -> (Option<Vec<u8>>, Option<String>) {
     let takes_it = matches!(target, ExportTarget::Fmu2 | ExportTarget::Fmu3 | ExportTarget::Ssp);
     let Model::Bench(document) = source else { return (None, None) };

@@ -42,7 +42,7 @@ pub enum PulsesFrom<'a> {
         /// Which.
         recordings: &'a [String],
     },
-    /// What is known of the class.
+    /// Usual values of the class.
     #[serde(rename = "prior")]
     Prior,
 }

@@ -10,8 +10,8 @@ use crate::mark::{Mark, in_png, in_svg};
 use crate::output::{Staging, check_file};
 use crate::{date, paths};
 
-/// Writes a page, or its figures, as the file's ending asks for: .html, .pdf, .svg or .png. Returns which characters the
-/// file does not show, in words.
+/// Writes a page, or its figures, as the file's ending asks for: .html, .pdf, .svg or .png. Returns in words which
+/// characters the file does not show.
 ///
 /// # Errors
 /// Another ending, a file that must stay, or one that cannot be written.

@@ -4,7 +4,7 @@ use bench_model::document::BenchModelDocument;
 use numerics::parallel::current_num_threads;
 use part_controller::speed_controller::SpeedControl;
 use part_engine::EngineTorque;
-use part_friction::{Friction, FrictionOptions};
+use part_friction::Friction;
 use part_lines::lines::RecordingLines;
 use part_shaft::shaft_analysis::ShaftAnalysis;
 use part_torque::model_comparison::{ModelComparison, OrdersTried};
@@ -163,7 +163,7 @@ impl Session {
     /// # Errors
     /// No recording that shows them.
     pub fn friction(&self) -> Result<Friction, Error> {
-        Ok(analyses::friction(self.experiments(), FrictionOptions::of(self.bench.file()))?)
+        Ok(analyses::friction(self.experiments(), self.bench.file())?)
     }
 
     /// Gains from each further experiment; there may be no recordings yet.

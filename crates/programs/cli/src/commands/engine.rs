@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use dynoid::analyses;
-use part_engine::{EngineRecording, EngineTorque};
+use dynoid::facts::EngineFacts;
+use part_engine::EngineTorque;
 use report::wording::reasons;
 use rig::results::Reason;
-use serde_json::json;
 
-use super::experiments::{self, Campaign};
+use super::experiments::{self, Campaign, WithRefused};
 use super::rebuilt::{self, Rebuilt};
 use super::result::show_with;
 use crate::cli::engine::EngineArguments;
@@ -23,24 +23,10 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         write(&found, out, terminal)?;
     }
     let page = || report::pages::engine(&found);
-    let json = || {
-        let recordings: Vec<_> = found.recordings.iter().map(short).collect();
-        json!({"masses": found.masses.written(), "recordings": recordings, "refused": refused})
-    };
+    let json = || WithRefused::sorted(EngineFacts::of(&found), &refused);
     show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
     let tells = found.recordings.iter().any(|recording| recording.engine.estimated().is_some());
     Ok(Outcome::of(tells, &refused))
-}
-
-/// A recording's results without the samples.
-fn short(recording: &EngineRecording) -> serde_json::Value {
-    let engine = recording.engine.written_as(|engine| {
-        json!({
-            "start_s": engine.start_s, "sample_time_s": engine.sample_time_s, "samples": engine.smoothed_nm.len(),
-            "torque": engine.torque, "noise": engine.noise, "once_a_turn_nm": engine.once_a_turn_nm,
-        })
-    });
-    json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles.written()})
 }
 
 /// Writes the engine torque of the one recording there is.

@@ -3,9 +3,10 @@
 use dynoid::Error;
 use report::wording;
 use rig::{BenchFile, Experiment, Severity};
+use serde::Serialize;
 use study::experiment_of;
 
-use super::result::check_plot;
+use super::result::{Sorted, check_plot};
 use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;
 use crate::error::CliError;
@@ -73,4 +74,19 @@ pub(super) fn each(
     drop(step);
     refused.iter().chain(&doubts).for_each(|reason| terminal.warning(reason));
     Ok(refused)
+}
+
+/// A result in numbers, with the recordings that could not be used.
+#[derive(Serialize)]
+pub(super) struct WithRefused<'a, F> {
+    #[serde(flatten)]
+    facts: F,
+    refused: &'a [String],
+}
+
+impl<'a, F> WithRefused<'a, F> {
+    /// As it is printed.
+    pub(super) fn sorted(facts: F, refused: &'a [String]) -> Sorted<Self> {
+        Sorted(WithRefused { facts, refused })
+    }
 }

@@ -1,14 +1,15 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
 use dynoid::Error;
+use dynoid::facts::FrictionFacts;
 use part_friction::{FrictionOptions, estimate};
 use report::friction::doubts;
 use rig::Experiment;
 use rig::facts::StatedInertia;
-use serde_json::json;
+use serde::Serialize;
 use units::RPM_RAD_S;
 
-use super::experiments;
+use super::experiments::{self, WithRefused};
 use super::result::show;
 use crate::cli::friction::FrictionArguments;
 use crate::error::{CliError, Outcome};
@@ -33,13 +34,17 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let page = || report::pages::friction(&found, stated);
     let json = || {
-        json!({
-            "inertia": found.inertia, "friction": found.friction, "per_inertia": found.per_inertia,
-            "candidates": found.candidates, "curve": found.curve,
-            "used": found.run_outs.iter().map(|r| json!({"stretch": r.stretch, "torque": r.torque, "left_out": r.left_out})).collect::<Vec<_>>(),
-            "doubts": doubts, "refused": refused,
-        })
+        let facts = Facts { friction: FrictionFacts::of(&found), doubts: &doubts };
+        WithRefused::sorted(facts, &refused)
     };
     show(&arguments.result, page, json, terminal)?;
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+}
+
+/// Friction in numbers, with the doubts about it.
+#[derive(Serialize)]
+struct Facts<'a> {
+    #[serde(flatten)]
+    friction: FrictionFacts<'a>,
+    doubts: &'a [String],
 }

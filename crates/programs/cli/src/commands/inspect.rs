@@ -1,9 +1,8 @@
 //! `dynoid inspect`: what recordings hold.
 
 use dataset::inspection::{File, Listing};
-use dynoid::{Error, InputFile, Read};
+use dynoid::{Error, InputFile};
 use report::inspection;
-use rig::ExperimentLabel;
 use serde::Serialize;
 
 use crate::cli::inspect::InspectArguments;
@@ -48,29 +47,16 @@ pub(crate) fn run(arguments: &InspectArguments, terminal: &mut Terminal) -> Resu
 }
 
 fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> Result<Shown, CliError> {
+    let files = terminal.files();
     if arguments.list {
-        let catalogue = terminal.files().catalogue(file)?;
-        return Ok(Shown::Listing(Listing::of(
-            &file.name,
-            label(&file.name),
-            &catalogue,
-            &terminal.files().extras(file)?,
-        )));
+        return Ok(Shown::Listing(files.list(file)?));
     }
-    let step = terminal.work().step(format!("reading {}", file.name), 0);
-    let read = terminal.files().read_recording(file, &dynoid::selection(&arguments.channels), None, &step);
-    let Read { recording, .. } = read.map_err(|error| match error {
+    let read = files.inspect(file, &dynoid::selection(&arguments.channels), terminal.work());
+    let facts = read.map_err(|error| match error {
         // There is no option for it here.
         Error::Recording { source, .. } => Error::Recording { source, untimed: false },
         other => other,
     })?;
-    let sha256 = arguments.json.then(|| terminal.files().sha256(file)).transpose()?;
-    let facts = File::of(&file.name, label(&file.name), &recording, &terminal.files().extras(file)?);
+    let sha256 = arguments.json.then(|| files.sha256(file)).transpose()?;
     Ok(Shown::File(File { sha256, ..facts }))
-}
-
-/// The experiment's label in a file's name.
-fn label(name: &str) -> Option<String> {
-    let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    file_name.parse().ok().map(|label: ExperimentLabel| label.to_string())
 }

@@ -21,4 +21,3 @@ pub(crate) mod shell;
 pub(crate) mod study;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
-mod update;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use dynoid::analyses;
+use dynoid::facts::TorqueSignalsFacts;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
 use report::wording::reasons;
-use serde_json::json;
 
-use super::experiments::{self, Campaign};
+use super::experiments::{self, Campaign, WithRefused};
 use super::rebuilt::{self, Rebuilt};
 use super::result::show_with;
 use crate::cli::torque_signals::TorqueSignalsArguments;
@@ -22,10 +22,7 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
         write(&signals, out, terminal)?;
     }
     let page = || report::pages::torque_signals(&signals);
-    let json = || {
-        let recordings: Vec<_> = signals.recordings.iter().map(short).collect();
-        json!({"recordings": recordings, "trust": signals.trust, "refused": refused})
-    };
+    let json = || WithRefused::sorted(TorqueSignalsFacts::of(&signals), &refused);
     show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
     Ok(Outcome::of(signals.recordings.iter().any(shows) || signals.trust.is_some(), &refused))
 }
@@ -35,21 +32,6 @@ fn shows(recording: &TorqueRecording) -> bool {
     let filter = recording.filter.as_ref().is_some_and(|outcome| outcome.estimated().is_some());
     let shaft = recording.shaft.as_ref().is_some_and(|outcome| outcome.estimated().is_some());
     recording.delays.estimated().is_some() || filter || shaft
-}
-
-/// A recording's results without the samples of the shaft torque.
-fn short(recording: &TorqueRecording) -> serde_json::Value {
-    let shaft = recording.shaft.as_ref().map(|outcome| {
-        outcome.written_as(|shaft| {
-            json!({
-                "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
-                "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
-            })
-        })
-    });
-    let filter = recording.filter.as_ref().map(|outcome| outcome.written());
-    json!({"file": recording.file, "label": recording.label, "delays": recording.delays.written(), "filter": filter,
-        "shaft": shaft})
 }
 
 /// Writes the shaft torque of the one recording there is.

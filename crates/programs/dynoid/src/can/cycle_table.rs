@@ -25,8 +25,8 @@ const GAP: f64 = 1.9;
 /// Share of the steps that are the usual one in a table that is even but for gaps.
 const EVEN: f64 = 0.9;
 
-/// The cycle in a file, if its columns are those of one: speed in a unit or in %, torque in a unit or in %. Its gaps are
-/// there in words.
+/// The cycle in a file, if its columns are those of one: speed in a unit or in %, torque in a unit or in %. Its gaps
+/// are there in words.
 pub(super) fn read(
     path: &Path,
     map: Option<&EngineMap>,

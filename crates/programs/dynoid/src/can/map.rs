@@ -124,8 +124,8 @@ impl Capability {
         &self.wanted
     }
 
-    /// Tells whether the bench can do all that is wanted. A yes that goes beyond the model is none, as for a test; one that
-    /// leaves a limit out is one only if the caller `allows_unchecked` limits.
+    /// Tells whether the bench can do all that is wanted. A yes that goes beyond the model is none, as for a test; one
+    /// that leaves a limit out is one only if the caller `allows_unchecked` limits.
     pub fn is_yes(&self, allows_unchecked: bool) -> bool {
         let is_complete = self.beyond.is_empty() && (self.unchecked.is_empty() || allows_unchecked);
         self.wanted.is_empty() || is_complete && self.wanted.iter().all(WantedAnswer::is_yes)

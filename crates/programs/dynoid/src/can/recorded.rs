@@ -48,8 +48,8 @@ pub struct JudgedRun {
 }
 
 impl JudgedRun {
-    /// Reads the recording of a run, whose channels a bench file names, and judges it by the requirements. The speed shows
-    /// when the test begins where no `start_s` states it.
+    /// Reads the recording of a run, whose channels a bench file names, and judges it by the requirements. The speed
+    /// shows when the test begins where no `start_s` states it.
     ///
     /// # Errors
     /// Nothing to judge by, a file that cannot be read, and a recording that is no run of the test.

@@ -18,7 +18,7 @@ use crate::paths;
 /// The name that asks for the map in place of a test.
 const MAP: &str = "map";
 
-/// What a test is made with, besides its name.
+/// Files and numbers of a test, besides its name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TestOptions {
     /// Full-load curve of the engine: a table of speed and torque.

@@ -64,8 +64,8 @@ impl CheckedExperiment {
         &self.check
     }
 
-    /// Tells whether the experiment is safe: it stays within the range of the model, and hardly any bench reaches a limit.
-    /// It is not if a limit was not checked, unless the caller `allows_unchecked` limits.
+    /// Tells whether the experiment is safe: it stays within the range of the model, and hardly any bench reaches a
+    /// limit. It is not if a limit was not checked, unless the caller `allows_unchecked` limits.
     pub fn is_safe(&self, allows_unchecked: bool) -> bool {
         self.check.safety == Safety::Safe && (self.check.unchecked.is_empty() || allows_unchecked)
     }

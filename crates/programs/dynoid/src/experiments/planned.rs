@@ -90,7 +90,7 @@ impl Planned {
         format!("{}_{:.0}{suffix}", self.plan.label, self.speed_rpm.unwrap_or_else(first_rpm))
     }
 
-    /// What of a file of demands was left out, in words.
+    /// Channels of a file of demands that were left out, in words.
     pub fn remark(&self, experiment: &str) -> Option<String> {
         let name = paths::with_slashes(Path::new(experiment));
         (!self.ignored.is_empty()).then(|| format!("{name}: no demands, and left out: {}", self.ignored.join(", ")))

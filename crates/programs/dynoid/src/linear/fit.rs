@@ -163,7 +163,7 @@ impl FitData {
         &self.estimation.data
     }
 
-    /// What should be known of the data.
+    /// Notes on the data.
     pub fn notes(&self) -> &[Note] {
         &self.estimation.notes
     }

@@ -8,7 +8,7 @@ use super::data;
 use super::loaded::Loaded;
 use crate::error::Error;
 
-/// What is taken off recordings that a model meets.
+/// Levels that are taken off recordings which a model meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeetingTrend {
     /// The operating point of the model.

@@ -14,7 +14,7 @@ use super::choice::choices;
 use super::targets::{Target, plan};
 use crate::cli::convert::ConvertArguments;
 use crate::cli::identify::Between;
-use crate::commands::result::{check_plot, show};
+use crate::commands::result::{Sorted, check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 use toolbox_report::one_clock;
@@ -24,6 +24,22 @@ use toolbox_report::words::counted;
 const MOST_NOTES: usize = 12;
 
 /// Outcome of a recording.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Row<'a> {
+    Written(Written),
+    /// It has none of the channels.
+    Left {
+        file: &'a str,
+        notes: [String; 1],
+    },
+    Failed {
+        file: &'a str,
+        error: String,
+    },
+}
+
+/// A recording that was written.
 #[derive(Debug, Serialize)]
 struct Written {
     file: String,
@@ -65,25 +81,25 @@ pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Resu
             if !arguments.result.json {
                 terminal.warning(&format!("{}: {note}", target.input.name));
             }
-            rows.push(serde_json::json!({"file": target.input.name, "notes": [note]}));
+            rows.push(Row::Left { file: &target.input.name, notes: [note] });
             continue;
         };
         match one(target, &selection, without, arguments, terminal) {
             Ok((written, figures)) => {
                 drawn.extend(figures);
                 say(&written, targets.len() > 1, arguments.result.json, terminal);
-                rows.push(serde_json::to_value(&written).map_err(CliError::internal)?);
+                rows.push(Row::Written(written));
             }
             // One that cannot be converted leaves the others their conversion; a full disk does not.
             Err(error) if targets.len() > 1 && error.is_of_input() => {
                 unreadable += 1;
                 terminal.error(&error.to_string());
-                rows.push(serde_json::json!({"file": target.input.name, "error": error.to_string()}));
+                rows.push(Row::Failed { file: &target.input.name, error: error.to_string() });
             }
             Err(error) => return Err(error),
         }
     }
-    show(&arguments.result, || Page::of_figures("Converted", drawn), || rows, terminal)?;
+    show(&arguments.result, || Page::of_figures("Converted", drawn), || Sorted(rows), terminal)?;
     Ok(if unreadable > 0 { Outcome::SomeUnreadable } else { Outcome::Done })
 }
 

@@ -2,17 +2,19 @@
 
 use capability::shapes::{self, Shape};
 use report::catalogue::{experiment, overview, shape};
-use rig::experiment::catalogue::{self, Template};
+use rig::experiment::catalogue::{self, Parameter, Template};
 use rig::experiment::{DemandKind, free_form};
+use serde::Serialize;
 
 use crate::cli::experiment::ListArguments;
+use crate::commands::result::Sorted;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ListArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let shown = Shown::of(arguments.name.as_deref())?;
     if arguments.json {
-        terminal.json(&json(&shown))?;
+        terminal.json(&Sorted(facts(&shown)))?;
         return Ok(Outcome::Done);
     }
     terminal.page(&match (&shown.templates[..], &shown.shapes[..]) {
@@ -46,16 +48,53 @@ impl Shown {
     }
 }
 
-fn json(shown: &Shown) -> serde_json::Value {
-    let one = |template: &&Template| {
-        serde_json::json!({"label": template.label().to_string(), "demands": template.demands,
-            "gives": template.gives, "parameters": template.parameters()})
+/// The list in numbers.
+#[derive(Serialize)]
+struct Facts {
+    experiments: Vec<ExperimentFacts>,
+    shapes: Vec<ShapeFacts>,
+    free_form: FreeFormFacts,
+}
+
+#[derive(Serialize)]
+struct ExperimentFacts {
+    label: String,
+    demands: &'static str,
+    gives: &'static str,
+    parameters: Vec<Parameter>,
+}
+
+#[derive(Serialize)]
+struct ShapeFacts {
+    name: &'static str,
+    demands: &'static str,
+    parameters: &'static [Parameter],
+}
+
+#[derive(Serialize)]
+struct FreeFormFacts {
+    demands: Vec<DemandFacts>,
+    parameters: &'static [Parameter],
+}
+
+#[derive(Serialize)]
+struct DemandFacts {
+    name: &'static str,
+    unit: &'static str,
+}
+
+fn facts(shown: &Shown) -> Facts {
+    let experiment = |template: &&Template| ExperimentFacts {
+        label: template.label().to_string(),
+        demands: template.demands,
+        gives: template.gives,
+        parameters: template.parameters(),
     };
-    let shape = |shape: &Shape| serde_json::json!({"name": shape.name, "demands": shape.demands, "parameters": shape.parameters});
-    let demand = |kind: DemandKind| serde_json::json!({"name": kind.name(), "unit": kind.unit()});
-    serde_json::json!({
-        "experiments": shown.templates.iter().map(one).collect::<Vec<_>>(),
-        "shapes": shown.shapes.iter().map(shape).collect::<Vec<_>>(),
-        "free_form": {"demands": DemandKind::ALL.map(demand), "parameters": free_form::PARAMETERS},
-    })
+    let shape = |shape: &Shape| ShapeFacts { name: shape.name, demands: shape.demands, parameters: shape.parameters };
+    let demand = |kind: DemandKind| DemandFacts { name: kind.name(), unit: kind.unit() };
+    Facts {
+        experiments: shown.templates.iter().map(experiment).collect(),
+        shapes: shown.shapes.iter().map(shape).collect(),
+        free_form: FreeFormFacts { demands: DemandKind::ALL.map(demand).into(), parameters: free_form::PARAMETERS },
+    }
 }

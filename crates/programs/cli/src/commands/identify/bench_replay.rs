@@ -15,12 +15,12 @@ use rig::bench_file::LabelOverride;
 use rig::experiment::Test;
 use rig::results::{Trace, Validation};
 use rig::{BenchFile, ControlMode, Excitation, Experiment, ExperimentLabel, Severity};
-use serde_json::{Value, json};
+use serde::Serialize;
 use study::{ReplayModel, experiment_of, replayed_stretch};
 
 use super::recorded::check_output;
 use crate::cli::identify::{BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, RunArguments};
-use crate::commands::result::{check_plot, show, show_with};
+use crate::commands::result::{Sorted, check_plot, show, show_with};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -69,7 +69,7 @@ pub(super) fn compare(
     }
     let all = replays(models, &arguments.meet, &arguments.bench, Unasked::AsStudy, terminal)?;
     let page = || report::replayed::page("Bench models compared", &all);
-    show(&arguments.result, page, || json(&all), terminal)?;
+    show(&arguments.result, page, || facts(&all), terminal)?;
     Ok(Outcome::Done)
 }
 
@@ -93,7 +93,7 @@ pub(super) fn simulate(
         FileFormat::of_output(path)?.write(&recording(&all), path, &terminal.files())?;
     }
     let page = || report::replayed::page("Bench model simulated", &all);
-    show_with(result, &[out], page, || json(&all), terminal)?;
+    show_with(result, &[out], page, || facts(&all), terminal)?;
     Ok(Outcome::Done)
 }
 
@@ -218,24 +218,52 @@ fn with_mode(file: &BenchFile, recording: &str, mode: Option<Mode>) -> BenchFile
     file
 }
 
-fn json(all: &[Replayed]) -> Value {
-    let signal = |signal: &Validation| {
-        json!({
-            "quantity": signal.quantity, "unit": signal.unit, "fit_percent": signal.fit_percent, "rms_error": signal.rms_error
-        })
-    };
-    let row = |one: &Replayed| {
+/// A replay without its traces.
+#[derive(Serialize)]
+struct ReplayFacts<'a> {
+    model: &'a str,
+    recording: &'a str,
+    label: &'a ExperimentLabel,
+    mode: ControlMode,
+    seen_in_estimation: bool,
+    signals: Vec<SignalFacts<'a>>,
+}
+
+#[derive(Serialize)]
+struct SignalFacts<'a> {
+    quantity: &'a str,
+    unit: &'a str,
+    fit_percent: f64,
+    rms_error: f64,
+}
+
+fn facts(all: &[Replayed]) -> Sorted<Vec<ReplayFacts<'_>>> {
+    Sorted(all.iter().map(ReplayFacts::of).collect())
+}
+
+impl<'a> ReplayFacts<'a> {
+    fn of(one: &'a Replayed) -> Self {
         let replay = &one.replay;
-        json!({
-            "model": one.model,
-            "recording": replay.stretch.file,
-            "label": replay.label,
-            "mode": replay.mode,
-            "seen_in_estimation": replay.seen_in_estimation,
-            "signals": replay.signals.iter().map(signal).collect::<Vec<_>>(),
-        })
-    };
-    all.iter().map(row).collect()
+        ReplayFacts {
+            model: &one.model,
+            recording: &replay.stretch.file,
+            label: &replay.label,
+            mode: replay.mode,
+            seen_in_estimation: replay.seen_in_estimation,
+            signals: replay.signals.iter().map(SignalFacts::of).collect(),
+        }
+    }
+}
+
+impl<'a> SignalFacts<'a> {
+    fn of(signal: &'a Validation) -> Self {
+        SignalFacts {
+            quantity: &signal.quantity,
+            unit: &signal.unit,
+            fit_percent: signal.fit_percent,
+            rms_error: signal.rms_error,
+        }
+    }
 }
 
 /// The modelled signals, each on its own clock.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use toml::Table;
 
-use crate::error::CliError;
+use crate::error::Error;
+use crate::find::listed;
 
 /// The text of a bench file with the channels, recordings and labels of a proposal that it lacks; `files` are patterns
 /// with the recordings that they stand for.
@@ -14,10 +15,8 @@ pub(super) fn updated(
     text: &str,
     proposal: &str,
     files: &[(String, Vec<PathBuf>)],
-) -> Result<String, CliError> {
-    let failed = |error: toml::de::Error| CliError::Usage {
-        what: format!("{}: this is not TOML: {}; correct it first", bench.display(), error.message()),
-    };
+) -> Result<String, Error> {
+    let failed = |error: toml::de::Error| Error::NotToml { path: bench.to_owned(), reason: error.message().to_owned() };
     let stated: Table = text.parse().map_err(failed)?;
     let proposed: Table = proposal.parse().map_err(failed)?;
     let new = new_files(bench, &stated, files);
@@ -27,9 +26,7 @@ pub(super) fn updated(
     // Whatever a person wrote, and however: nothing of it may change, and what is new must be where it is read.
     let is_whole = |now: Table| holds(&now, &stated) && has_new(&now, &proposed, &new);
     let is_right = updated.parse::<Table>().is_ok_and(is_whole);
-    is_right.then_some(updated).ok_or_else(|| CliError::Usage {
-        what: format!("{}: nothing can be added to this layout; add the recordings by hand", bench.display()),
-    })
+    is_right.then_some(updated).ok_or_else(|| Error::NothingAdded { path: bench.to_owned() })
 }
 
 /// Tells whether a table holds all of another: lists may be longer.
@@ -119,7 +116,7 @@ fn new_files<'a>(bench: &Path, stated: &Table, files: &'a [(String, Vec<PathBuf>
     // A pattern that matches nothing any more says nothing of the others.
     let listed: Vec<_> = patterns
         .iter()
-        .filter_map(|pattern| dynoid::listed(bench, std::slice::from_ref(pattern)).ok())
+        .filter_map(|pattern| listed(bench, std::slice::from_ref(pattern)).ok())
         .flatten()
         .filter_map(|file| file.path.canonicalize().ok())
         .collect();

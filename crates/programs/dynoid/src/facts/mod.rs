@@ -1,0 +1,11 @@
+//! The results of single analyses in numbers, as programs read them: without their long series of samples.
+
+mod controller;
+mod lines;
+mod rebuilt;
+mod small;
+
+pub use controller::{ControllerFacts, SpeedControlFacts};
+pub use lines::{LinesFacts, RecordingLinesFacts};
+pub use rebuilt::{EngineFacts, TorqueSignalsFacts};
+pub use small::{FrictionFacts, ShaftFacts, TorqueControlFacts};
