@@ -7,9 +7,10 @@ use capability::{
 };
 use capability::{gradient::GradientPlace, map::CapabilityMap};
 use cycle::{RequirementSet, Signal, Validation};
-use design::safety::{FrictionSpread, Proportion};
+use design::safety::FrictionSpread;
 use report::can::{JudgedOwn, Referred, limit_of, statistic};
 use serde::Serialize;
+use signal::proportion::Proportion;
 use virtual_bench::Assumption;
 
 use crate::known::PulsesFrom;

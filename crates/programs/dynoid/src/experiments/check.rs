@@ -4,7 +4,7 @@ use bench_model::prediction::PredictionInputs;
 use capability::Beyond;
 use capability::beyond::of_model;
 use design::safety::{
-    ASSUMED_ENGINE, Checked, FrictionSpread, Prior, Proportion, Proposal, Quantity, Safety, SafetyCheck, SafetyInputs,
+    ASSUMED_ENGINE, Checked, FrictionSpread, Prior, Proposal, Quantity, Safety, SafetyCheck, SafetyInputs,
     ThermalHint, check,
 };
 use page::Page;
@@ -13,6 +13,7 @@ use report::wording;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::{ControlMode, DEMAND_HOLD_S, Demands, ExperimentPlan};
 use serde::Serialize;
+use signal::proportion::Proportion;
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 use work::Context;

@@ -1,6 +1,6 @@
 //! The speed controller without the samples of T_d*.
 
-use part_controller::speed_control::{
+use part_controller::speed_controller::{
     Controller, ControllerRecording, Discrete, FeedForwardFound, FeedForwardRecording, LimitRecording, SpeedControl,
 };
 use part_controller::speed_controller::{FeedForwardTerms, Structure};
