@@ -99,7 +99,7 @@ const ROUNDS: usize = 256;
 /// ```
 pub fn checked<I: IntoIterator>(items: I) -> impl Iterator<Item = I::Item> {
     items.into_iter().enumerate().map(|(round, item)| {
-        if round % ROUNDS == 0 {
+        if round.is_multiple_of(ROUNDS) {
             checkpoint();
         }
         item

@@ -39,6 +39,12 @@ impl Equation for Lag {
     }
 }
 
+/// Standard normal, by Box and Muller: one of two uniform numbers.
+fn normal(noise: &mut Stream) -> f64 {
+    let radius = (-2.0 * (1.0 - noise.uniform()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * noise.uniform()).cos()
+}
+
 /// A sum of sines that do not fit the window, with y computed in closed form: u at 100 Hz, y at 250 Hz.
 fn records(noise: &mut Stream, sd: f64) -> [Signal; 2] {
     let tones: Vec<(f64, f64)> = (0..40)
@@ -49,7 +55,7 @@ fn records(noise: &mut Stream, sd: f64) -> [Signal; 2] {
             |t: f64| -> f64 { tones.iter().map(|(w, phase)| (gain(*w) * Complex64::cis(w * t + phase)).re).sum() };
         // A little more than the window on both sides leaves room for dating.
         let (start_s, count) = (-0.1, ((WINDOW.duration_s + 0.2) * rate) as usize);
-        let samples = (0..count).map(|i| value(start_s + i as f64 / rate) + sd * noise.normal()).collect();
+        let samples = (0..count).map(|i| value(start_s + i as f64 / rate) + sd * normal(noise)).collect();
         Signal::new(start_s, 1.0 / rate, samples).unwrap()
     };
     let response = |w: f64| TRUTH[1] * Complex64::cis(-w * TRUTH[2]) / (Complex64::new(TRUTH[0], w));
@@ -197,7 +203,7 @@ fn stat_intervals_with_a_prior_hold_the_truth_where_the_noise_is_overstated() {
     let (runs, uncertainty) = (300, 2e-4);
     let (mut noise, mut held) = (Stream::new(7, 0), 0);
     for _ in 0..runs {
-        let error = uncertainty * noise.normal();
+        let error = uncertainty * normal(&mut noise);
         let prior = Prior { parameter: 2, value: TRUTH[2] + error, standard_uncertainty: uncertainty };
         let found = fit(&records(&mut noise, 0.3), 0.9, &[prior]);
         let deviation = found.covariance[(2, 2)].sqrt();

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use work::{Cancelled, Context, Progress, State, Tree, checkpoint};
+use work::{Cancelled, Context, Progress, State, Tree, checked, checkpoint};
 
 /// A context, and what its listener heard.
 fn heard() -> (Context, Arc<Mutex<Vec<Progress>>>) {
@@ -106,4 +106,22 @@ fn exact_a_guard_lets_a_cancellation_pass_and_ends_a_panic() {
         work::guarded(checkpoint)
     });
     assert_eq!(outcome, Err(Cancelled));
+}
+
+#[test]
+fn exact_a_checked_loop_ends_within_256_rounds_and_changes_nothing_of_its_items() {
+    let context = Context::new();
+    let (cancel, mut rounds) = (context.cancel(), 0);
+    let ended = context.run(|| {
+        checked(0..1_000_000).for_each(|k| {
+            rounds += 1;
+            if k == 1000 {
+                cancel.cancel();
+            }
+        });
+    });
+    assert_eq!(ended, Err(Cancelled));
+    assert!((1001..=1257).contains(&rounds), "{rounds} rounds");
+    let all: Vec<usize> = checked(0..1000).collect();
+    assert!(all.into_iter().eq(0..1000) && checked(0..1000).size_hint() == (1000, Some(1000)));
 }
