@@ -37,7 +37,7 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
     })
 }
 
-/// What a fit to the whole of a recording is to find.
+/// Unknowns that a fit to the whole of a recording is to find.
 #[derive(Debug, Clone, Copy)]
 pub enum Wanted<'a> {
     /// K and B with timing, and J_d within its stated uncertainty.

@@ -1,4 +1,5 @@
-//! The speed controller and its feed-forward: words and figures, the analysis of all recordings, and the section of a study.
+//! The speed controller and its feed-forward: words and figures, the analysis of all recordings, and the sections of a
+//! study.
 
 mod analysis;
 mod section;

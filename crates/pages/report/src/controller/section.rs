@@ -1,15 +1,12 @@
-//! Speed control, feed-forward and torque control.
+//! Speed control and feed-forward in the report of a study.
 
-use rig::results::{
-    DelayPlace, Estimate, FeedForward, Outcome, Quantity, ResidualTest, SpeedController, TorqueControl,
-};
+use rig::results::{DelayPlace, FeedForward, Outcome, Quantity, ResidualTest, SpeedController};
 use study::Study;
 
 use page::{Block, Blocks};
 
 use crate::estimates::{fit_line, lead, not_estimated, parameters};
 use crate::plots::{Extent, comparison, correlations, cross_outside, residual_test};
-use crate::torque;
 use crate::wording::number;
 
 /// PI with delay.
