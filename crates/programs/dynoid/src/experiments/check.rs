@@ -4,8 +4,8 @@ use bench_model::prediction::PredictionInputs;
 use capability::Beyond;
 use capability::beyond::of_model;
 use design::safety::{
-    ASSUMED_ENGINE, Checked, FrictionSpread, Prior, Proposal, Quantity, Safety, SafetyCheck, SafetyInputs,
-    ThermalHint, check,
+    ASSUMED_ENGINE, Checked, FrictionSpread, Prior, Proposal, Quantity, Safety, SafetyCheck, SafetyInputs, ThermalHint,
+    check,
 };
 use page::Page;
 use report::safety::CheckedPlan;

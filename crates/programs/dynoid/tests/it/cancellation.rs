@@ -46,9 +46,19 @@ type Work = fn(&Given, &Path, &Context) -> Found;
 #[derive(Debug, PartialEq)]
 enum Found {
     Study(Box<(Study, Analyses)>),
-    Fit(Box<(OrderTable, Fit<PolynomialModel>, Fit<StateSpaceModel>, ResidualReport, Vec<f64>)>),
+    Fit(Box<Fitted>),
     Simulation(Box<Recording>),
     Can(Box<Verdict>),
+}
+
+#[derive(Debug, PartialEq)]
+struct Fitted {
+    orders: OrderTable,
+    noisy: Fit<PolynomialModel>,
+    states: Fit<StateSpaceModel>,
+    test: ResidualReport,
+    /// Coefficients of drawn models, and those of a recursive estimate.
+    coefficients: Vec<f64>,
 }
 
 const WORKS: [(&str, Work); 4] = [("study", study), ("fit", fit), ("simulation", simulation), ("can", can)];
@@ -105,16 +115,16 @@ fn fit(given: &Given, out: &Path, context: &Context) -> Found {
     let noisy = BoxJenkins::new(2, 2, 2, 2, 1).fit(&one).unwrap();
     let states = StateSpacePem::new(3).fit(&parts.estimation).unwrap();
     let test = ResidualTest::default().run(&states, &parts.validation, TestData::Unseen).unwrap();
-    let mut drawn: Vec<f64> = Vec::new();
+    let mut coefficients: Vec<f64> = Vec::new();
     for sample in noisy.sample(200, &mut Random::new(2)).unwrap().models {
-        drawn.extend(sample.model.coefficients());
+        coefficients.extend(sample.model.coefficients());
     }
     let structure = RecursiveStructure::Arx { na: 2, nb: vec![2], nk: vec![1] };
     let mut recursive = Recursive::new(structure, Adaptation::Forgetting(0.999)).unwrap();
     recursive.run(&one).unwrap();
-    drawn.extend(recursive.parameters());
-    write(out, &[("fit.txt", format!("{drawn:?}").as_bytes())]);
-    Found::Fit(Box::new((orders, noisy, states, test, drawn)))
+    coefficients.extend(recursive.parameters());
+    write(out, &[("fit.txt", format!("{coefficients:?}").as_bytes())]);
+    Found::Fit(Box::new(Fitted { orders, noisy, states, test, coefficients }))
 }
 
 fn simulation(given: &Given, out: &Path, context: &Context) -> Found {

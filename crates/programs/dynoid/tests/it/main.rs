@@ -1,9 +1,9 @@
 //! The library as a program uses it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
 
-mod cancellation;
 mod can;
+mod cancellation;
 mod examples;
 mod files;
 mod session;
