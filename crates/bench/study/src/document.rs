@@ -1,10 +1,10 @@
 //! The study as one JSON document, written and read.
 //!
-//! Numbers keep their full precision; one that is NaN or infinite is `null`, which is read as NaN, as infinite degrees of
-//! freedom, or as not known. A study that is read and written again gives the same document. It equals the study that
-//! was written but for the rounding of what is written in the unit people read, for errors, of which the document has
-//! the words, and for what it leaves out: the values of traces, which [`Study::take_series`] fills in from their table, and
-//! [`rig::results::Shaft::shared_errors`].
+//! Numbers keep their full precision; one that is NaN or infinite is `null`, which is read as NaN, as infinite degrees
+//! of freedom, or as not known. A study that is read and written again gives the same document. It equals the study
+//! that was written but for the rounding of what is written in the unit people read, for errors, of which the document
+//! has the words, and for what it leaves out: the values of traces, which [`Study::take_series`] fills in from their
+//! table, and [`rig::results::Shaft::shared_errors`].
 
 use bench_model::document::{JsonFault, format_of, from_json};
 use serde::{Deserialize, Serialize};
