@@ -1,6 +1,7 @@
 //! From counts to verdicts.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use signal::distributions::f_quantile;
 
 /// The probability of reaching a limit that is allowed.
@@ -10,22 +11,25 @@ pub const ALLOWED: f64 = 0.05;
 const TAIL: f64 = 0.025;
 
 /// A probability, from how often something happened.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Proportion {
     /// How often it happened.
     pub count: usize,
     /// Of how many.
     pub of: usize,
     /// count/of.
+    #[serde(deserialize_with = "nan_if_null")]
     pub estimate: f64,
     /// Lower end of the 95 % interval.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lower: f64,
     /// Its upper end.
+    #[serde(deserialize_with = "nan_if_null")]
     pub upper: f64,
 }
 
 /// A verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Safety {
     /// Every limit stated is reached with a probability below 5 %, and so is the upper end of its 95 % interval.

@@ -53,7 +53,7 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
         .recordings
         .iter()
         .find(|recording| recording.label.as_ref().is_some_and(ExperimentLabel::is_without_shaft));
-    match (analyses.map(|found| &found.friction), without_shaft) {
+    match (analyses.map(|found| found.friction.as_ref()), without_shaft) {
         (Some(Ok(found)), _) => {
             let Some(middle) = found.curve.get(found.curve.len() / 2) else {
                 return known(Grade::NotAtAll, "–".to_owned(), "The recorded speeds do not show it.".to_owned());
@@ -68,7 +68,9 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
             let value = format!("{torque} at {}", number::rpm(middle.speed_rad_s));
             known(Grade::of_width(width, WIDTHS), value, why)
         }
-        (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),
+        (Some(Err(why)), _) => {
+            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", wording::reasons(why))))
+        }
         (None, Some(recording)) => {
             let why = format!("It is no part of the model; `dynoid friction` estimates it from {}.", recording.file);
             known(Grade::NotAtAll, "not looked at here".to_owned(), why)

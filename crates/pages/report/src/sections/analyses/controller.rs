@@ -3,7 +3,6 @@
 use page::Blocks;
 use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
 use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
-use rig::estimation::EstimateError;
 use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
@@ -13,16 +12,16 @@ use crate::controller as words;
 use crate::wording::{self, number};
 
 /// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
-pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
+pub(crate) fn controller(found: &SpeedControl, study: Option<&Outcome<NoiseTest>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));
     if !found.controllers.is_empty() {
         all.push(heading("Limit of T_d*"));
         words::limits(found).iter().for_each(|text| all.push(sentence(text)));
     }
-    match study {
+    match study.map(Outcome::as_ref) {
         Some(Ok(study)) => all.push(pi_study(study)),
-        Some(Err(error)) => all.push(no_result("What noise does to a known PI", &error.to_string())),
+        Some(Err(why)) => all.push(no_result("What noise does to a known PI", &wording::reasons(why))),
         None => {}
     }
     all
