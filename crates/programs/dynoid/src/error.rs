@@ -97,6 +97,9 @@ pub enum Error {
     /// A bench whose recordings gave no bench model.
     #[error("{}: its recordings gave no bench model; `dynoid study` says what is missing", .path.display())]
     NoModelOfBench { path: PathBuf },
+    /// A study's file that cannot be used.
+    #[error("{}: {source}", .path.display())]
+    Study { path: PathBuf, source: study::document::DocumentError },
     /// Friction that cannot be estimated.
     #[error(transparent)]
     Friction {

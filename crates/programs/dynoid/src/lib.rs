@@ -33,6 +33,7 @@ pub mod paths;
 mod patterns;
 mod read;
 mod session;
+mod study_file;
 
 pub use bench::{Bench, bench_text};
 pub use error::Error;
@@ -43,3 +44,4 @@ pub use mark::{Kind, Mark, in_png, in_svg, is_bench_file};
 pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
 pub use session::Session;
+pub use study_file::StudyFile;
