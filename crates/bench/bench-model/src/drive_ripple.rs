@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use numerics::null::nan_if_null;
 use serde::{Deserialize, Serialize};
 
 /// One line of the drive's ripple, v cos φ + w sin φ + T (p cos φ + q sin φ), φ = 2πf(t − t_ref), on the torque T.
@@ -34,14 +35,16 @@ pub struct RecordedTorque {
 }
 
 /// Offset and ripple of T_d in one recording: T_d = m (1 + r) + w on the torque m without them.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriveRipple {
     /// o, Nm: offset of T_d,calc against the demand.
+    #[serde(deserialize_with = "nan_if_null")]
     pub offset_nm: f64,
     /// Ripple lines, strongest first.
     #[serde(rename = "ripple")]
     pub lines: Vec<RippleLine>,
     /// t_ref, s of the recording's clock.
+    #[serde(deserialize_with = "nan_if_null")]
     pub reference_s: f64,
 }
 

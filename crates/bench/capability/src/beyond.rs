@@ -2,7 +2,8 @@
 
 use bench_model::document::{Range, Validity};
 use cycle::EngineMap;
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 use crate::demand::{CycleDemand, Demand};
 use crate::trace::Trace;
@@ -13,7 +14,7 @@ const EDGE: f64 = 0.05;
 const MAP_EDGE: f64 = 0.02;
 
 /// One such thing: no bench drawn can show that the test goes well there.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case")]
 pub enum Beyond {
     /// Speeds outside of the engine's map.
@@ -26,12 +27,16 @@ pub enum Beyond {
     /// A torque that the engine does not give.
     EngineTorque {
         /// The torque that is furthest beyond the map, Nm.
+        #[serde(deserialize_with = "nan_if_null")]
         asked_nm: f64,
         /// Torque that the map gives there, Nm.
+        #[serde(deserialize_with = "nan_if_null")]
         given_nm: f64,
         /// The speed there, rad/s.
+        #[serde(deserialize_with = "nan_if_null")]
         speed_rad_s: f64,
         /// When, s.
+        #[serde(deserialize_with = "nan_if_null")]
         time_s: f64,
     },
     /// Speeds that no recording has tested the model at.

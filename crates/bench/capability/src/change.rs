@@ -3,9 +3,10 @@
 use bench_model::analysis::margins;
 use bench_model::model::{BenchModel, FeedForwardGains};
 use cycle::Reference;
+use numerics::null::nan_if_null;
 use rig::ControlMode;
 use rig::experiment::Demands;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::demand::{CycleDemand, Demand};
 use crate::outcome::CanInputs;
@@ -32,42 +33,49 @@ const GAIN_MARGIN_DB: f64 = 6.0;
 const PHASE_MARGIN_DEG: f64 = 30.0;
 
 /// A change.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Change {
     /// The whole test takes this many times as long.
     Slower {
         /// Above 1.
+        #[serde(deserialize_with = "nan_if_null")]
         factor: f64,
     },
     /// The demand changes by this part of what it did, about its first value.
     Smaller {
         /// 0 … 1.
+        #[serde(deserialize_with = "nan_if_null")]
         factor: f64,
     },
     /// A low-pass of first order before the bench; the run is still judged by the demands without it.
     Filter {
         /// Its corner, Hz.
+        #[serde(deserialize_with = "nan_if_null")]
         corner_hz: f64,
     },
     /// K_p and K_i of the speed controller times this.
     Gains {
         /// Above or below 1.
+        #[serde(deserialize_with = "nan_if_null")]
         factor: f64,
     },
     /// The speed controller is fed forward the torque that accelerates an inertia.
     FeedForward {
         /// k_a, Nm s²/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         acceleration_nm_s2_per_rad: f64,
     },
     /// K times this.
     Stiffness {
         /// Above or below 1.
+        #[serde(deserialize_with = "nan_if_null")]
         factor: f64,
     },
     /// J_d times this.
     DynoInertia {
         /// Above 1.
+        #[serde(deserialize_with = "nan_if_null")]
         factor: f64,
     },
 }

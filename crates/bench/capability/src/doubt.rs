@@ -1,8 +1,9 @@
 //! Parts of the model that decide an answer that is no yes and no no.
 
 use bench_model::model::ModelParameter;
+use numerics::null::nan_if_null;
 use rig::experiment::{ControlMode, Excitation, ExperimentLabel, Test};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::outcome::Drawn;
 
@@ -12,33 +13,31 @@ const CLASSES: usize = 5;
 const LEAST: f64 = 0.05;
 
 /// A number that is not known exactly, and with which the answer changes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Doubt {
     /// Which one.
     pub of: Uncertain,
     /// Share of the variance of yes and no that goes if it is known, 0 … 1.
+    #[serde(deserialize_with = "nan_if_null")]
     pub explained: f64,
     /// Median of the number in the lowest and the highest fifth of the benches, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub values: [f64; 2],
     /// Share of each that keep everything.
+    #[serde(deserialize_with = "nan_if_null")]
     pub kept: [f64; 2],
     /// The experiment of the method that estimates it.
-    #[serde(serialize_with = "label")]
     pub settled_by: Option<ExperimentLabel>,
 }
 
 /// A number that is not known exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Uncertain {
     /// One of the bench model.
     Parameter(ModelParameter),
     /// The bandwidth of the engine's speed control, as a share of the one stated.
     EngineSpeedControl,
-}
-
-fn label<S: serde::Serializer>(label: &Option<ExperimentLabel>, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_some(&label.as_ref().map(ToString::to_string))
 }
 
 /// The numbers that decide whether a bench keeps everything, the one that decides most first.

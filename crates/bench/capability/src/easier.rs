@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use numerics::parallel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 use work::Context;
 
@@ -30,7 +30,7 @@ const ENLARGED: u32 = 3;
 const AT_ONCE: usize = 8;
 
 /// A change with which the answer is yes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Easier {
     /// The change.
     pub change: Change,

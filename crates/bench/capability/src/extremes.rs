@@ -1,8 +1,9 @@
 //! Quantities that are compared with the limits of a bench.
 
 use design::safety::{AtResonance, SPEED_CHANGE_S};
+use numerics::null::nan_if_null;
 use rig::bench_file::Limits;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::added::Added;
 use crate::trace::Trace;
@@ -11,7 +12,7 @@ use crate::trace::Trace;
 pub(crate) const TORQUE_CHANGE_S: f64 = 0.01;
 
 /// A quantity with a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitOf {
     /// Largest |T_shaft|, Nm.
@@ -35,11 +36,13 @@ pub enum LimitOf {
 }
 
 /// The largest value of a run, and when.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// Its magnitude, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// When, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
 }
 

@@ -1,18 +1,22 @@
 //! How the mean torque of an engine follows what is demanded of it.
 
+use numerics::null::nan_if_null;
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::Demands;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How engines differ in it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FollowingSpread {
     /// Standard deviation of the gain about 1.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gain: f64,
     /// Standard deviation of the offset, over the largest torque that is demanded.
+    #[serde(deserialize_with = "nan_if_null")]
     pub offset: f64,
     /// The longest lag beside that of the intake, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lag_s: f64,
 }
 

@@ -2,9 +2,10 @@
 
 use bench_model::model::Mechanics;
 use bench_model::simulate::LoopMode;
+use numerics::null::{infinite_if_null, nan_if_null};
 use numerics::parallel;
 use rig::bench_file::Limits;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::added::Added;
 use crate::error::CapabilityError;
@@ -28,15 +29,19 @@ pub(crate) struct Gradient {
 }
 
 /// The largest gradients at one speed and torque.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GradientPlace {
     /// The speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Torque of the engine, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: f64,
     /// Gradient upwards that 95 %, 50 % and 5 % of the benches can do, rad/s²; infinite where no limit is stated.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub up_rad_s2: [f64; 3],
     /// The same downwards.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub down_rad_s2: [f64; 3],
     /// The limits that bind on the nominal bench.
     pub binds: [Option<LimitOf>; 2],

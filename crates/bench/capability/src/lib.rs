@@ -11,6 +11,7 @@ pub mod beyond;
 mod change;
 mod cycle_run;
 mod demand;
+pub mod document;
 mod doubt;
 mod easier;
 mod error;

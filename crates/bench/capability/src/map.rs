@@ -10,13 +10,14 @@ use bench_model::friction::DynoFriction;
 use bench_model::model::BenchModel;
 use bench_model::simulate::LoopMode;
 use design::safety::{BenchSpread, FrictionSpread, SPEED_CHANGE_S};
+use numerics::null::{infinite_if_null, nan_if_null};
 use numerics::{order, parallel};
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::engine_pulses::KnownPulses;
 use rig::random::Source;
 use rig::results::Part;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Complex64;
 
 use crate::error::CapabilityError;
@@ -34,7 +35,7 @@ const HIGHEST_REACHED: f64 = 2.0;
 const BANDWIDTH_STEPS: u32 = 400;
 
 /// Demand that the sine is on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SineOf {
     /// N_d* in speed control (NT).
@@ -67,9 +68,10 @@ pub struct MapInputs<'a> {
 }
 
 /// One place of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Largest amplitude that 95 %, 50 % and 5 % of the benches can do, rad/s or Nm; infinite where no limit is stated.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub amplitude: [f64; 3],
     /// The limit that binds on the nominal bench; a sine that would stop it counts as one beyond the limit of the
     /// speed.
@@ -77,13 +79,15 @@ pub struct Place {
 }
 
 /// Largest amplitudes over frequency and speed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CapabilityMap {
     /// Of what.
     pub of: SineOf,
     /// Frequencies, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub frequency_hz: Vec<f64>,
     /// Speeds, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: Vec<f64>,
     /// A row a speed, a place a frequency.
     pub places: Vec<Vec<Place>>,
@@ -93,15 +97,19 @@ pub struct CapabilityMap {
 
 /// Up to which frequency a demand is followed, Hz: what 95 %, 50 % and 5 % of the benches reach, infinite beyond 300
 /// Hz.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bandwidths {
     /// Within ±10 % of the amplitude.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub ten_per_cent_hz: [f64; 3],
     /// Within ±3 dB.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub three_db_hz: [f64; 3],
     /// With a delay of the phase of at most 1 ms; 0.1 Hz where it is longer everywhere.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub one_ms_hz: [f64; 3],
     /// Delay at the lowest frequency, s: of 5 %, 50 % and 95 % of the benches it is shorter.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: [f64; 3],
 }
 

@@ -1,31 +1,42 @@
 //! Trace of one bench in a test.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 /// Demands and what came of them, on one clock.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Trace {
     /// Time of the first value on the clock of the test, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// Time between values, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub step_s: f64,
     /// True where a demand holds from its time to the next. Otherwise it changes in between.
     pub is_demand_held: bool,
     /// Speed demanded, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_demand_rad_s: Vec<f64>,
     /// Speed that should follow it: of the engine in a cycle and in TN, of the dynamometer in other tests in NT, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: Vec<f64>,
     /// Torque demanded, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_demand_nm: Vec<f64>,
     /// Torque that should follow it: T_shaft in NT, T_d in TN, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: Vec<f64>,
     /// ω_d, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub dyno_speed_rad_s: Vec<f64>,
     /// ω_e, rad/s; empty without a shaft.
+    #[serde(deserialize_with = "nan_if_null")]
     pub engine_speed_rad_s: Vec<f64>,
     /// T_shaft, Nm; empty without a shaft.
+    #[serde(deserialize_with = "nan_if_null")]
     pub shaft_torque_nm: Vec<f64>,
     /// T_d*, Nm, limited.
+    #[serde(deserialize_with = "nan_if_null")]
     pub dyno_demand_nm: Vec<f64>,
 }
 

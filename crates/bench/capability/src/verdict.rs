@@ -2,8 +2,9 @@
 
 use cycle::{Judged, Own, RequirementSet, Signal, Statistic, Validation};
 use design::safety::reaches;
+use numerics::null::{infinite_if_null, nan_if_null};
 use numerics::order;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 
 use crate::beyond::{Beyond, beyond};
@@ -20,7 +21,7 @@ const YES: f64 = 0.95;
 const NO: f64 = 0.5;
 
 /// The answer in a word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// 95 % of the benches keep everything.
@@ -36,7 +37,7 @@ pub enum Answer {
 }
 
 /// One limit of the bench.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitVerdict {
     /// Of what.
     pub of: LimitOf,
@@ -47,11 +48,12 @@ pub struct LimitVerdict {
     /// How often the limit is reached; `None` without one.
     pub reached: Option<Proportion>,
     /// When the largest value comes on the nominal bench, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
 }
 
 /// One number of a requirement set.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StatisticVerdict {
     /// Of which signal.
     pub signal: Signal,
@@ -68,7 +70,7 @@ pub struct StatisticVerdict {
 }
 
 /// One requirement set.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SetVerdict {
     /// Its name.
     pub name: String,
@@ -81,7 +83,7 @@ pub struct SetVerdict {
 }
 
 /// One requirement of one's own.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OwnVerdict {
     /// The requirement.
     pub own: Own,
@@ -90,24 +92,32 @@ pub struct OwnVerdict {
     /// Its number on every bench.
     pub values: Spread,
     /// Its limit.
+    #[serde(deserialize_with = "nan_if_null")]
     pub limit: f64,
     /// When the worst comes on the nominal bench, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
 }
 
 /// Where 90 % of the benches are.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Bands {
     /// Times, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: Vec<f64>,
     /// 5 % and 95 % of the speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: [Vec<f64>; 2],
     /// 5 % and 95 % of the torque that follows the demand, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: [Vec<f64>; 2],
 }
 
 /// Verdict on a test on a bench.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+///
+/// JSON has no curves: what is read has none in `nominal` and `bands`. A number that is null is not known, or infinite
+/// where a bench may not be stable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// In a word.
     pub answer: Answer,
@@ -135,10 +145,10 @@ pub struct Verdict {
     pub bands: Bands,
 }
 
-/// A number on every bench drawn.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A number on every bench drawn; null in JSON is read as infinite, as on a bench that is not stable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Spread(Vec<f64>);
+pub struct Spread(#[serde(deserialize_with = "infinite_if_null")] Vec<f64>);
 
 impl Spread {
     fn of(mut values: Vec<f64>) -> Self {

@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
+use numerics::null::{infinite_if_null, nan_if_null};
 use numerics::parallel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 use units::{Quantity, parse_value};
 
@@ -25,7 +26,7 @@ const ENOUGH: f64 = 0.95;
 /// assert_eq!(wanted, sine);
 /// # Ok::<(), capability::CapabilityError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Wanted {
     /// A sine about the mean.
@@ -33,32 +34,37 @@ pub enum Wanted {
         /// Of which demand.
         of: SineOf,
         /// Its amplitude, rad/s or Nm.
+        #[serde(deserialize_with = "nan_if_null")]
         amplitude: f64,
         /// Its frequency, Hz.
+        #[serde(deserialize_with = "nan_if_null")]
         frequency_hz: f64,
     },
     /// A gradient of the speed, upwards and downwards.
     Gradient {
         /// rad/s².
+        #[serde(deserialize_with = "nan_if_null")]
         rad_s2: f64,
     },
 }
 
 /// Answer of the benches at one speed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WantedPlace {
     /// The speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// How many benches can do it.
     pub kept: Proportion,
     /// Most that 95 %, 50 % and 5 % of them can do, in the unit of what is wanted.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub largest: [f64; 3],
     /// The limit that binds on the nominal bench.
     pub binds: Option<LimitOf>,
 }
 
 /// The answer to a wish.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WantedAnswer {
     /// The wish.
     pub wanted: Wanted,

@@ -1,6 +1,7 @@
 //! Speed bands of vehicles, and tolerances of steady modes.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 use crate::error::CycleError;
 use crate::requirement::{BandTolerance, ModeTolerance};
@@ -9,13 +10,16 @@ use crate::requirement::{BandTolerance, ModeTolerance};
 const MPH_M_S: f64 = 0.447_04;
 
 /// A time outside the band.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Excursion {
     /// When it begins, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// How long it lasts, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub duration_s: f64,
     /// Largest distance from the band, m/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub beyond_m_s: f64,
     /// True if it is short enough.
     pub is_allowed: bool,
@@ -83,15 +87,19 @@ fn extremes(schedule: &[f64], from_s: f64, to_s: f64) -> (f64, f64) {
 }
 
 /// A mode's mean against its set point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ModeDeviation {
     /// Mean speed less its set point, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Largest that is allowed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_limit_rad_s: f64,
     /// Mean torque less its set point, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: f64,
     /// Largest that is allowed, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_limit_nm: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Which points may be left out of the regressions: 40 CFR 1065.514, Table 1.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::feedback::Points;
 use crate::reference::Scales;
@@ -15,7 +15,7 @@ const SPEED_SHARE: f64 = 0.02;
 const IDLE_SHARE: f64 = 1e-6;
 
 /// Part that a row with a choice leaves out beside power.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Omitted {
     /// The row is not used.
@@ -27,7 +27,7 @@ pub enum Omitted {
 }
 
 /// One choice among the rows of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Omission {
     /// Least demand, negative reference torque: torque and power are left out.
     pub motoring: bool,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use units::{Quantity, RPM_RAD_S, parse_value};
 
 use crate::error::CycleError;
@@ -32,7 +33,7 @@ const BEYOND_STEP: f64 = 0.05;
 /// assert_eq!(own, cycle::Own::Rise { signal: cycle::Signal::Torque, most_s: 0.05 });
 /// # Ok::<(), cycle::CycleError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Own {
     /// |error| is at most this for a share of the time.
@@ -88,7 +89,7 @@ pub enum Own {
 }
 
 /// Where a requirement looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sensor {
     /// The speed that follows the demand.
@@ -120,13 +121,16 @@ pub struct Course<'a> {
 }
 
 /// A number against its limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
     /// The number: the error that the share of the time stays below (rad/s, Nm), a time (s), or a part of the step.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// The limit, in the same unit.
+    #[serde(deserialize_with = "nan_if_null")]
     pub limit: f64,
     /// When the worst happens, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
 }
 

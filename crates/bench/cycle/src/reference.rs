@@ -1,6 +1,6 @@
 //! A cycle in speeds and torques.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Demand of a cycle, straight between its points.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Reference {
 }
 
 /// Values that limits in per cent refer to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     /// Warm idle speed, rad/s.
     pub idle_rad_s: f64,

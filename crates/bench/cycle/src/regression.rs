@@ -1,22 +1,27 @@
 //! The regression line of 40 CFR 1065.602.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 /// Times the line is fitted to what is left of the fit before: each round adds the digits that rounding has cost.
 const ROUNDS: usize = 3;
 
 /// y = a_1 r + a_0, with what is left over.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Regression {
     /// Points.
     pub points: usize,
     /// a_1 = Σ(y − ȳ)(r − r̄)/Σ(r − r̄)².
+    #[serde(deserialize_with = "nan_if_null")]
     pub slope: f64,
     /// a_0 = ȳ − a_1 r̄.
+    #[serde(deserialize_with = "nan_if_null")]
     pub intercept: f64,
     /// SEE = √(Σ(y − a_0 − a_1 r)²/(N − 2)).
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// r² = 1 − Σ(y − a_0 − a_1 r)²/Σ(y − ȳ)².
+    #[serde(deserialize_with = "nan_if_null")]
     pub determination: f64,
 }
 

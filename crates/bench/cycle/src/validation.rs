@@ -1,7 +1,8 @@
 //! Validation of a run of a cycle: every shift and every choice of omissions is tried, and the run is valid if one of
 //! them is.
 
-use serde::Serialize;
+use numerics::null::{infinite_if_null, nan_if_null};
+use serde::{Deserialize, Serialize};
 
 use crate::error::CycleError;
 use crate::feedback::{Feedback, Points, Seconds};
@@ -16,13 +17,14 @@ const SHIFT_STEP_S: f64 = 0.1;
 const STANDSTILL: f64 = 1e-3;
 
 /// One number against its limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Checked {
     /// Of which signal.
     pub signal: Signal,
     /// Which number.
     pub statistic: Statistic,
     /// The number that is compared, SI: of an intercept its magnitude; rounded where the set rounds it.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// Lowest that is allowed; none where only a largest is.
     pub low: Option<f64>,
@@ -31,11 +33,12 @@ pub struct Checked {
     /// True if the number keeps the limit.
     pub passes: bool,
     /// How far it is beyond, as a part of the room that the limit gives: 1 is at the limit, below is better.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub use_of_limit: f64,
 }
 
 /// How a run of a cycle is judged.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Validation {
     /// True if every limit is kept.
     pub passes: bool,

@@ -13,13 +13,15 @@
 
 use std::ops::RangeInclusive;
 
+use numerics::null::nan_if_null;
 use numerics::parallel;
 use numerics::random::Stream;
 use rig::estimation::{EstimateError, need};
+use rig::numbers::unscaled;
 use rig::random::Source;
 use rig::results::{Estimate, Notation, Quantity};
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 use signal::proportion::Proportion;
 use signal::spline::UniformSpline;
@@ -34,13 +36,15 @@ const NOISE_ORDER: usize = 4;
 const INITIAL_NM: RangeInclusive<f64> = 20.0..=60.0;
 
 /// A row of table 7.1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PublishedRow {
     /// The noise.
     pub noise: Noise,
     /// K_p, Nm/rpm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub k_p: f64,
     /// K_i, Nm/(rpm s).
+    #[serde(deserialize_with = "nan_if_null")]
     pub k_i: f64,
 }
 
@@ -52,7 +56,7 @@ pub const PUBLISHED: [PublishedRow; 3] = [
 ];
 
 /// Noise on the speed that the controller sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Noise {
     /// None.
@@ -64,7 +68,7 @@ pub enum Noise {
 }
 
 /// How the controller is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Estimator {
     /// T_d* from N_d, as the thesis does.
@@ -74,21 +78,28 @@ pub enum Estimator {
 }
 
 /// Options of the study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NoiseTestOptions {
     /// K_p, Nm/rpm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub k_p: f64,
     /// K_i, Nm/(rpm s).
+    #[serde(deserialize_with = "nan_if_null")]
     pub k_i: f64,
     /// τ, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// Corner of the low-pass, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub low_pass_hz: f64,
     /// Variance of the speed error over that of low-pass noise.
+    #[serde(deserialize_with = "nan_if_null")]
     pub low_pass_snr: f64,
     /// Corners of the band-pass, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub band_pass_hz: (f64, f64),
     /// Variance of the speed error over that of band-pass noise.
+    #[serde(deserialize_with = "nan_if_null")]
     pub band_pass_snr: f64,
     /// Draws of each noise.
     pub draws: usize,
@@ -113,11 +124,12 @@ impl Default for NoiseTestOptions {
 }
 
 /// The result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NoiseTest {
     /// The recording whose speeds were used.
     pub file: String,
     /// Standard deviation of its speed error, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub error_rad_s: f64,
     /// Options of the study.
     pub options: NoiseTestOptions,
@@ -126,13 +138,14 @@ pub struct NoiseTest {
 }
 
 /// One kind of noise, estimated one way.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// The noise.
     pub noise: Noise,
     /// The estimator.
     pub estimator: Estimator,
     /// Standard deviation of the noise, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub noise_rad_s: f64,
     /// Draws from which nothing could be estimated.
     pub failed: usize,
@@ -141,8 +154,8 @@ pub struct Case {
 }
 
 /// One parameter over all draws, SI; written in the unit people read.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(into = "WrittenSummary")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "WrittenSummary", from = "ReadSummary")]
 pub struct Summary {
     /// Which.
     pub quantity: Quantity,
@@ -165,6 +178,8 @@ pub struct Summary {
 /// A summary as people read it, and as JSON has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WrittenSummary {
+    /// The parameter, by which a summary is read again.
+    pub key: Quantity,
     /// Symbol of the parameter.
     pub symbol: &'static str,
     /// The unit of all that follows.
@@ -185,12 +200,48 @@ pub struct WrittenSummary {
     pub coverage: Proportion,
 }
 
+/// A summary as it is read; null is read as NaN.
+#[derive(Deserialize)]
+struct ReadSummary {
+    key: Quantity,
+    #[serde(deserialize_with = "nan_if_null")]
+    truth: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    values: Vec<f64>,
+    #[serde(deserialize_with = "nan_if_null")]
+    mean: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    bias: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    standard_deviation: f64,
+    #[serde(deserialize_with = "nan_if_null")]
+    claimed: f64,
+    coverage: Proportion,
+}
+
+impl From<ReadSummary> for Summary {
+    fn from(read: ReadSummary) -> Self {
+        let si = |written: f64| unscaled(written, &[read.key.notation().per_si]);
+        Summary {
+            quantity: read.key,
+            truth: si(read.truth),
+            values: read.values.into_iter().map(si).collect(),
+            mean: si(read.mean),
+            bias: si(read.bias),
+            standard_deviation: si(read.standard_deviation),
+            claimed: si(read.claimed),
+            coverage: read.coverage,
+        }
+    }
+}
+
 impl Summary {
     /// In the unit people read.
     #[must_use]
     pub fn written(&self) -> WrittenSummary {
         let Notation { symbol, unit, per_si, .. } = self.quantity.notation();
         WrittenSummary {
+            key: self.quantity,
             symbol,
             unit,
             truth: per_si * self.truth,

@@ -6,10 +6,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use numerics::null::nan_if_null;
 use numerics::vector::dot;
 use rig::facts::Engine;
 use rig::results::Reason;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::{Complex64, distributions};
 
 use super::rebuild::{ENCODER_ERROR, Motion, RebuiltEngine};
@@ -26,11 +27,12 @@ const ANGLES: usize = 180;
 const HIGHEST: f64 = 2.0;
 
 /// The engine's torque over the cycles of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cycles {
     /// All whole cycles.
     pub cycles: Vec<Cycle>,
     /// Standard deviation of the cycles' means beyond what their own uncertainty explains, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub variation_nm: f64,
     /// The cylinders.
     pub cylinders: Cylinders,
@@ -41,35 +43,43 @@ pub struct Cycles {
 }
 
 /// The torque over the crank's angle, from a trough of the firing order on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// Between angles, °.
+    #[serde(deserialize_with = "nan_if_null")]
     pub step_deg: f64,
     /// Mean of all cycles, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub mean_nm: Vec<f64>,
     /// Standard deviation from cycle to cycle, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub deviation_nm: Vec<f64>,
 }
 
 /// One cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// Start, s of the clock of N_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// Length, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub duration_s: f64,
     /// Mean torque, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub mean_nm: f64,
     /// Its standard deviation by noise, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_deviation_nm: f64,
 }
 
 /// The cylinders, in the order in which they fire.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cylinders {
     /// Each one.
     pub cylinders: Vec<Cylinder>,
     /// How probable it is that they differ so much by chance.
+    #[serde(deserialize_with = "nan_if_null")]
     pub alike_probability: f64,
     /// Part of the difference that comes back with every turn.
     pub once_a_turn: CylindersOnceATurn,
@@ -77,11 +87,13 @@ pub struct Cylinders {
 
 /// The part of the cylinders' difference that comes back with every turn, as a once-a-turn error of the engine's
 /// encoder does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CylindersOnceATurn {
     /// Its root mean square over the cylinders, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub rms_nm: f64,
     /// The error of the encoder, of the speed, that would make it alone.
+    #[serde(deserialize_with = "nan_if_null")]
     pub encoder_error: f64,
     /// How probable it is that cylinders differ as much as they do beyond it by chance; none where nothing is beyond
     /// it.
@@ -89,16 +101,20 @@ pub struct CylindersOnceATurn {
 }
 
 /// A cylinder over all cycles.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cylinder {
     /// Mean torque over its part of the cycle less the cycle's, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub apart_nm: f64,
     /// Standard error by how cycles differ, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error_nm: f64,
     /// Standard deviation that a once-a-turn error of the engine's encoder brings, Nm: as large as what comes back with
     /// every turn, and that of an error of 10⁻⁴ of the speed.
+    #[serde(deserialize_with = "nan_if_null")]
     pub encoder_nm: f64,
     /// Standard deviation from cycle to cycle, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub variation_nm: f64,
 }
 
@@ -111,13 +127,16 @@ impl Cylinder {
 }
 
 /// An order of the crankshaft in T_e: a cosine of the crank's angle that every cycle has alike.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Order {
     /// Order.
+    #[serde(deserialize_with = "nan_if_null")]
     pub order: f64,
     /// Amplitude, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub amplitude_nm: f64,
     /// Standard error, Nm, from how cycles differ.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error_nm: f64,
 }
 

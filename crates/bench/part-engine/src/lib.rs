@@ -20,9 +20,9 @@ use numerics::parallel;
 use part_shaft::Parts;
 use part_shaft::shaft_inputs::stated_gate;
 use rig::prepare::believable;
-use rig::results::{Outcome, Reason, write_found};
+use rig::results::{Outcome, Reason, read_found, write_found};
 use rig::{Experiment, ExperimentLabel};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use work::Context;
 
 pub use self::certainty::Certainty;
@@ -32,27 +32,27 @@ pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 
 /// Findings of recordings on the engine's torque.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EngineTorque {
     /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub masses: Outcome<TwoMasses>,
     /// One entry a recording with a shaft; none without masses.
     pub recordings: Vec<EngineRecording>,
 }
 
 /// Findings of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EngineRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
     pub label: ExperimentLabel,
     /// The engine's torque.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub engine: Outcome<RebuiltEngine>,
     /// The same by cycle and cylinder; not estimated where firings are too fast for the rate of N_d.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub cycles: Outcome<Cycles>,
 }
 

@@ -3,6 +3,7 @@
 use faer::Mat;
 use fitting::IdentError;
 use fitting::smoothing::Smoothed;
+use numerics::null::nan_if_null;
 use numerics::parallel;
 use part_controller::speed_controller::SpeedControllerFit;
 use part_torque::torque_control::TorqueControlFit;
@@ -13,7 +14,7 @@ use part_torque::torque_smoother::{
 use rig::estimation::{EstimateError, noise_floor};
 use rig::facts::Engine;
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 use signal::zero_phase::{Wanted, ZeroPhase};
@@ -41,20 +42,26 @@ const DYNO: usize = 1;
 const ENGINE: usize = 2;
 
 /// The engine's torque of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RebuiltEngine {
     /// Instant of the first value, s of the clock of N_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// Time between values, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// By the smoother, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub smoothed_nm: Vec<f64>,
     /// Its standard deviation, Nm: of noise, as wide as the innovations show ([`NoiseLevels::widening`]), and of the
     /// masses and the shaft together.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_deviation_nm: Vec<f64>,
     /// The part of it that is of the masses and the shaft, Nm, which longer recordings do not average out.
+    #[serde(deserialize_with = "nan_if_null")]
     pub of_masses_nm: Vec<f64>,
     /// By a filter without phase shift, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub zero_phase_nm: Vec<f64>,
     /// Source of T_d.
     pub torque: TorqueSource,
@@ -62,6 +69,7 @@ pub struct RebuiltEngine {
     pub noise: NoiseLevels,
     /// Amplitude at order 1, Nm, of what an error of 10⁻⁴ of the speed, once a turn, of the engine's encoder makes: it
     /// cannot be separated from a motion, and widens the standard deviation only as far as the innovations show it.
+    #[serde(deserialize_with = "nan_if_null")]
     pub once_a_turn_nm: f64,
 }
 

@@ -2,11 +2,12 @@
 
 use faer::Mat;
 use numerics::linalg;
+use numerics::null::nan_if_null;
 use part_shaft::Parts;
 use rig::BenchFile;
 use rig::estimation::Chosen;
 use rig::results::{Estimate, Quantity, Reason};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A J_e that is less certain than this is no better than the bench file's.
 const CERTAIN: f64 = 0.05;
@@ -23,7 +24,7 @@ const OF_SHAFT: [Quantity; 6] = [
 pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 1;
 
 /// Where J_e comes from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InertiaSource {
     /// Estimated from this recording.
@@ -36,7 +37,7 @@ pub enum InertiaSource {
 type Found = (String, Estimate);
 
 /// Two masses with a shaft between them. SI.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TwoMasses {
     /// The recording that the shaft is from.
     pub shaft_from: String,
@@ -44,8 +45,10 @@ pub struct TwoMasses {
     pub inertia_from: InertiaSource,
     /// K, Nm/rad; B, Nm s/rad; c_1, slope of the dynamometer's friction, Nm s/rad; δ_e and δ_T, by how much N_e and T_d
     /// are late, s; J_d and J_e, kg m².
+    #[serde(deserialize_with = "nan_if_null")]
     pub values: [f64; PARAMETERS],
     /// Their covariance.
+    #[serde(deserialize_with = "nan_if_null")]
     pub covariance: Vec<Vec<f64>>,
 }
 

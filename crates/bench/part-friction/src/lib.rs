@@ -13,9 +13,10 @@ mod free_run;
 mod options;
 mod regression;
 
+use numerics::null::nan_if_null;
 use rig::Experiment;
 use rig::results::{Estimate, Parameter, Stretch};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use error::FrictionError;
 use fitted::Drive;
@@ -34,7 +35,7 @@ const DRIVES_HALF_WIDTHS: f64 = 2.0;
 const DRIVES_PART: f64 = 0.05;
 
 /// Whence J_d.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "from", rename_all = "snake_case")]
 pub enum Inertia {
     /// The recordings: T_d changed the speed.
@@ -48,6 +49,7 @@ pub enum Inertia {
     /// alone.
     Stated {
         /// J_d, kg m².
+        #[serde(deserialize_with = "nan_if_null")]
         inertia_kg_m2: f64,
         /// Why.
         why: Undetermined,
@@ -55,7 +57,7 @@ pub enum Inertia {
 }
 
 /// Why the recordings do not show J_d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Undetermined {
     /// No torque was recorded.
@@ -67,20 +69,21 @@ pub enum Undetermined {
 }
 
 /// A choice of terms and what it leaves unexplained.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Its terms.
     pub terms: Vec<Term>,
     /// Coefficients over J_d.
     pub per_inertia: Vec<Parameter>,
     /// −2 ln likelihood + ln(samples) for each parameter, less that of the best candidate.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bic_above_best: f64,
     /// True for the one that was chosen.
     pub chosen: bool,
 }
 
 /// Friction and inertia of a dynamometer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Friction {
     /// J_d and whence.
     pub inertia: Inertia,

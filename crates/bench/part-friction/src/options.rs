@@ -1,8 +1,9 @@
 //! Options of the friction estimate.
 
+use numerics::null::nan_if_null;
 use rig::BenchFile;
 use rig::results::{Quantity, Stretch};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Points of the curve.
 pub(super) const POINTS: usize = 41;
@@ -17,7 +18,7 @@ pub(super) const ROUNDS: usize = 8;
 pub(super) const SHIFTED_S: f64 = 1e-7;
 
 /// A term of T_fric(ω).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// T_0, the same whatever the direction: separated from the others where both directions are seen.
@@ -93,7 +94,7 @@ impl FrictionOptions {
 }
 
 /// Sources of T_d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueUsed {
     /// T_d* through the torque control that the recording shows.
@@ -105,18 +106,21 @@ pub enum TorqueUsed {
 }
 
 /// T_fric at a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// ω_d, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// T_fric, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: f64,
     /// Half of its 95 % interval, Nm; without the uncertainty of a stated J_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub half_width_nm: f64,
 }
 
 /// A speed that was measured beside that of the model, for a figure.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunOut {
     /// Where.
     pub stretch: Stretch,
@@ -125,9 +129,12 @@ pub struct RunOut {
     /// Samples left out: drop-outs.
     pub left_out: usize,
     /// Instants, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: Vec<f64>,
     /// N_d, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub measured_rad_s: Vec<f64>,
     /// That of the model from the first sample on, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub modelled_rad_s: Vec<f64>,
 }

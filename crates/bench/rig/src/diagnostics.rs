@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Role;
 use crate::experiment::ExperimentLabel;
-use crate::results::{Part, Quantity, Reason, read_symbol, write_symbol};
+use crate::results::{Part, Quantity, Reason, read_symbol, write_quantity, write_symbol};
 use crate::words::InWords;
 
 /// How much a finding matters.
@@ -358,7 +358,7 @@ pub enum Finding {
     /// The inertia in the bench file does not fit the measured torque and acceleration.
     ImplausibleInertia {
         /// Which: J_d or J_e.
-        #[serde(rename = "symbol", serialize_with = "write_symbol", deserialize_with = "read_symbol")]
+        #[serde(flatten, serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         inertia: Quantity,
         /// Value in the bench file, kg m².
         given_kg_m2: f64,
@@ -370,7 +370,7 @@ pub enum Finding {
     /// A recording would give the bench an inertia or a skew that it cannot have, so that its K and B check nothing.
     NoCheckOfShaft {
         /// Which: J_d or a skew.
-        #[serde(rename = "symbol", serialize_with = "write_symbol", deserialize_with = "read_symbol")]
+        #[serde(flatten, serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// Value from the recording alone, SI.
         value: f64,
@@ -442,7 +442,7 @@ pub enum Finding {
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
         /// Quantity that was estimated twice.
-        #[serde(serialize_with = "write_symbol", deserialize_with = "read_symbol")]
+        #[serde(flatten, serialize_with = "write_quantity", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// First value and standard error, SI.
         first: (f64, f64),

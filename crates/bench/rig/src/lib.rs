@@ -35,4 +35,4 @@ pub use prepare::{PrepareError, prepare, prepare_run};
 pub use role::Role;
 /// How the comment of a recording ends that a virtual bench made.
 pub const SIMULATED: &str = "virtual bench";
-pub use words::{InWords, write_words_if_any};
+pub use words::InWords;

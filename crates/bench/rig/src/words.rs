@@ -45,15 +45,3 @@ impl<'de, E> Deserialize<'de> for InWords<E> {
         String::deserialize(deserializer).map(InWords::Read)
     }
 }
-
-/// Serialises a value that may be missing, such as an error, as what it displays.
-///
-/// # Errors
-/// Those of the serialiser.
-#[allow(clippy::ref_option, reason = "serde passes fields by reference")]
-pub fn write_words_if_any<T: Display, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => serializer.serialize_some(&value.to_string()),
-        None => serializer.serialize_none(),
-    }
-}

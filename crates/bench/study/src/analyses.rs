@@ -8,14 +8,15 @@ use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
 use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
-use part_torque::model_comparison::{self, ModelComparison, ModelComparisonError, OrdersTried};
+use part_torque::model_comparison::{self, ModelComparison, OrdersTried};
 use part_torque::torque_signals::{TorqueSignals, torque_signals};
-use rig::estimation::EstimateError;
 use rig::experiment::Sought;
+use rig::results::{Outcome, Reason, read_found, read_if_sought, write_found, write_if_sought};
 use rig::{BenchFile, Experiment};
+use serde::{Deserialize, Serialize};
 use work::Context;
 
-use super::next::{self, NextError, NextExperiments, NextOptions};
+use super::next::{self, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of
@@ -27,7 +28,8 @@ const DRAWS: usize = 50;
 const COUNT: u64 = 9;
 
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
-#[derive(Debug, Clone, PartialEq)]
+/// [`crate::document`] has its form in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Analyses {
     /// Recorded signals, as they were recorded.
     pub courses: Vec<RecordedCourse>,
@@ -42,17 +44,21 @@ pub struct Analyses {
     /// Terms that are added to PI, delay and feed-forward.
     pub speed_control: SpeedControl,
     /// Effect of noise on the estimate of a PI; `None` without a BS_T_NT.
-    pub pi_study: Option<Result<NoiseTest, EstimateError>>,
+    #[serde(serialize_with = "write_if_sought", deserialize_with = "read_if_sought")]
+    pub pi_study: Option<Outcome<NoiseTest>>,
     /// Models of the torque control held against a delay of one sample.
-    pub torque_control: Result<ModelComparison, ModelComparisonError>,
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
+    pub torque_control: Outcome<ModelComparison>,
     /// Friction and inertia of the dynamometer.
-    pub friction: Result<Friction, FrictionError>,
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
+    pub friction: Outcome<Friction>,
     /// The shaft by band, by route, and beyond K and B.
     pub shaft: ShaftAnalysis,
     /// The engine's torque.
     pub engine_torque: EngineTorque,
     /// Experiments to record next.
-    pub next: Result<NextExperiments, NextError>,
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
+    pub next: Outcome<NextExperiments>,
 }
 
 impl Analyses {
@@ -80,16 +86,16 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
     let speed_control = speed_control(controllers, &step);
     let pi_study = held_speed(parts).map(|experiment| {
         let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };
-        noise_test(experiment, &options, &step)
+        noise_test(experiment, &options, &step).into()
     });
-    let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &step);
+    let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &step).map_err(Reason::of_analysis);
     let friction = {
         let _part = step.step("estimating the friction", 0);
-        friction_of(all, bench)
+        friction_of(all, bench).map_err(Reason::of_analysis)
     };
     let shaft = shaft_analysis(parts, &step);
     let engine_torque = engine_torque(parts, &step);
-    let next = next::beside(parts, NextOptions::default(), &step);
+    let next = next::beside(parts, NextOptions::default(), &step).map_err(Reason::of_analysis);
     Analyses {
         courses: courses(all),
         step: step_response(all),
@@ -98,11 +104,11 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
         torque_signals,
         speed_control,
         pi_study,
-        torque_control,
-        friction,
+        torque_control: torque_control.into(),
+        friction: friction.into(),
         shaft,
         engine_torque,
-        next,
+        next: next.into(),
     }
 }
 

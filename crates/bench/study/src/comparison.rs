@@ -1,10 +1,13 @@
 //! Test that a bench is still the same: two bench models from different recordings are compared.
 
+use std::borrow::Cow;
+
 use bench_model::document::{BenchModelDocument, Provenance, UsedRecording};
 use bench_model::model::{BenchModel, ModelParameter, PartCovariance};
 use faer::Mat;
 use numerics::linalg::least_norm;
-use serde::Serialize;
+use numerics::null::{infinite_if_null, nan_if_null};
+use serde::{Deserialize, Serialize};
 use signal::distributions::{f_tail, interval};
 
 /// The parts that are tested, each with its parameters.
@@ -33,7 +36,7 @@ const CONFIDENCE: f64 = 0.95;
 const CERTAIN: f64 = 1e-12;
 
 /// A part of the bench that is tested as a whole.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ComparedPart {
     /// Inertias, stiffness and damping.
@@ -47,7 +50,7 @@ pub enum ComparedPart {
 }
 
 /// Two models, compared.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelComparison {
     /// The parts that both models have.
     pub parts: Vec<PartComparison>,
@@ -56,13 +59,13 @@ pub struct ModelComparison {
     /// Recordings that both come from: then they are not independent, and the test finds less than it should.
     pub shared_recordings: Vec<String>,
     /// Numbers that are no estimates, and differ.
-    pub different_constants: Vec<&'static str>,
+    pub different_constants: Vec<Cow<'static, str>>,
     /// In what the models were made from, they differ so.
     pub sources: SourceChanges,
 }
 
 /// Changes beside the bench itself that may explain that two models differ.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceChanges {
     /// Recordings that only the first model comes from.
     pub only_first: Vec<String>,
@@ -75,7 +78,7 @@ pub struct SourceChanges {
 }
 
 /// One part, compared.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartComparison {
     /// Which part.
     pub part: ComparedPart,
@@ -86,34 +89,43 @@ pub struct PartComparison {
 }
 
 /// Wald's test that two sets of parameters are the same.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WaldTest {
     /// δᵀ (P₁ + P₂)⁻¹ δ over the number of parameters.
+    #[serde(deserialize_with = "nan_if_null")]
     pub statistic: f64,
     /// Number of parameters.
     pub parameters: usize,
     /// Degrees of freedom of the covariances; null where infinite.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub degrees_of_freedom: f64,
     /// The probability of so large a difference by chance.
+    #[serde(deserialize_with = "nan_if_null")]
     pub p_value: f64,
     /// The same with allowance for all parts that are tested (Bonferroni).
+    #[serde(deserialize_with = "nan_if_null")]
     pub adjusted_p_value: f64,
 }
 
 /// One parameter in both models, SI.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ParameterComparison {
     /// Which parameter.
     pub parameter: ModelParameter,
     /// In the first model.
+    #[serde(deserialize_with = "nan_if_null")]
     pub first: f64,
     /// In the second.
+    #[serde(deserialize_with = "nan_if_null")]
     pub second: f64,
     /// Standard error of the difference; zero where both count as exact.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// Degrees of freedom of it; null where infinite.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub degrees_of_freedom: f64,
     /// 95 % interval of the second less the first.
+    #[serde(deserialize_with = "nan_if_null")]
     pub difference: (f64, f64),
     /// The probability of so large a difference by chance; none where both count as exact.
     pub p_value: Option<f64>,
@@ -248,10 +260,10 @@ fn wald(parameters: &[ParameterComparison], both: &[Uncertain<'_>; 2]) -> Option
 }
 
 /// Names of the constants that differ; they are no estimates.
-fn constants(first: &BenchModel, second: &BenchModel) -> Vec<&'static str> {
-    let differs = |name, of: fn(&BenchModel) -> Option<f64>| (of(first) != of(second)).then_some(name);
+fn constants(first: &BenchModel, second: &BenchModel) -> Vec<Cow<'static, str>> {
+    let differs = |name: &'static str, of: fn(&BenchModel) -> Option<f64>| (of(first) != of(second)).then_some(name);
     let tick = differs("sample time of the controller", |model| model.speed_controller.map(|pi| pi.sample_time_s));
     let limit = differs("limit of the torque demand", |model| model.torque_limit_nm);
     let lags = (first.demand_lags() != second.demand_lags()).then_some("whole samples of the controller's delay");
-    [tick, limit, lags].into_iter().flatten().collect()
+    [tick, limit, lags].into_iter().flatten().map(Cow::from).collect()
 }

@@ -1,21 +1,53 @@
-//! The study as one JSON document, written and read.
+//! The study as one JSON document, written and read; and the documents of the analyses beside it.
 //!
 //! Numbers keep their full precision; one that is NaN or infinite is `null`, which is read as NaN, as infinite degrees
 //! of freedom, or as not known. A study that is read and written again gives the same document. It equals the study
 //! that was written but for the rounding of what is written in the unit people read, for errors, of which the document
-//! has the words, and for what it leaves out: the values of traces, which [`Study::take_series`] fills in from their
-//! table, and [`rig::results::Shaft::shared_errors`].
+//! has the words, and for the values of traces, which [`Study::take_series`] fills in from their table. The same holds
+//! for [`ANALYSES`] and the documents of single analyses; no table holds the traces of these.
 
-use bench_model::document::{JsonFault, format_of, from_json};
+use bench_model::document::{JsonFault, ResultFormat, format_of, from_json};
+use part_controller::speed_controller::SpeedControl;
+use part_engine::EngineTorque;
+use part_friction::Friction;
+use part_lines::lines::RecordingLines;
+use part_shaft::shaft_analysis::ShaftAnalysis;
+use part_torque::model_comparison;
+use part_torque::torque_signals::TorqueSignals;
 use serde::{Deserialize, Serialize};
 
-use crate::Study;
+use crate::{Analyses, ModelComparison, NextExperiments, Study};
+use part_controller::noise_test::NoiseTest;
 
 /// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
 pub const FORMAT_VERSION: u32 = 3;
 
 /// Text of the `format` field of a study's file.
 const FORMAT: &str = "dynoid-study";
+
+/// All analyses beside a study.
+pub const ANALYSES: ResultFormat<Analyses> = ResultFormat::new("dynoid-analyses", 1);
+/// Experiments to record next.
+pub const NEXT_EXPERIMENTS: ResultFormat<NextExperiments> = ResultFormat::new("dynoid-next-experiments", 1);
+/// Two bench models, compared.
+pub const MODEL_COMPARISON: ResultFormat<ModelComparison> = ResultFormat::new("dynoid-model-comparison", 1);
+/// Effect of noise on the estimate of a PI.
+pub const NOISE_TEST: ResultFormat<NoiseTest> = ResultFormat::new("dynoid-noise-test", 1);
+/// Lines of the spectra, an entry a recording.
+pub const LINES: ResultFormat<Vec<RecordingLines>> = ResultFormat::new("dynoid-lines", 1);
+/// The torque signals against each other.
+pub const TORQUE_SIGNALS: ResultFormat<TorqueSignals> = ResultFormat::new("dynoid-torque-signals", 1);
+/// Models of the torque control, compared.
+pub const TORQUE_CONTROL: ResultFormat<model_comparison::ModelComparison> =
+    ResultFormat::new("dynoid-torque-control", 1);
+/// The speed controller.
+pub const SPEED_CONTROL: ResultFormat<SpeedControl> = ResultFormat::new("dynoid-speed-control", 1);
+/// Friction of the dynamometer.
+pub const FRICTION: ResultFormat<Friction> = ResultFormat::new("dynoid-friction", 1);
+/// The shaft by band, by route, and beyond K and B.
+pub const SHAFT: ResultFormat<ShaftAnalysis> = ResultFormat::new("dynoid-shaft", 1);
+/// The engine's torque.
+pub const ENGINE_TORQUE: ResultFormat<EngineTorque> = ResultFormat::new("dynoid-engine-torque", 1);
 
 #[derive(Serialize)]
 struct Written<'a> {

@@ -13,13 +13,16 @@ use bench_model::model::{AssembledModel, BenchModel};
 use bench_model::prediction::PredictionInputs;
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
 use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, Safety, SafetyInputs, check};
+use numerics::null::nan_if_null;
 use numerics::parallel;
 use part_controller::speed_controller::Encoder;
 use part_shaft::Parts;
 use rig::experiment::catalogue::{self, Settings};
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Test, UPDATE_S};
-use rig::results::{Estimate, Notation, Parameter, Quantity};
+use rig::numbers::unscaled;
+use rig::results::{Estimate, Notation, Parameter, Quantity, ReadNotation};
 use rig::{BenchFile, Experiment, ExperimentLabel, Role};
+use serde::{Deserialize, Serialize};
 use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_hidden};
 use work::Context;
@@ -96,30 +99,34 @@ pub enum NextError {
 }
 
 /// Gains from further experiments.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NextExperiments {
     /// Present knowledge: results of the whole model, and parameters of its parts.
     pub now: Vec<Parameter>,
     /// The experiments, the one that buys most first.
     pub candidates: Vec<Candidate>,
     /// Half an interval of this part of the value was taken for narrow enough.
+    #[serde(deserialize_with = "nan_if_null")]
     pub enough: f64,
     /// Assumptions about the bench that they were tried on.
     pub assumptions: Vec<Assumption>,
 }
 
 /// An experiment, and what would be known after it.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Its label.
     pub label: ExperimentLabel,
     /// True where its demand was designed for this bench, see [`design::excitation_design`].
     pub is_designed: bool,
     /// Speed, rpm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rpm: f64,
     /// Length, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub duration_s: f64,
     /// The largest |T_shaft| it drove the virtual bench to, firing pulses included, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub peak_shaft_torque_nm: f64,
     /// Safety on benches like this one, as a check of it says; `None` where it buys nothing, or cannot be checked.
     pub safety: Option<Safety>,
@@ -128,8 +135,8 @@ pub struct Candidate {
 }
 
 /// Gain from an experiment in one number, SI; written in the unit people read.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-#[serde(into = "WrittenGain")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "WrittenGain", try_from = "ReadGain")]
 pub struct Gain {
     /// The number.
     pub quantity: Quantity,
@@ -144,8 +151,9 @@ pub struct Gain {
 }
 
 /// A gain as JSON has it.
-#[derive(serde::Serialize)]
+#[derive(Serialize)]
 struct WrittenGain {
+    key: Quantity,
     #[serde(flatten)]
     notation: Notation,
     value: f64,
@@ -159,7 +167,38 @@ impl From<Gain> for WrittenGain {
         let notation = gain.quantity.notation();
         let written = |value: f64| notation.per_si * value;
         let Gain { value, now, then, is_enough_now, .. } = gain;
-        WrittenGain { notation, value: written(value), now: now.map(written), then: written(then), is_enough_now }
+        WrittenGain {
+            key: gain.quantity,
+            notation,
+            value: written(value),
+            now: now.map(written),
+            then: written(then),
+            is_enough_now,
+        }
+    }
+}
+
+/// A gain as it is read; null is read as NaN.
+#[derive(Deserialize)]
+struct ReadGain {
+    #[serde(flatten)]
+    notation: ReadNotation,
+    #[serde(deserialize_with = "nan_if_null")]
+    value: f64,
+    now: Option<f64>,
+    #[serde(deserialize_with = "nan_if_null")]
+    then: f64,
+    is_enough_now: bool,
+}
+
+impl TryFrom<ReadGain> for Gain {
+    type Error = String;
+
+    fn try_from(read: ReadGain) -> Result<Self, String> {
+        let quantity = read.notation.quantity()?;
+        let si = |written: f64| unscaled(written, &[quantity.notation().per_si]);
+        let ReadGain { value, now, then, is_enough_now, .. } = read;
+        Ok(Gain { quantity, value: si(value), now: now.map(si), then: si(then), is_enough_now })
     }
 }
 

@@ -3,6 +3,7 @@
 
 use rig::results::Trace;
 use rig::{ControlMode, Experiment, ExperimentLabel, Role};
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 /// Time shown before a step, s.
@@ -22,7 +23,7 @@ const AT_A_STEP: [Role; 6] = [
 ];
 
 /// The signals of a recording.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordedCourse {
     /// The file.
     pub file: String,
@@ -33,7 +34,7 @@ pub struct RecordedCourse {
 }
 
 /// The largest step of T_d* in a recording.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepResponse {
     /// The file.
     pub file: String,

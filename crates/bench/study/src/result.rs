@@ -67,6 +67,9 @@ pub struct Provenance {
     pub bench_file: String,
     /// Name of the bench file.
     pub bench_file_name: String,
+    /// The day of the study, UTC, as in 2026-05-03; none where nobody states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub studied_on: Option<String>,
     /// Seed, when the recordings were simulated.
     pub seed: Option<u64>,
     /// Statements of the bench file on the report.

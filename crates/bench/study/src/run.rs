@@ -71,6 +71,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Stu
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
     Study {
         provenance: Provenance {
+            studied_on: None,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             bench_file: campaign.bench_file.1.to_owned(),
             bench_file_name: campaign.bench_file.0.to_owned(),

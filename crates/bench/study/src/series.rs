@@ -11,34 +11,51 @@ use crate::Study;
 /// file and the quantity as its comment. Times are those of each recording, s. `None` where nothing was estimated.
 pub fn series(study: &Study) -> Option<Recording> {
     let mut table = Table::default();
-    if let Some(controller) = study.speed_controller.estimated() {
-        table.add("speed_controller/validation", &controller.validation);
-        table.add("speed_controller/without_delay", &controller.without_delay);
-    }
-    if let Some(feed_forward) = study.feed_forward.estimated() {
-        table.add("feed_forward/validation", &feed_forward.validation);
-        table.add("feed_forward/pi_alone", &feed_forward.pi_alone);
-    }
-    if let Some(control) = study.torque_control.estimated() {
-        table.add("torque_control/pure_delay_validation", &control.pure_delay_validation);
-        table.add("torque_control/delay_and_lag_validation", &control.delay_and_lag_validation);
-    }
-    if let Some(shaft) = study.shaft.estimated() {
-        table.add("shaft/validation", &shaft.validation);
-    }
-    for (number, replay) in study.replays.iter().enumerate() {
-        for (place, signal) in replay.signals.iter().enumerate() {
-            table.add(&format!("replays/{number}/signals/{place}"), signal);
-        }
+    for (place, validation) in validations(study) {
+        table.add(&place, validation);
     }
     table.recording()
 }
 
+/// Every comparison that has traces, with its place in the JSON document.
+fn validations(study: &Study) -> Vec<(String, &Validation)> {
+    let mut all = Vec::new();
+    let mut add = |place: &str, validation| all.push((place.to_owned(), validation));
+    if let Some(controller) = study.speed_controller.estimated() {
+        add("speed_controller/validation", &controller.validation);
+        add("speed_controller/without_delay", &controller.without_delay);
+    }
+    if let Some(feed_forward) = study.feed_forward.estimated() {
+        add("feed_forward/validation", &feed_forward.validation);
+        add("feed_forward/pi_alone", &feed_forward.pi_alone);
+    }
+    if let Some(control) = study.torque_control.estimated() {
+        add("torque_control/pure_delay_validation", &control.pure_delay_validation);
+        add("torque_control/delay_and_lag_validation", &control.delay_and_lag_validation);
+    }
+    if let Some(shaft) = study.shaft.estimated() {
+        add("shaft/validation", &shaft.validation);
+    }
+    for (number, replay) in study.replays.iter().enumerate() {
+        for (place, signal) in replay.signals.iter().enumerate() {
+            add(&format!("replays/{number}/signals/{place}"), signal);
+        }
+    }
+    all
+}
+
 impl Study {
+    /// Tells whether it has traces whose values are not known, since their table was not read.
+    #[must_use]
+    pub fn lacks_series(&self) -> bool {
+        let is_unread = |trace: &Trace| !trace.values.is_empty() && trace.values.iter().all(|value| value.is_nan());
+        validations(self).iter().any(|(_, validation)| is_unread(&validation.measured))
+    }
+
     /// Fills in the values of the traces that a table of [`series`] holds. A trace that the table does not have, or has
     /// with another number of samples, stays as it is.
     pub fn take_series(&mut self, table: &Recording) {
-        let take = |place: &str, validation: &mut Validation| {
+        self.each_series(|place, validation| {
             for (what, trace) in [("measured", &mut validation.measured), ("modelled", &mut validation.modelled)] {
                 let name = format!("{place}/{what}");
                 let channel = table.channels.iter().find(|channel| channel.name == name);
@@ -46,7 +63,11 @@ impl Study {
                     trace.values.clone_from(&channel.samples);
                 }
             }
-        };
+        });
+    }
+
+    /// Hands over every comparison of [`validations`], to be changed.
+    fn each_series(&mut self, mut take: impl FnMut(&str, &mut Validation)) {
         if let Outcome::Estimated(controller) = &mut self.speed_controller {
             take("speed_controller/validation", &mut controller.validation);
             take("speed_controller/without_delay", &mut controller.without_delay);

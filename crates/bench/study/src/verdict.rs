@@ -5,8 +5,8 @@
 
 use std::ops::RangeInclusive;
 
+use numerics::null::nan_if_null;
 use numerics::order::median;
-use rig::numbers::nan_if_null;
 use rig::results::{Outcome, Parameter, Part, Quantity, Validation};
 use rig::{Finding, Severity};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! A virtual bench that is like a stated one: what its bench file says, what a model says, and what had to be assumed.
 
 use bench_model::model::BenchModel;
+use numerics::null::nan_if_null;
 use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters, MechanicsParameters};
 use rig::engine_pulses::{EnginePulses, KnownPulses};
 use rig::experiment::ExperimentPlan;
@@ -15,28 +16,34 @@ use super::VirtualBenchError;
 const ASSUMED_DAMPING_RATIO: f64 = 0.1;
 
 /// Something about a bench that nobody stated, so that a default takes the place of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Assumption {
     /// K and B of the shaft.
     Shaft {
         /// K, Nm/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         stiffness_nm_per_rad: f64,
         /// B, Nm s/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         damping_nm_s_per_rad: f64,
     },
     /// B of the shaft, from a damping ratio.
     Damping {
         /// ζ, 1.
+        #[serde(deserialize_with = "nan_if_null")]
         ratio: f64,
         /// B, Nm s/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         damping_nm_s_per_rad: f64,
     },
     /// Speed controller and feed-forward.
     SpeedController {
         /// K_p, Nm s/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         proportional_nm_s_per_rad: f64,
         /// K_i, Nm/rad.
+        #[serde(deserialize_with = "nan_if_null")]
         integral_nm_per_rad: f64,
     },
     /// Feed-forward of the speed controller.
@@ -44,13 +51,16 @@ pub enum Assumption {
     /// Delay and lag of the torque control.
     TorqueControl {
         /// d, s.
+        #[serde(deserialize_with = "nan_if_null")]
         delay_s: f64,
         /// a, rad/s.
+        #[serde(deserialize_with = "nan_if_null")]
         bandwidth_rad_s: f64,
     },
     /// The drive's limit.
     TorqueLimit {
         /// Nm.
+        #[serde(deserialize_with = "nan_if_null")]
         torque_nm: f64,
     },
     /// The dual-mass flywheel of a bench with a torque flange.

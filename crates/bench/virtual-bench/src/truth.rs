@@ -1,33 +1,43 @@
 //! True values that an exact study of a virtual bench would find.
 
+use numerics::null::nan_if_null;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::UPDATE_S;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::drive::SAMPLES_PER_UPDATE;
 use super::train::resonance_hz;
 
 /// The true values of what a study estimates, in the study's units.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// K, Nm/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub stiffness_nm_per_rad: f64,
     /// B, Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub damping_nm_s_per_rad: f64,
     /// K_p, Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub proportional_nm_s_per_rad: f64,
     /// K_i, Nm/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub integral_nm_per_rad: f64,
     /// τ of the speed controller, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub controller_delay_s: f64,
     /// k, Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_feed_forward_nm_s_per_rad: f64,
     /// k_a, Nm s²/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub acceleration_feed_forward_nm_s2_per_rad: f64,
     /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over
     /// the bandwidth of its currents.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_control_delay_s: f64,
     /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz; without play and stiffening.
+    #[serde(deserialize_with = "nan_if_null")]
     pub resonance_hz: f64,
 }
 

@@ -9,6 +9,7 @@
 
 pub mod decimal;
 mod drawing;
+mod empty_figures;
 mod figure;
 mod formula;
 mod html;

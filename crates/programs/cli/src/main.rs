@@ -69,6 +69,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             ShellCommand::Completions(arguments) => commands::shell::completions(arguments, terminal),
             ShellCommand::Manual(arguments) => commands::shell::manual(arguments, terminal),
         },
+        Command::Report(arguments) => commands::report::run(arguments, terminal),
         Command::Diff(arguments) => commands::diff::run(arguments, terminal),
         Command::Export(arguments) => commands::export::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),

@@ -283,6 +283,9 @@ pub enum Error {
     /// A speed at which a bench has no map.
     #[error("{rpm} rpm: a map needs a speed above 0 rpm, since an engine turns forwards")]
     SpeedOfMap { rpm: f64 },
+    /// A study's file that cannot be used.
+    #[error("{}: {source}", .path.display())]
+    Study { path: PathBuf, source: study::document::DocumentError },
     /// Friction that cannot be estimated.
     #[error(transparent)]
     Friction {

@@ -71,6 +71,7 @@ mod patterns;
 mod proposal;
 mod read;
 mod session;
+mod study_file;
 mod written;
 
 pub use bench::{Bench, bench_text};
@@ -86,6 +87,7 @@ pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_wh
 pub use proposal::{Proposal, ProposalFacts};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
 pub use session::Session;
+pub use study_file::StudyFile;
 pub use written::{
     DATA, EarlierStudy, FULL_REPORT, FULL_REPORT_PDF, REPORT, REPORT_PDF, SERIES, SUMMARY_PDF, StudyFolder,
     StudyOptions, WrittenStudy,

@@ -13,11 +13,11 @@ use rig::{Diagnostic, Experiment};
 use study::{Analyses, Campaign, NextExperiments, NextOptions, Prepared, Source, Study, StudyError, next_experiments};
 use work::Context;
 
-use crate::analyses;
 use crate::bench::Bench;
 use crate::error::Error;
 use crate::files::Files;
 use crate::find::{InputFile, listed};
+use crate::{analyses, date};
 
 /// A bench with recordings that were checked and brought into SI.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ impl Session {
     /// # Errors
     /// No recording that can be used.
     pub fn study(&self, context: &Context) -> Result<Study, Error> {
-        self.with_campaign(|campaign| study::run(campaign, context))
+        self.with_campaign(|campaign| study::run(campaign, context)).map(dated)
     }
 
     /// The same study, and all analyses beside it.
@@ -108,7 +108,8 @@ impl Session {
     /// # Errors
     /// Those of [`Session::study`].
     pub fn study_full(&self, context: &Context) -> Result<(Study, Analyses), Error> {
-        self.with_campaign(|campaign| study::run_full(campaign, context))
+        let found = self.with_campaign(|campaign| study::run_full(campaign, context));
+        found.map(|(study, analyses)| (dated(study), analyses))
     }
 
     /// The bench model of the recordings, for which all is estimated that a study needs.
@@ -174,4 +175,10 @@ impl Session {
         let found = next_experiments(self.bench.file(), self.recordings.clone(), options, context);
         found.map_err(|error| Error::of_next(self.bench.path(), error))
     }
+}
+
+/// A study of today.
+fn dated(mut study: Study) -> Study {
+    study.provenance.studied_on = Some(date::today());
+    study
 }

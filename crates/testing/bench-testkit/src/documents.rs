@@ -1,8 +1,12 @@
-//! Model files of known benches.
+//! Model files of known benches, and results that are written and read.
 
-use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance, Validity};
+use std::fmt::Debug;
+
+use bench_model::document::{BenchFileOrigin, BenchModelDocument, Provenance, ResultError, ResultFormat, Validity};
 use bench_model::model::{AssembledModel, BenchModel, ModelParameter, ModelUncertainty, PartCovariance};
 use rig::facts::{BenchFacts, BenchVariant};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// A model as a study writes it: with the covariance of its shaft and its speed controller, and a range of validity.
 pub fn of_model(model: BenchModel) -> BenchModelDocument {
@@ -52,4 +56,27 @@ fn provenance() -> Provenance {
         seed: None,
         verdict: None,
     }
+}
+
+/// Holds a result to what its document promises: it is read and written again as it was written, another version is
+/// refused, and the error on a damaged number names its place. Returns the result that is read.
+pub fn read_back<T: Serialize + DeserializeOwned + Debug>(format: &ResultFormat<T>, result: &T) -> T {
+    let text = format.json(result).unwrap();
+    let read = format.read(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
+    assert_eq!(format.json(&read).unwrap(), text);
+    let other = text.replacen("\"format_version\":1", "\"format_version\":99", 1);
+    assert!(matches!(format.read(&other), Err(ResultError::OtherVersion { found: 99, .. })));
+    let renamed = text.replacen(format.format(), "another", 1);
+    assert!(matches!(format.read(&renamed), Err(ResultError::OtherFormat { found: Some(_), .. })));
+    let fault = format.read(&with_a_damaged_number(&text)).unwrap_err();
+    assert!(matches!(&fault, ResultError::Damaged { .. }) && fault.to_string().contains("`result"), "{fault}");
+    read
+}
+
+/// The text with the word “damaged” in place of its last number.
+fn with_a_damaged_number(text: &str) -> String {
+    let is_number = |c: char| c.is_ascii_digit() || "+-.e".contains(c);
+    let end = text.rfind(|c: char| c.is_ascii_digit()).unwrap() + 1;
+    let start = text[..end].rfind(|c: char| !is_number(c)).unwrap() + 1;
+    format!("{}\"damaged\"{}", &text[..start], &text[end..])
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod linalg;
+pub mod null;
 pub mod order;
 pub mod parallel;
 pub mod random;

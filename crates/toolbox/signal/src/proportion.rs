@@ -1,6 +1,7 @@
 //! A probability, from how often something happened.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 use crate::distributions::f_quantile;
 
@@ -8,17 +9,20 @@ use crate::distributions::f_quantile;
 const TAIL: f64 = 0.025;
 
 /// A probability, from how often something happened.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Proportion {
     /// How often it happened.
     pub count: usize,
     /// Of how many.
     pub of: usize,
     /// count/of.
+    #[serde(deserialize_with = "nan_if_null")]
     pub estimate: f64,
     /// Lower end of the 95 % interval.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lower: f64,
     /// Its upper end.
+    #[serde(deserialize_with = "nan_if_null")]
     pub upper: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Findings of an analysis of the assembled model.
 
+use numerics::null::nan_if_null;
 use rig::ControlMode;
-use rig::numbers::nan_if_null;
 use rig::results::{Parameter, Quantity, read_notation, write_notation};
 use serde::{Deserialize, Serialize};
 

@@ -71,7 +71,7 @@ fn fault(text: &str, error: &serde_json::Error) -> JsonFault {
                 Some(name) => (field.object(), Some(format!("the field `{name}` is missing"))),
                 None => (field.field(), of_data(message)),
             };
-            match problem {
+            match problem.or_else(|| (!field.is_empty()).then(|| message.to_owned())) {
                 Some(problem) => JsonFault::Value { line: error.line(), field, problem },
                 None => JsonFault::Contradiction { problem: message.to_owned() },
             }

@@ -10,6 +10,7 @@ mod error;
 mod json;
 mod provenance;
 mod read;
+mod result_format;
 mod validity;
 
 use rig::engine_pulses::EnginePulses;
@@ -24,6 +25,7 @@ pub use described::DescribedParameter;
 pub use error::DocumentError;
 pub use json::{JsonFault, from_json};
 pub use provenance::{BenchFileOrigin, NotEstimated, Provenance, StudyVerdict, UsedRecording};
+pub use result_format::{ResultError, ResultFormat};
 pub use validity::{Range, Validity};
 
 /// Text of a document's `format` field.

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use numerics::linalg::symmetric_eigenvalues;
+use numerics::null::infinite_if_null;
 use numerics::random::Stream;
-use rig::numbers::infinite_if_null;
 use rig::results::{Parameter, Quantity};
 use serde::{Deserialize, Serialize};
 use signal::distributions::chi_squared_quantile;

@@ -1,12 +1,13 @@
 //! The largest values of a prediction.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 use crate::prediction::inputs::PredictionInputs;
 use crate::simulate::Response;
 
 /// Of what a peak is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PeakOf {
     /// |N_d|, rad/s.
@@ -20,13 +21,15 @@ pub enum PeakOf {
 }
 
 /// The largest magnitude of a signal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// The signal.
     pub of: PeakOf,
     /// Its value there, with its sign, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// When, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
     /// The limit stated, SI.
     pub limit: Option<f64>,

@@ -6,5 +6,6 @@ mod answers;
 mod calibration;
 mod maps;
 mod pulses;
+mod results;
 mod statistics;
 mod support;

@@ -53,7 +53,9 @@ mod trial;
 mod unknown;
 mod white;
 
+use bench_model::document::ResultFormat;
 use bench_model::model::ModelParameter;
+use numerics::null::nan_if_null;
 use rig::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Test, Waveform};
 use serde::{Deserialize, Serialize};
 use units::RPM_RAD_S;
@@ -77,10 +79,13 @@ pub struct PredictedParameter {
     /// Which.
     pub parameter: ModelParameter,
     /// Its nominal value, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// Standard error, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// Standard error after white noise of the same length and the same peak of T_shaft, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub white_noise_standard_error: f64,
 }
 
@@ -99,6 +104,7 @@ pub struct DesignedExcitation {
     /// Predictions of what it will achieve.
     pub parameters: Vec<PredictedParameter>,
     /// Covariance of the parameters of interest, SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub covariance: Vec<Vec<f64>>,
     /// Its largest deviations under any of the models.
     pub peaks: Peaks,
@@ -106,6 +112,7 @@ pub struct DesignedExcitation {
     pub binding: LimitedQuantity,
     /// The criterion over all models: the sum of relative variances, or the logarithm of the determinant of the
     /// relative covariance.
+    #[serde(deserialize_with = "nan_if_null")]
     pub criterion: f64,
 }
 
@@ -147,9 +154,15 @@ pub struct ExcitationDesign {
     pub spectrum: Vec<SpectralLine>,
     /// By what part the criterion of the spectrum can exceed that of the best one (for a determinant: by how much its
     /// logarithm can), all peaks taken as those of sines one after the other.
+    #[serde(deserialize_with = "nan_if_null")]
     pub duality_gap: f64,
     /// Rounds of the spectrum's optimisation.
     pub rounds: usize,
+}
+
+impl ExcitationDesign {
+    /// Its form as a document.
+    pub const DOCUMENT: ResultFormat<ExcitationDesign> = ResultFormat::new("dynoid-excitation-design", 1);
 }
 
 /// Designs a multisine and a binary demand.

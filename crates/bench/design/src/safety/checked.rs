@@ -1,24 +1,27 @@
 //! Result of a check of an experiment.
 
+use numerics::null::infinite_if_null;
 use numerics::order;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 
 use super::quantity::Quantity;
 use super::verdict::Safety;
 
 /// One quantity over all benches drawn.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checked {
     /// The quantity.
     pub of: Quantity,
     /// The limit stated, SI.
     pub limit: Option<f64>,
     /// Its value on every bench, SI, growing; infinite where a bench is not stable.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub values: Vec<f64>,
     /// How often the limit is reached; `None` without one.
     pub reached: Option<Proportion>,
     /// The value on the worst bench, SI.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub worst: f64,
     /// Resonance of that bench in torque control, Hz; `None` without a shaft.
     pub worst_resonance_hz: Option<f64>,

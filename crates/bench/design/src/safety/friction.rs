@@ -1,13 +1,14 @@
 //! Friction of dynamometers that could be the one at hand.
 
 use bench_model::friction::DynoFriction;
+use numerics::null::nan_if_null;
 use numerics::random::Stream;
 use rig::BenchFile;
 use rig::dyno_friction::{DOUBT_PERCENT, MOST_COULOMB, MOST_SLOPE_S_PER_RAD};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Whence friction is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrictionFrom {
     /// The bench file.
@@ -17,16 +18,18 @@ pub enum FrictionFrom {
 }
 
 /// How friction differs between the benches drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrictionSpread {
     /// Whence it is known.
     pub from: FrictionFrom,
     /// Coulomb friction at the least and at the most, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub coulomb_nm: (f64, f64),
     /// Slope over speed at the least and at the most, Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub viscous_nm_s_per_rad: (f64, f64),
     /// The mean of the benches drawn; the middle between the least and the most where it is none.
-    #[serde(skip)]
+    #[serde(default)]
     pub mean: Option<DynoFriction>,
 }
 

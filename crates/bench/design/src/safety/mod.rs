@@ -15,11 +15,13 @@ mod sines;
 mod spread;
 mod verdict;
 
+use bench_model::document::ResultFormat;
 use bench_model::prediction::{PredictionError, PredictionInputs};
+use numerics::null::nan_if_null;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::Demands;
 use rig::random::Source;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 use work::Context;
 
@@ -61,16 +63,18 @@ pub struct SafetyInputs<'a> {
 }
 
 /// Effect of retarded ignition on the exhaust: a hint, no limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ThermalHint {
     /// How long the ignition efficiency lies below 0.8, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub below_80_percent_s: f64,
     /// Mean share of the torque that is lost to it, 0 … 1.
+    #[serde(deserialize_with = "nan_if_null")]
     pub mean_loss: f64,
 }
 
 /// The result of a safety check.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SafetyCheck {
     /// Every quantity that the plan has.
     pub checked: Vec<Checked>,
@@ -87,6 +91,11 @@ pub struct SafetyCheck {
     /// Amplitudes at which a sine test keeps the limits; `None` where the plan is no sine test of T_d*, or no limit
     /// bears on its amplitude.
     pub sines: Option<Proposal>,
+}
+
+impl SafetyCheck {
+    /// Its form as a document.
+    pub const DOCUMENT: ResultFormat<SafetyCheck> = ResultFormat::new("dynoid-safety-check", 1);
 }
 
 /// Why nothing can be checked.

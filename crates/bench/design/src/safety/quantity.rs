@@ -4,7 +4,7 @@ use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionInputs};
 use rig::bench_file::Limits;
 use rig::experiment::ExperimentPlan;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::course::{AtResonance, largest_change};
 use super::ladder::demand_samples;
@@ -13,7 +13,7 @@ use super::ladder::demand_samples;
 pub const SPEED_CHANGE_S: f64 = 0.05;
 
 /// A number of a run that matters for safety.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Largest |T_shaft|, Nm.

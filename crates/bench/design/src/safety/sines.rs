@@ -1,8 +1,9 @@
 //! Amplitudes at which a sine test keeps the limits.
 
 use bench_model::prediction::{PredictionError, PredictionInputs};
+use numerics::null::nan_if_null;
 use rig::experiment::{Demands, ExperimentPlan};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 use work::Context;
 
@@ -20,20 +21,23 @@ const ROUNDS: usize = 4;
 const LOWERED: f64 = 0.93;
 
 /// A sine of T_d* in a sine test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SafeSine {
     /// Its frequency, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub frequency_hz: f64,
     /// The amplitude planned, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub planned_nm: f64,
     /// The probability that a limit is reached while it runs as planned.
     pub reached: Proportion,
     /// The largest amplitude that is safe, Nm; zero where the mean alone reaches a limit.
+    #[serde(deserialize_with = "nan_if_null")]
     pub safe_nm: f64,
 }
 
 /// Proposal in place of a sine test as planned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
     /// Every sine, in the order of the test.
     pub sines: Vec<SafeSine>,

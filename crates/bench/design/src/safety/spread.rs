@@ -3,9 +3,10 @@
 use bench_model::disturbances::Disturbances;
 use bench_model::friction::DynoFriction;
 use bench_model::model::{BenchModel, Mechanics, ModelUncertainty};
+use numerics::null::nan_if_null;
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::distributions::normal_quantile;
 
 /// A bench that could be the one at hand.
@@ -39,13 +40,16 @@ pub enum BenchSpread<'a> {
 /// Uncertainty without a study. Each number r says that the truth lies with 95 % probability between nominal/(1 + r)
 /// and nominal · (1 + r): log-normal with the nominal value as median and σ = ln(1 + r)/1.96. They vary independently,
 /// and with the engine's inertia the stiffness so that the resonance is what was drawn for it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Prior {
     /// Of √(K(1/J_d + 1/J_e)), in torque control.
+    #[serde(deserialize_with = "nan_if_null")]
     pub resonance: f64,
     /// Of B.
+    #[serde(deserialize_with = "nan_if_null")]
     pub damping: f64,
     /// Of J_e.
+    #[serde(deserialize_with = "nan_if_null")]
     pub engine_inertia: f64,
 }
 

@@ -1,13 +1,13 @@
 //! From counts to verdicts.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 
 /// The probability of reaching a limit that is allowed.
 pub const ALLOWED: f64 = 0.05;
 
 /// A verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Safety {
     /// Every limit stated is reached with a probability below 5 %, and so is the upper end of its 95 % interval.

@@ -5,5 +5,6 @@
 
 mod excitation_design;
 mod optimal_goals;
+mod results;
 mod safety;
 mod safety_calibration;

@@ -3,9 +3,9 @@
 
 use numerics::parallel;
 use rig::experiment::Sought;
-use rig::results::{Estimate, FeedForward, Outcome, Validation, write_found};
+use rig::results::{Estimate, FeedForward, Outcome, Validation, read_found, write_found};
 use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use work::Context;
 
 use super::discrete::Discrete;
@@ -15,7 +15,7 @@ use super::recordings::SpeedControllers;
 use super::terms::{FeedForwardTerms, Structure, feed_forward_terms, structure};
 
 /// Findings of recordings on the speed controller.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpeedControl {
     /// PI and delay, one entry a recording with constant N_d*, the longest first.
     pub controllers: Vec<ControllerRecording>,
@@ -26,19 +26,19 @@ pub struct SpeedControl {
 }
 
 /// Findings of one recording with constant N_d*.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ControllerRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
     pub label: ExperimentLabel,
     /// The controller.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub found: Outcome<Box<Controller>>,
 }
 
 /// PI without and with delay.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
     /// K_p, K_i, τ, I_0 and, where the data show it, the encoder's gate T_g.
     pub with_delay: Estimate,
@@ -51,39 +51,39 @@ pub struct Controller {
     /// The same as the controller computes it.
     pub discrete: Discrete,
     /// Terms that may be added to PI and delay.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub structure: Outcome<Structure>,
 }
 
 /// Findings of one recording with moving N_d*.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FeedForwardRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
     pub label: ExperimentLabel,
     /// k and k_a, and whether there is more.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub found: Outcome<Box<FeedForwardFound>>,
 }
 
 /// A straight feed-forward, and tests for what bends it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FeedForwardFound {
     /// k and k_a, with the PI alone beside them.
     pub straight: FeedForward,
     /// Static map, hysteresis, friction compensation.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub terms: Outcome<FeedForwardTerms>,
 }
 
 /// The limit of T_d* in one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitRecording {
     /// The file.
     pub file: String,
     /// The limit.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub found: Outcome<Limit>,
 }
 

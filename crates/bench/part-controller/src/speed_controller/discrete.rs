@@ -1,12 +1,14 @@
 //! The discrete form of PI, and the part of it that no recording shows.
 
+use numerics::null::nan_if_null;
 use rig::results::{Estimate, Parameter, Quantity};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// PI as the controller computes it: T_d*(k) = T_d*(k − 1) + b_0 e(k) + b_1 e(k − 1), e the speed error delayed by τ.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Discrete {
     /// Sample time T of the controller, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// b_0 = K_p and b_1 = K_i T − K_p, Nm s/rad, with the covariance that follows from that of K_p and K_i.
     pub coefficients: Estimate,
@@ -15,7 +17,7 @@ pub struct Discrete {
 }
 
 /// How a controller integrates the speed error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum IntegrationRule {
     /// I(k + 1) = I(k) + K_i T e(k): forward Euler, and the exact form of (6.5) under a held input.

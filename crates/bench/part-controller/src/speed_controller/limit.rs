@@ -13,10 +13,11 @@ use std::ops::RangeInclusive;
 use faer::Mat;
 use ident::distributions::f_tail;
 use numerics::linalg;
+use numerics::null::nan_if_null;
 use rig::estimation::{EstimateError, need};
 use rig::results::{FeedForward, Quantity};
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::spline::UniformSpline;
 
 use super::data::{at_updates, held_on_the_clock_of, signal_error};
@@ -46,7 +47,7 @@ const TRACKING_S: RangeInclusive<f64> = 1e-3..=10.0;
 const TRACKING_TIMES: usize = 121;
 
 /// Behaviour of the integrator while T_d* is limited.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum AntiWindup {
     /// It runs on.
@@ -58,30 +59,35 @@ pub enum AntiWindup {
     /// It is drawn back by what exceeds the limit over a tracking time.
     BackCalculation {
         /// The tracking time that fits best, s.
+        #[serde(deserialize_with = "nan_if_null")]
         tracking_s: f64,
     },
 }
 
 /// A law against the data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LawTest {
     /// The law.
     pub law: AntiWindup,
     /// Root mean square of what the integrator's changes miss it by, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub misses_nm: f64,
     /// Probability of missing it by as much where it is right.
+    #[serde(deserialize_with = "nan_if_null")]
     pub p_value: f64,
     /// The same, times the number of laws.
+    #[serde(deserialize_with = "nan_if_null")]
     pub adjusted_p_value: f64,
 }
 
 /// Findings of a recording on the limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Limit {
     /// T_d* never rests at its highest magnitude.
     NotReached {
         /// Highest |T_d*|, Nm.
+        #[serde(deserialize_with = "nan_if_null")]
         highest_nm: f64,
     },
     /// It does.
@@ -89,19 +95,24 @@ pub enum Limit {
 }
 
 /// Episodes at the limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitReached {
     /// The limit, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub limit_nm: f64,
     /// Share of the samples at it.
+    #[serde(deserialize_with = "nan_if_null")]
     pub share: f64,
     /// Episodes that could be used, and the longest of all, s.
     pub episodes: usize,
     /// The longest of all, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub longest_s: f64,
     /// By how much the laws differ in the integrator over an episode at most, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub at_stake_nm: f64,
     /// Standard deviation of a reading of the integrator's change, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub reading_nm: f64,
     /// The laws; empty where readings are too few, or too inexact beside what is at stake.
     pub laws: Vec<LawTest>,

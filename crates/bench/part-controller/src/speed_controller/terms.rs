@@ -14,10 +14,11 @@ use ident::Minimum;
 use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, holm, interval, student_t_quantile};
 use numerics::linalg;
+use numerics::null::nan_if_null;
 use rig::Experiment;
 use rig::estimation::{EstimateError, INTERVAL_LEVEL, ReadOut, timing_floor_s, transformed};
 use rig::results::{DemandLags, Estimate, Parameter, Quantity, Stretch};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 use super::data::{Data, ident_error};
@@ -40,7 +41,7 @@ const MOST_TERMS: usize = 2;
 const KNOTS: usize = 7;
 
 /// A term that may be added to PI and delay.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// A first-order filter on the measured speed.
@@ -60,7 +61,7 @@ pub enum Term {
 }
 
 /// Verdict of the data on a term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It is there.
@@ -74,39 +75,44 @@ pub enum Verdict {
 }
 
 /// A term against zero.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TermTest {
     /// The term.
     pub term: Term,
     /// Its size; `None` for a static map, which has many, and where the data do not determine it.
     pub estimate: Option<Parameter>,
     /// Probability of as large an estimate where there is no such term.
+    #[serde(deserialize_with = "nan_if_null")]
     pub p_value: f64,
     /// The same, corrected for the number of terms tested together.
+    #[serde(deserialize_with = "nan_if_null")]
     pub adjusted_p_value: f64,
     /// Part of the speed that it explains, root mean square, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub explains_rad_s: f64,
     /// Verdict that follows.
     pub verdict: Verdict,
 }
 
 /// PI and delay, and what was found beside them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Structure {
     /// Probability of finding anything where there is nothing.
+    #[serde(deserialize_with = "nan_if_null")]
     pub level: f64,
     /// Each round tests the terms that are left beside those that were found in earlier rounds.
     pub rounds: Vec<Round>,
     /// K_p, K_i and τ beside what was found; `None` where nothing was.
     pub with_terms: Option<Estimate>,
     /// Speed that PI and delay leave unexplained, root mean square, rad/s, and the rest beside the terms found.
+    #[serde(deserialize_with = "nan_if_null")]
     pub left_rad_s: (f64, f64),
     /// The data.
     pub stretch: Stretch,
 }
 
 /// One round of tests.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Round {
     /// Terms already taken in.
     pub beside: Vec<Term>,
@@ -117,9 +123,10 @@ pub struct Round {
 }
 
 /// The feed-forward beyond a straight line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FeedForwardTerms {
     /// Probability of finding anything where there is nothing.
+    #[serde(deserialize_with = "nan_if_null")]
     pub level: f64,
     /// Static map, hysteresis, friction compensation beside k and k_a, and beside what was found in earlier rounds.
     pub rounds: Vec<Round>,
@@ -130,17 +137,22 @@ pub struct FeedForwardTerms {
 }
 
 /// The static feed-forward at one speed, less that at the lowest.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapPoint {
     /// N_d*, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Torque, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm: f64,
     /// Its 95 % interval, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub interval_nm: (f64, f64),
     /// Torque beyond the straight line between the map's ends, Nm; zero at the ends.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bend_nm: f64,
     /// Its 95 % interval, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bend_interval_nm: (f64, f64),
 }
 

@@ -1,6 +1,7 @@
 //! Content of a Campbell map: short spectra, each at a speed.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 use super::angle::Angle;
@@ -12,13 +13,16 @@ const SHORT_S: f64 = 0.5;
 const MOST: usize = 200;
 
 /// The spectrum of a moment.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShortSpectrum {
     /// Its middle, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub time_s: f64,
     /// Mean speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Amplitude of a sine at each multiple of [`ShortSpectrum::STEP_HZ`] from zero on, in SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub amplitude: Vec<f64>,
 }
 

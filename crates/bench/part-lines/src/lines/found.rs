@@ -1,7 +1,8 @@
 //! Lines as they are found in a recording.
 
+use numerics::null::nan_if_null;
 use rig::{ExperimentLabel, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
@@ -21,7 +22,7 @@ pub(super) const DRIFT_HZ: f64 = 3.0;
 pub(super) const CHANGES: f64 = 0.03;
 
 /// Findings of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordingLines {
     /// The file.
     pub file: String,
@@ -34,32 +35,40 @@ pub struct RecordingLines {
 }
 
 /// Findings of a part of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartLines {
     /// From, s of the recording's clock.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// To, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub end_s: f64,
     /// Mean speed of the engine, or of the dynamometer where that is not recorded, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Lowest and highest speed, each a mean over a tracking window, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_range_rad_s: [f64; 2],
     /// Demanded sines, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub demanded_hz: Vec<f64>,
     /// Signals.
     pub signals: Vec<SignalLines>,
 }
 
 /// A signal's spectrum and its lines.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SignalLines {
     /// Which.
     pub role: Role,
     /// Time between its samples, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// Frequencies of the spectrum, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub frequency_hz: Vec<f64>,
     /// Amplitude of a sine there, in SI.
+    #[serde(deserialize_with = "nan_if_null")]
     pub amplitude: Vec<f64>,
     /// Lines, the strongest first.
     pub lines: Vec<Line>,
@@ -70,11 +79,13 @@ pub struct SignalLines {
 }
 
 /// A line, or a broad peak.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// Where it shows, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub frequency_hz: f64,
     /// Amplitude, in SI; of a broad peak, of what a bandwidth of half a hertz holds.
+    #[serde(deserialize_with = "nan_if_null")]
     pub amplitude: f64,
     /// Its standard error; none of a broad peak.
     pub standard_error: Option<f64>,

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use faer::c64;
+use numerics::null::nan_if_null;
 use rig::Role;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
@@ -26,16 +27,19 @@ const LONG_S: f64 = 10.0;
 const ONE_LINE: f64 = 0.1;
 
 /// A signal over the speed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OverSpeed {
     /// Which.
     pub role: Role,
     /// Time between its samples, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// Lowest and highest speed, rad/s; the classes of speed are of equal width between them.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: [f64; 2],
     /// Root mean squares of the short spectra of each class, every [`ShortSpectrum::STEP_HZ`] from zero on, in SI;
     /// empty where no recording has the speed.
+    #[serde(deserialize_with = "nan_if_null")]
     pub map: Vec<Vec<f64>>,
     /// Orders over the speed that stand out anywhere, the strongest first; of recordings with the engine on the shaft.
     pub orders: Vec<OrderCurve>,
@@ -44,9 +48,10 @@ pub struct OverSpeed {
 }
 
 /// An order over the speed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OrderCurve {
     /// The multiple of the engine's speed.
+    #[serde(deserialize_with = "nan_if_null")]
     pub order: f64,
     /// True for the order of the firing, and for a multiple of it.
     pub is_firing: bool,
@@ -55,13 +60,16 @@ pub struct OrderCurve {
 }
 
 /// An order at a class of speeds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Mean speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speed_rad_s: f64,
     /// Amplitude, in SI: the root of the mean power, less that of the noise.
+    #[serde(deserialize_with = "nan_if_null")]
     pub amplitude: f64,
     /// Standard error of it.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// Phase of the mean, rad, as that of a [`TrackPoint`]; none at a steady speed, and none of several recordings,
     /// whose crank angles begin anywhere.

@@ -1,9 +1,9 @@
 //! Terms that may be in a shaft beyond stiffness and damping.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A term beyond the simple shaft.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// K (1 + iη) in place of K: damping that does not grow with frequency.
@@ -21,7 +21,7 @@ pub enum Term {
 }
 
 /// Weights with which stiffness or damping may change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weight {
     /// T_shaft less its mean, per 100 Nm.

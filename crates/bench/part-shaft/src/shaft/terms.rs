@@ -11,8 +11,9 @@
 
 use ident::distributions::{f_tail, interval};
 use ident::frequency::FrequencyFit;
+use numerics::null::nan_if_null;
 use rig::results::{Parameter, Quantity};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 use units::RPM_RAD_S;
@@ -73,16 +74,17 @@ impl Term {
 }
 
 /// Terms beyond the simple shaft, held against one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Beyond {
     /// Mean of |error|²/σ² of the simple shaft: one where it and the noise levels are right.
+    #[serde(deserialize_with = "nan_if_null")]
     pub simple_misfit: f64,
     /// Each term, in the order of [`Term::ALL`].
     pub tests: Vec<TermTest>,
 }
 
 /// A term held against the data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TermTest {
     /// The term.
     pub term: Term,
@@ -97,6 +99,7 @@ pub struct TermTest {
     /// True where it is there at [`Beyond::LEVEL`], all terms tested at once (Holm).
     pub found: bool,
     /// The value's interval at the level of that test: it contains zero if, and only if, the term is not found.
+    #[serde(deserialize_with = "nan_if_null")]
     pub joint_interval: Option<(f64, f64)>,
 }
 

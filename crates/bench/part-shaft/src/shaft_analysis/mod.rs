@@ -10,7 +10,7 @@ use rig::experiment::{Sought, Test};
 use rig::facts::BenchVariant;
 use rig::results::{Estimate, Outcome, Part, Quantity, Reason, Shaft};
 use rig::{BenchFile, Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 use work::Context;
 
@@ -33,7 +33,7 @@ const COARSE_S: f64 = 2e-3;
 const MISFIT: f64 = 2.0;
 
 /// Findings of recordings on the shaft.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShaftAnalysis {
     /// One entry a recording with a shaft.
     pub recordings: Vec<ShaftRecording>,

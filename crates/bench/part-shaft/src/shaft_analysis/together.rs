@@ -19,8 +19,9 @@
 use faer::{Mat, MatRef};
 use ident::distributions::chi_squared_tail;
 use numerics::linalg::{Cholesky, Qr, solve_lower};
+use numerics::null::nan_if_null;
 use rig::results::{Parameter, Quantity, Shaft, SharedError};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::shaft::model_errors;
 use crate::shaft_analysis::recording::ShaftRecording;
@@ -31,17 +32,19 @@ const APART: f64 = 0.01;
 const MANY: f64 = 1e6;
 
 /// K and B of several recordings together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Together {
     /// K, Nm/rad.
     pub stiffness: CommonValue,
     /// B, Nm s/rad.
     pub damping: CommonValue,
     /// How far the recordings are apart, in terms of their own errors: χ² with these degrees of freedom.
+    #[serde(deserialize_with = "nan_if_null")]
     pub chi_squared: f64,
     /// They.
     pub degrees_of_freedom: usize,
     /// How likely recordings of one shaft are so far apart.
+    #[serde(deserialize_with = "nan_if_null")]
     pub p_value: f64,
     /// True where they are too far apart to be of one shaft by their own errors; intervals are then wider by
     /// √(χ²/degrees of freedom).
@@ -49,11 +52,12 @@ pub struct Together {
 }
 
 /// A value common to several recordings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CommonValue {
     /// It.
     pub parameter: Parameter,
     /// Its values and standard errors by recording.
+    #[serde(deserialize_with = "nan_if_null")]
     pub by_recording: Vec<(String, f64, f64)>,
 }
 

@@ -30,11 +30,12 @@ use ident::distributions::chi_squared_tail;
 use ident::{Bounds, Dataset, Fit, IdentError, Minimum, NonlinearOptions, Polynomial, ResidualModel, minimise};
 use lti::{LtiError, PolynomialModel, StateSpace};
 use numerics::linalg;
+use numerics::null::nan_if_null;
 use rig::estimation::{EstimateError, Unsuitable, timing_floor_s};
 use rig::experiment::ControlMode;
 use rig::facts::Engine;
 use rig::results::{Estimate, Quantity};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Complex64;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
@@ -68,7 +69,7 @@ const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 const SEPARATED: f64 = 2.0;
 
 /// Control of the engine.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineControl {
     /// Nothing that answers to its speed (NT): two masses.
@@ -78,18 +79,19 @@ pub enum EngineControl {
 }
 
 /// The structure of the black box.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlackBoxOrders {
     /// Coefficients of F; B has two more.
     pub dynamics: usize,
     /// Coefficients of D.
     pub noise: usize,
     /// Orders of the crank angle.
+    #[serde(deserialize_with = "nan_if_null")]
     pub crank: Vec<f64>,
 }
 
 /// Why not to take a black box's parameters for the bench's.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum BlackBoxDoubt {
     /// The coefficients are not those of a two-mass system.
@@ -101,25 +103,31 @@ pub enum BlackBoxDoubt {
 }
 
 /// A bench's parameters by a black box.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlackBoxRoute {
     /// J_d, J_e, K, B.
     pub estimate: Estimate,
     /// The structure.
     pub orders: BlackBoxOrders,
     /// Coefficients f_1 … and b_0 … with their standard errors.
+    #[serde(deserialize_with = "nan_if_null")]
     pub coefficients: Vec<(String, f64, f64)>,
     /// V at the minimum, and its degrees of freedom.
+    #[serde(deserialize_with = "nan_if_null")]
     pub chi_squared: (f64, f64),
     /// Probability that a two-mass bench gives so large a V.
+    #[serde(deserialize_with = "nan_if_null")]
     pub probability: f64,
     /// √(K/J_e) and √(K(1/J_d + 1/J_e)) with their standard errors, Hz: free engine against fixed dynamometer.
+    #[serde(deserialize_with = "nan_if_null")]
     pub antiresonance_hz: (f64, f64),
     /// Resonance, as above.
+    #[serde(deserialize_with = "nan_if_null")]
     pub resonance_hz: (f64, f64),
     /// Reasons not to take the parameters for the bench's; none where they are determined.
     pub doubts: Vec<BlackBoxDoubt>,
     /// Sample time of the model, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
 }
 

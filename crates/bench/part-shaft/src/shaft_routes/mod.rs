@@ -11,20 +11,24 @@ pub mod black_box;
 pub mod multisine;
 pub mod state_space;
 
+use numerics::null::nan_if_null;
 use rig::estimation::{EstimateError, Unsuitable};
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::shaft::ShaftInputs;
 
 /// When the signals were taken, each with its standard uncertainty, s.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// δ_e: by how much N_e is dated later than N_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub engine_skew_s: (f64, f64),
     /// δ_T: by how much the torque is dated later than N_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_skew_s: (f64, f64),
     /// T_g: gate of both encoders.
+    #[serde(deserialize_with = "nan_if_null")]
     pub gate_s: (f64, f64),
 }
 

@@ -25,9 +25,10 @@ use ident::{
 };
 use lti::{LtiError, StateSpace};
 use numerics::linalg::FullyPivotedLu;
+use numerics::null::nan_if_null;
 use rig::estimation::{ESTIMATION_SHARE, EstimateError, timing_floor_s};
 use rig::results::{Estimate, Quantity, Stretch, Trace, Validation};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::{Complex64, Sos};
 use units::RPM_RAD_S;
 
@@ -60,7 +61,7 @@ const BATCHES: usize = 20;
 const NOISE_STEP_HZ: f64 = 0.1;
 
 /// Treatment of the skews.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Skews {
     /// They are those given, within their uncertainties.
@@ -70,7 +71,7 @@ pub enum Skews {
 }
 
 /// The shaft by its state space.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StateSpaceRoute {
     /// K and B, J_d where it is uncertain, δ_e and δ_T where they are not exactly known.
     pub estimate: Estimate,
@@ -79,10 +80,13 @@ pub struct StateSpaceRoute {
     /// ω_d in the band on the stretch that was not estimated from.
     pub validation: Validation,
     /// Sample time that the model was fitted on, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// Band of the signals, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub band_hz: (f64, f64),
     /// By how much the encoders' noise had bent K and B, which was taken off: Nm/rad, Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bias_taken_off: (f64, f64),
 }
 

@@ -7,9 +7,10 @@ use ident::uncertainty::{Ellipse, UncertainRoot};
 use ident::{Arx, Criteria, Fit, IdentError, NonlinearOptions, OutputError};
 use lti::polynomial::{add, multiply};
 use lti::{Complex64, LtiError, PolynomialModel};
+use numerics::null::nan_if_null;
 use rig::estimation::INTERVAL_LEVEL;
 use rig::results::{Parameter, Quantity};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::orders::Input;
 use super::record::{Record, rms};
@@ -26,7 +27,7 @@ const NO_LOOP: f64 = 1e-6;
 pub const ASKED_HZ: f64 = 10.0;
 
 /// Kind of noise that a black box models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
     /// A y = B u + e.
@@ -36,7 +37,7 @@ pub enum Family {
 }
 
 /// A family, what drives it, and its orders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Structure {
     /// ARX or output error.
     pub family: Family,
@@ -51,7 +52,7 @@ pub struct Structure {
 }
 
 /// How a black box follows T_d* once its loop is closed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Closed {
     /// It settles.
@@ -63,7 +64,7 @@ pub enum Closed {
 }
 
 /// A structure and its worth on data it was not estimated from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scanned {
     /// The structure.
     pub structure: Structure,
@@ -76,24 +77,28 @@ pub struct Scanned {
     /// The same with T_d* − T_d as measured fed in, %: holds T_d itself, and flatters.
     pub fed_percent: Option<f64>,
     /// Bayesian information criterion on the estimation stretch.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bic: f64,
 }
 
 /// A coefficient of a black box's polynomials.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Coefficient {
     /// As the polynomials name it.
     pub symbol: String,
     /// Estimate.
+    #[serde(deserialize_with = "nan_if_null")]
     pub value: f64,
     /// Standard error.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error: f64,
     /// 95 % interval.
+    #[serde(deserialize_with = "nan_if_null")]
     pub interval: (f64, f64),
 }
 
 /// Why a structure was chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ChosenBy {
     /// Best fit on data it was not estimated from.
@@ -103,18 +108,21 @@ pub enum ChosenBy {
 }
 
 /// A pole or zero with its region.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Root {
     /// Real part.
+    #[serde(deserialize_with = "nan_if_null")]
     pub re: f64,
     /// Imaginary part.
+    #[serde(deserialize_with = "nan_if_null")]
     pub im: f64,
     /// Edge of the 95 % ellipse; empty where there is none, as for a root that its uncertainty carries into another.
+    #[serde(deserialize_with = "nan_if_null")]
     pub ellipse: Vec<[f64; 2]>,
 }
 
 /// A black box that was chosen, estimated from all but the held-out part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlackBox {
     /// Its structure.
     pub structure: Structure,
@@ -134,12 +142,12 @@ pub struct BlackBox {
     pub gain: Option<Parameter>,
     /// Bandwidth of its slowest mode, −ln(p)/T, where that is one real pole, rad/s.
     pub lag_rad_s: Option<f64>,
-    #[serde(skip)]
+    /// From T_d* to T_d; none where that does not settle.
     pub(super) follows: Option<Way>,
 }
 
 /// Numerator and denominator in powers of q⁻¹, the denominator's first coefficient one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Way {
     num: Vec<f64>,
     den: Vec<f64>,

@@ -1,9 +1,9 @@
 //! Recordings in which the demand moves the torque.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Mover of T_d*.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Excited {
     /// The dynamometer's own demand.

@@ -19,11 +19,12 @@ mod record;
 mod scan;
 mod visibility;
 
+use numerics::null::nan_if_null;
 use rig::estimation::EstimateError;
 use rig::experiment::Sought;
 use rig::results::{Parameter, Reason, ResidualTest, Stretch, Trace};
 use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::TorqueControls;
@@ -43,7 +44,7 @@ const MOVED: [(Excited, ControlMode); 2] =
     [(Excited::Dynamometer, ControlMode::Tn), (Excited::Engine, ControlMode::Nt)];
 
 /// Findings of recordings on the torque control.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelComparison {
     /// One entry a recording that was used: at most one that the dynamometer moved and one that the engine moved.
     pub recordings: Vec<ComparedRecording>,
@@ -59,7 +60,7 @@ pub struct ModelComparison {
 }
 
 /// Findings of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ComparedRecording {
     /// Mover of T_d*.
     pub excited: Excited,
@@ -68,12 +69,14 @@ pub struct ComparedRecording {
     /// The experiment's label.
     pub label: ExperimentLabel,
     /// Sample time of T_d,calc, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// Stretch that the chosen models are estimated from.
     pub estimation: Stretch,
     /// Stretch that all models are judged by.
     pub held_out: Stretch,
     /// Frequencies of the ripple that was taken out, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub ripple_hz: Vec<f64>,
     /// Delay alone, τ.
     pub pure_delay: Parameter,
@@ -86,10 +89,13 @@ pub struct ComparedRecording {
     /// Test for more than delay and lag; none where no lag was found, or no fit beyond it.
     pub second_order: Option<SecondOrderTest>,
     /// Root mean square of what the bar leaves of the held-out part, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bar_rms_nm: f64,
     /// The bar's fit there, %.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bar_fit_percent: f64,
     /// The bar's fit on the part that orders are chosen by, %.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bar_choice_percent: f64,
     /// All structures that the data determine.
     pub scanned: Vec<Scanned>,
@@ -98,7 +104,7 @@ pub struct ComparedRecording {
 }
 
 /// A model that is judged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Model {
     /// T_d*, a time ago.
@@ -113,7 +119,7 @@ pub enum Model {
 }
 
 /// A model against the bar.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Its errors are smaller.
@@ -127,7 +133,7 @@ pub enum Verdict {
 }
 
 /// A model on the held-out part of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
     /// The model.
     pub model: Model,
@@ -151,7 +157,7 @@ pub struct Judgement {
 
 /// The beginning of the held-out part of a recording, as it was and as models have it: the bar, delay and lag, and of
 /// the black boxes of each recording that which errs least there.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
     /// Mover of T_d*.
     pub judged_on: Excited,

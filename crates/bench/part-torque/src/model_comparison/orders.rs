@@ -1,6 +1,6 @@
 //! The orders that black boxes are tried with.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Which orders are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ impl Default for OrdersTried {
 }
 
 /// Input of a black box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Input {
     /// T_d*, as in (6.8).

@@ -1,20 +1,25 @@
 //! Test that one model's errors are smaller than another's on the same samples.
 
 use ident::distributions::f_tail;
-use serde::Serialize;
+use numerics::null::{infinite_if_null, nan_if_null};
+use serde::{Deserialize, Serialize};
 
 use crate::torque_control::batches;
 
 /// A test of squared errors in pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairedTest {
     /// Mean of the bar's squared error less the model's, Nm²: positive where the model is better.
+    #[serde(deserialize_with = "nan_if_null")]
     pub difference_nm2: f64,
     /// Its standard error, Nm².
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_error_nm2: f64,
     /// Degrees of freedom of Student's t.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub degrees_of_freedom: f64,
     /// Probability of a difference as large as this, either way, where there is none.
+    #[serde(deserialize_with = "nan_if_null")]
     pub p_value: f64,
 }
 

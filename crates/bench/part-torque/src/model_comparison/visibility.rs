@@ -3,8 +3,9 @@
 use std::ops::RangeInclusive;
 
 use ident::distributions::normal_quantile;
+use numerics::null::{infinite_if_null, nan_if_null};
 use rig::random::Source;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 use super::record::{Record, rms};
@@ -32,18 +33,23 @@ const STEPS: usize = 7;
 const SEED: u64 = 1;
 
 /// Power of recordings of other rates and demands to show more than delay and lag.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Visibility {
     /// Delay and lag that it is computed at, s and rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub control: (f64, f64),
     /// Standard deviation of the demand, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub demand_nm: f64,
     /// Standard deviation of what is left of each sample of T_d,calc, Nm. It is taken as white and as large at every
     /// rate.
+    #[serde(deserialize_with = "nan_if_null")]
     pub noise_nm: f64,
     /// Length of the recording, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub recording_s: f64,
     /// κ of the loop to be separated from a lag.
+    #[serde(deserialize_with = "nan_if_null")]
     pub term: f64,
     /// One entry a rate and hold.
     pub cases: Vec<VisibilityCase>,
@@ -51,23 +57,31 @@ pub struct Visibility {
 
 /// Power of a recording of one rate and one hold. Errors shrink with the root of the recording's length, and with the
 /// demand's standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VisibilityCase {
     /// Rate of T_d,calc, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub rate_hz: f64,
     /// For how long a demand is held, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub hold_s: f64,
     /// Standard error of τ beside a, s.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub delay_s: f64,
     /// Standard error of a beside τ, rad/s.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub lag_rad_s: f64,
     /// Standard error of κ beside both, for the loop of second order.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub term: f64,
     /// Shortest recording in which that loop is separated from a lag, s.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub needed_s: f64,
     /// Standard deviation of the demand with which it is found in the recording looked at, Nm.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub needed_nm: f64,
     /// Least κ that is separated from a lag in the recording looked at; infinite where 2 is not.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub least_term: f64,
 }
 

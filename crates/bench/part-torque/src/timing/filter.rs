@@ -1,6 +1,7 @@
 //! The filter inside the automation system's own shaft torque: of what past speeds its acceleration is made.
 
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use signal::resample::{Interpolation, interpolate_at};
 use signal::{Signal, SignalError};
 
@@ -24,7 +25,7 @@ const EXPLAINED: f64 = 0.3;
 const DECIDED: f64 = 5.0;
 
 /// Filter of the system before, or after, it differentiates the speed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Filter {
     /// The mean of the last samples.
@@ -35,6 +36,7 @@ pub enum Filter {
     /// A first-order lag.
     Lag {
         /// Time constant, s.
+        #[serde(deserialize_with = "nan_if_null")]
         time_constant_s: f64,
     },
     /// A delay and nothing else.
@@ -42,7 +44,7 @@ pub enum Filter {
 }
 
 /// How the system differentiates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Difference {
     /// (N_k − N_{k−1})/T, half a sample late.
@@ -52,25 +54,29 @@ pub enum Difference {
 }
 
 /// A filter with what it leaves unexplained.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FilterCandidate {
     /// The filter.
     pub filter: Filter,
     /// The difference quotient that goes best with it.
     pub difference: Difference,
     /// Delay of the filter alone, s: (N − 1)/2 samples of a moving average, the time constant of a lag.
+    #[serde(deserialize_with = "nan_if_null")]
     pub filter_delay_s: f64,
     /// Delay of the acceleration in all, on the clocks as recorded: with the difference quotient and further samples,
     /// s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// J_d in T_d,shaft,calc = T_d,calc + J_d·filtered dω_d/dt, kg m².
+    #[serde(deserialize_with = "nan_if_null")]
     pub inertia_kg_m2: f64,
     /// Standard deviation of what is left, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub residual_nm: f64,
 }
 
 /// The filter that reproduces T_d,shaft,calc, and others that do it less well.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShaftFilter {
     /// The best.
     pub best: FilterCandidate,
@@ -78,8 +84,10 @@ pub struct ShaftFilter {
     /// the speed as the best is not among them.
     pub others: Vec<FilterCandidate>,
     /// ln of how much likelier the best is than the second, as if what is left were white, and no less than rounding.
+    #[serde(deserialize_with = "nan_if_null")]
     pub log_likelihood_ahead: f64,
     /// Standard deviation of T_d,shaft,calc − T_d,calc, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub spread_nm: f64,
 }
 

@@ -24,7 +24,7 @@ use rig::estimation::{ESTIMATION_SHARE, EstimateError, liveliest_part, timing_fl
 use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
@@ -69,7 +69,7 @@ const GAIN_LEVEL: f64 = 0.99;
 const GAIN_MATTERS: f64 = 0.005;
 
 /// The estimate of the torque control and the model made of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TorqueControlFit {
     /// Parameters and validation.
     pub result: TorqueControl,

@@ -4,7 +4,8 @@ use bench_model::drive_ripple::{DriveRipple, RippleLine};
 use faer::Mat;
 use ident::validate::ResidualTest;
 use ident::{Bounds, Dataset, IdentError};
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use signal::spectrum::fft_real;
 use signal::{Complex64, Signal};
 
@@ -22,11 +23,13 @@ pub(super) const LEVEL: f64 = 0.99;
 const DRIFT_HZ: f64 = 0.5;
 
 /// Residuals of a model of T_d,calc.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStatistics {
     /// Standard deviation, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_deviation_nm: f64,
     /// Sample time, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// True where the residuals pass Ljung and Box's test of whiteness at 99 % over lags 1 to 25.
     pub white: bool,
@@ -37,11 +40,13 @@ pub struct ResidualStatistics {
 /// T_d* is held between its samples and limited to the torque limit; φ_l = 2πf_l(t − t_ref). The model is exact at
 /// every instant, not only at those of T_d,calc. The ripple holds for one recording only, since its phase is arbitrary:
 /// see [`AirGapTorqueModel::refit_ripple`]. Lines beyond half the sample rate of T_d,calc appear at their alias.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AirGapTorqueModel {
     /// τ, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// a, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lag_rad_s: f64,
     /// Offset and ripple.
     #[serde(flatten)]

@@ -9,7 +9,8 @@ use std::ops::RangeInclusive;
 use faer::Mat;
 use ident::distributions::f_tail;
 use ident::{Bounds, IdentError, Minimum, least_squares};
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 use signal::Complex64;
 
 use super::held::{HeldDemand, Mode};
@@ -102,17 +103,22 @@ impl Response for DelayAndSecondOrder<'_> {
 }
 
 /// Test of a recording for more than delay and lag.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SecondOrderTest {
     /// τ of the fit with κ, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// a of the fit with κ, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lag_rad_s: f64,
     /// κ, between 0.01 and 2.
+    #[serde(deserialize_with = "nan_if_null")]
     pub term: f64,
     /// Probability that noise makes κ explain as much more as it does where the torque control is a delay and a lag.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lag_p_value: f64,
     /// The same where it is critically damped, κ = 1/4.
+    #[serde(deserialize_with = "nan_if_null")]
     pub damped_p_value: f64,
     /// True where the residuals of the fit with κ are white, for which the probabilities hold.
     pub white: bool,

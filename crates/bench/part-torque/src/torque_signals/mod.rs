@@ -10,9 +10,9 @@ use part_controller::SpeedControllers;
 use part_controller::speed_controller::SpeedControllerFit;
 use rig::experiment::{Excitation, Sought};
 use rig::prepare::believable;
-use rig::results::{Outcome, Parameter, Reason, SignalDelay, write_found, write_if_sought};
+use rig::results::{Outcome, Parameter, Reason, SignalDelay, read_found, read_if_sought, write_found, write_if_sought};
 use rig::{BenchFile, Experiment, ExperimentLabel, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::TorqueControls;
@@ -23,7 +23,7 @@ pub use shaft::{OnceATurn, RebuiltShaft};
 pub use trust::{Trust, TrustCheck};
 
 /// Findings of recordings on the torque signals.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TorqueSignals {
     /// One entry a recording.
     pub recordings: Vec<TorqueRecording>,
@@ -32,20 +32,20 @@ pub struct TorqueSignals {
 }
 
 /// Findings of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TorqueRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
     pub label: ExperimentLabel,
     /// Delays of its torque signals.
-    #[serde(serialize_with = "write_found")]
+    #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
     pub delays: Outcome<Vec<SignalDelay>>,
     /// The filter in T_d,shaft,calc; `None` where that was not recorded.
-    #[serde(serialize_with = "write_if_sought")]
+    #[serde(serialize_with = "write_if_sought", deserialize_with = "read_if_sought")]
     pub filter: Option<Outcome<ShaftFilter>>,
     /// The shaft torque; `None` without a shaft.
-    #[serde(serialize_with = "write_if_sought")]
+    #[serde(serialize_with = "write_if_sought", deserialize_with = "read_if_sought")]
     pub shaft: Option<Outcome<RebuiltShaft>>,
 }
 

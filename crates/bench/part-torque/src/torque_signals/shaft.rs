@@ -3,12 +3,13 @@
 
 use faer::Mat;
 use ident::IdentError;
+use numerics::null::nan_if_null;
 use part_controller::speed_controller::Encoder;
 use rig::estimation::{EstimateError, noise_floor};
 use rig::facts::Engine;
 use rig::results::Trace;
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 
@@ -32,19 +33,25 @@ const IMPULSE_S: f64 = 0.2;
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
 
 /// The shaft torque of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RebuiltShaft {
     /// Instant of the first value, s of the clock of N_d.
+    #[serde(deserialize_with = "nan_if_null")]
     pub start_s: f64,
     /// Time between values, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub sample_time_s: f64,
     /// By the smoother, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub smoothed_nm: Vec<f64>,
     /// Its standard deviation, Nm. Where the two routes differ by more than their noise, it holds the difference.
+    #[serde(deserialize_with = "nan_if_null")]
     pub standard_deviation_nm: Vec<f64>,
     /// By how much the two routes differ beyond their noise, root mean square, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub routes_apart_nm: f64,
     /// By the filter without phase shift, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub zero_phase_nm: Vec<f64>,
     /// The system's own T_d,shaft,calc as it was recorded, where it was.
     pub system: Option<Trace>,
@@ -58,7 +65,7 @@ pub struct RebuiltShaft {
 
 /// Effect of the once-a-turn error of the dynamometer's encoder on the shaft torque. Once a turn it cannot be separated
 /// from a motion, unless a speed controller that reads another speed answers the motion alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OnceATurn {
     /// Known from the speed controller and taken out of N_d: its amplitude as a torque, Nm.

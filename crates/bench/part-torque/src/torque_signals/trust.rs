@@ -2,9 +2,10 @@
 
 use faer::Mat;
 use ident::{IdentError, least_squares};
+use numerics::null::nan_if_null;
 use rig::results::{Parameter, Quantity};
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 /// Length of the blocks whose means are compared, s.
@@ -28,7 +29,7 @@ const TOLERATED_OFFSET_NM: f64 = 1.0;
 
 /// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how
 /// much T_d,calc rises from end to end over the length: what a load cell that is late by τ has not seen yet.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrustCheck {
     /// o at T̄.
     pub offset: Parameter,
@@ -39,17 +40,20 @@ pub struct TrustCheck {
     /// d within a recording; none where none lasts long enough.
     pub drift: Option<Parameter>,
     /// T̄, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub middle_nm: f64,
     /// Lowest and highest mean torque seen, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torques_nm: (f64, f64),
     /// The means compared: T_d,meas, and T_d,calc less it, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub blocks: Vec<(f64, f64)>,
     /// Verdict of the check.
     pub verdict: Trust,
 }
 
 /// Trust in T_d,calc at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {
     /// Its error is within 1 % and 1 Nm, and the data are sharp enough to say so.

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 use faer::Mat;
 use ident::smoothing::likeliest;
 use ident::{Bounds, IdentError};
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 use super::TorqueSmoother;
 use super::states::{DAMPING, Levels, TORQUE, WANDERING};
@@ -29,22 +30,28 @@ const LARGEST_CORRELATION: f64 = 0.98;
 const LARGEST: f64 = 30.0;
 
 /// The noise levels of greatest likelihood.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NoiseLevels {
     /// Standard deviation of a sample of each speed, rad/s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub speeds_rad_s: Vec<f64>,
     /// Spectral density of the error of T_d, Nm/√Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub torque_nm_per_root_hz: f64,
     /// Spectral density of the noise in the second derivative of the torque, Nm/s²/√Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub wandering_nm_s2_per_root_hz: f64,
     /// Firing frequency and multiples, Hz, with the amplitude that the model expects, Nm.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lines: Vec<(f64, f64)>,
     /// True where the search reached a maximum.
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
+    #[serde(deserialize_with = "nan_if_null")]
     pub innovations_correlation: Vec<f64>,
     /// By what the smoother's standard deviations are multiplied, √((1 + ρ)/(1 − ρ)) with ρ the largest positive of
     /// these correlations: one or more.
+    #[serde(deserialize_with = "nan_if_null")]
     pub widening: f64,
 }
 

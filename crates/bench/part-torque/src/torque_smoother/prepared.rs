@@ -4,7 +4,7 @@ use bench_model::replay::{EncoderError, encoder_error};
 use part_controller::speed_controller::Encoder;
 use rig::estimation::EstimateError;
 use rig::{Experiment, Role};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 use crate::air_gap_torque::model_of;
@@ -12,7 +12,7 @@ use crate::torque_control::TorqueControlFit;
 use crate::torque_smoother::needed::{WITHIN, needed};
 
 /// Where T_d comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueSource {
     /// T_d* through the torque control that was estimated, with the ripple of this recording.

@@ -59,7 +59,7 @@ impl Serialize for ExperimentLabel {
 
 impl<'de> Deserialize<'de> for ExperimentLabel {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+        Self::from_written(&String::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 
@@ -83,6 +83,18 @@ impl FromStr for ExperimentLabel {
 }
 
 impl ExperimentLabel {
+    /// The label that is written so: all before the last two words is the test's name, whatever its characters. A text
+    /// of another form is searched for a label.
+    fn from_written(text: &str) -> Result<Self, LabelError> {
+        let mut words = text.rsplitn(3, '_');
+        let (mode, excitation, test) = (words.next(), words.next(), words.next());
+        let whole = test.filter(|test| !test.is_empty()).and_then(|test| {
+            let (excitation, mode) = (excitation.and_then(excitation_of)?, mode.and_then(mode_of)?);
+            Some(ExperimentLabel { test: Test::from(test), excitation, mode })
+        });
+        whole.map_or_else(|| text.parse(), Ok)
+    }
+
     /// Engine torque switched between two ignition angles.
     pub const BS_T_NT: Self = Self::new(Test::Bs, Excitation::Torque, ControlMode::Nt);
     /// Many levels and slopes of the speed.
@@ -109,18 +121,25 @@ impl ExperimentLabel {
     }
 }
 
+fn excitation_of(word: &str) -> Option<Excitation> {
+    match word {
+        "T" => Some(Excitation::Torque),
+        "N" => Some(Excitation::Speed),
+        _ => None,
+    }
+}
+
+fn mode_of(word: &str) -> Option<ControlMode> {
+    match word {
+        "NT" => Some(ControlMode::Nt),
+        "TN" => Some(ControlMode::Tn),
+        _ => None,
+    }
+}
+
 fn label_from_words(words: &[&str]) -> Option<ExperimentLabel> {
     let [test, excitation, mode] = words else { return None };
-    let excitation = match *excitation {
-        "T" => Excitation::Torque,
-        "N" => Excitation::Speed,
-        _ => return None,
-    };
-    let mode = match *mode {
-        "NT" => ControlMode::Nt,
-        "TN" => ControlMode::Tn,
-        _ => return None,
-    };
+    let (excitation, mode) = (excitation_of(excitation)?, mode_of(mode)?);
     test.starts_with(|c: char| c.is_ascii_alphabetic()).then(|| ExperimentLabel {
         test: Test::from(*test),
         excitation,

@@ -4,8 +4,7 @@ mod notation;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use notation::ReadNotation;
-pub use notation::{Notation, read_notation, read_symbol, write_notation, write_symbol};
+pub use notation::{Notation, ReadNotation, read_notation, read_symbol, write_notation, write_quantity, write_symbol};
 
 /// A quantity that is estimated or computed from estimates, in SI.
 ///

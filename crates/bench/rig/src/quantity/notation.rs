@@ -1,10 +1,12 @@
 //! How people write a quantity: symbol, name and unit. Everything inside is SI; this table is used where numbers leave
 //! the program, in reports and in JSON.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::fmt;
 
 use serde::de::Error;
+use serde::ser::SerializeStruct;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use units::RPM_RAD_S;
 
@@ -122,11 +124,6 @@ impl Quantity {
         Quantity::PhaseMargin,
     ];
 
-    /// The quantity that is written so, by symbol and name.
-    fn written_as(symbol: &str, name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|quantity| quantity.symbol() == symbol && quantity.name() == name)
-    }
-
     /// How people write it.
     #[must_use]
     pub const fn notation(self) -> Notation {
@@ -240,35 +237,49 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Serialises a quantity as symbol, name and unit.
+/// A quantity as a document has it: its key, by which it is read, and what people read.
+#[derive(Serialize)]
+struct WrittenQuantity {
+    key: Quantity,
+    #[serde(flatten)]
+    notation: Notation,
+}
+
+/// Serialises a quantity as key, symbol, name and unit.
 ///
 /// # Errors
 /// Those of the serialiser.
 pub fn write_notation<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
-    quantity.notation().serialize(serializer)
+    WrittenQuantity { key: *quantity, notation: quantity.notation() }.serialize(serializer)
 }
 
-/// Serialises a quantity as its symbol.
-///
-/// # Errors
-/// Those of the serialiser.
-pub fn write_symbol<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(quantity.symbol())
-}
-
-/// Symbol and name of a quantity, as a document has them.
+/// Key, symbol and name of a quantity, as a document has them. Documents of earlier versions have no key.
 #[derive(Deserialize)]
-pub(crate) struct ReadNotation {
+pub struct ReadNotation {
+    key: Option<Quantity>,
     symbol: String,
     name: String,
 }
 
 impl ReadNotation {
     /// The quantity, or what is wrong.
-    pub(crate) fn quantity(&self) -> Result<Quantity, String> {
+    ///
+    /// # Errors
+    /// That no quantity has this symbol and name, or that the key is another one's.
+    pub fn quantity(&self) -> Result<Quantity, String> {
         let unknown = || format!("`{}`, “{}”, is no quantity that is known here", self.symbol, self.name);
-        Quantity::written_as(&self.symbol, &self.name).ok_or_else(unknown)
+        let written = || Quantity::ALL.into_iter().find(|one| one.symbol() == self.symbol && one.name() == self.name);
+        match self.key {
+            Some(key) => with_symbol(key, &self.symbol),
+            None => written().ok_or_else(unknown),
+        }
     }
+}
+
+/// The quantity of a key, if the symbol beside the key is its own.
+fn with_symbol(key: Quantity, symbol: &str) -> Result<Quantity, String> {
+    let other = || format!("`{symbol}` is not the symbol of the {}, which is `{}`", key.name(), key.symbol());
+    (key.symbol() == symbol).then_some(key).ok_or_else(other)
 }
 
 /// Reads what [`write_notation`] wrote.
@@ -279,12 +290,52 @@ pub fn read_notation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Quant
     ReadNotation::deserialize(deserializer)?.quantity().map_err(D::Error::custom)
 }
 
-/// Reads what [`write_symbol`] wrote. A symbol that several quantities have is read as the first of [`Quantity::ALL`].
+/// A quantity as findings have it.
+#[derive(Serialize, Deserialize)]
+struct Symbol<'a> {
+    #[serde(alias = "quantity")]
+    symbol: Cow<'a, str>,
+    key: Option<Quantity>,
+}
+
+impl Symbol<'_> {
+    /// The quantity; one without a key is known by its symbol, unless several have that.
+    fn quantity(&self) -> Result<Quantity, String> {
+        if let Some(key) = self.key {
+            return with_symbol(key, &self.symbol);
+        }
+        let mut all = Quantity::ALL.into_iter().filter(|quantity| quantity.symbol() == self.symbol);
+        match (all.next(), all.next()) {
+            (Some(only), None) => Ok(only),
+            (Some(_), Some(_)) => Err(format!("several quantities have the symbol `{}`", self.symbol)),
+            (None, _) => Err(format!("`{}` is the symbol of no quantity that is known here", self.symbol)),
+        }
+    }
+}
+
+/// Serialises a quantity as `symbol` and `key`; the symbol alone may be that of several quantities.
 ///
 /// # Errors
-/// Those of the deserialiser, and that the symbol is unknown.
+/// Those of the serialiser.
+pub fn write_symbol<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
+    Symbol { symbol: quantity.symbol().into(), key: Some(*quantity) }.serialize(serializer)
+}
+
+/// Serialises a quantity as `quantity`, which is its symbol, and `key`.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_quantity<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut fields = serializer.serialize_struct("Quantity", 2)?;
+    fields.serialize_field("quantity", quantity.symbol())?;
+    fields.serialize_field("key", quantity)?;
+    fields.end()
+}
+
+/// Reads what [`write_symbol`] and [`write_quantity`] wrote.
+///
+/// # Errors
+/// Those of the deserialiser, and that the quantity is unknown or one of several.
 pub fn read_symbol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Quantity, D::Error> {
-    let symbol = String::deserialize(deserializer)?;
-    let found = Quantity::ALL.into_iter().find(|quantity| quantity.symbol() == symbol);
-    found.ok_or_else(|| D::Error::custom(format!("`{symbol}` is the symbol of no quantity that is known here")))
+    Symbol::deserialize(deserializer)?.quantity().map_err(D::Error::custom)
 }

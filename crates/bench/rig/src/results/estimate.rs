@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::{infinite_if_null, nan_if_null, unscaled};
+use numerics::null::{infinite_if_null, nan_if_null};
+
+use crate::numbers::unscaled;
 use crate::quantity::{Notation, Quantity, ReadNotation};
 
 /// One estimated number, in SI.
@@ -69,6 +71,8 @@ impl Estimate {
 /// A parameter as people read it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WrittenParameter {
+    /// The quantity, by which the parameter is read again.
+    pub key: Quantity,
     /// Symbol, name and unit.
     #[serde(flatten)]
     pub notation: Notation,
@@ -99,6 +103,7 @@ impl Parameter {
     fn scaled(&self, notation: Notation) -> WrittenParameter {
         let scale = notation.per_si;
         WrittenParameter {
+            key: self.quantity,
             notation,
             value: scale * self.value,
             standard_error: scale * self.standard_error,

@@ -1,5 +1,10 @@
 //! A result, or why there is none.
 
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Error, IgnoredAny, MapAccess, Visitor};
+use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::part::Part;
@@ -51,7 +56,7 @@ impl<T> Outcome<T> {
 
     /// The form of single analyses, with what `written` makes of the estimate.
     pub fn written_as<'a, U>(&'a self, written: impl FnOnce(&'a T) -> U) -> Found<'a, U> {
-        self.as_ref().map_or_else(|needs| Found::NotEstimated(needs.first()), |value| Found::Found(written(value)))
+        self.as_ref().map_or_else(|needs| Found::NotEstimated(needs), |value| Found::Found(written(value)))
     }
 
     /// Why there is no estimate; empty if there is one.
@@ -158,6 +163,19 @@ pub enum Reason {
         #[serde(rename = "reason")]
         error: InWords<EstimateError>,
     },
+    /// An analysis fails, for a reason of its own.
+    Analysis {
+        /// The reason, in words.
+        #[serde(rename = "reason")]
+        words: String,
+    },
+}
+
+impl Reason {
+    /// The reason of an analysis that fails.
+    pub fn of_analysis(error: impl fmt::Display) -> Self {
+        Reason::Analysis { words: error.to_string() }
+    }
 }
 
 impl From<EstimateError> for Reason {
@@ -210,14 +228,60 @@ pub fn read_status<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer:
     })
 }
 
-/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason and, where
+/// there are several, all of them as `needs`.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Found<'a, T> {
     /// The estimate, or what is written of it.
     Found(T),
     /// Why there is none.
-    NotEstimated(Option<&'a Reason>),
+    NotEstimated(&'a [Reason]),
+}
+
+impl<T: Serialize> Serialize for Found<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_map(None)?;
+        match self {
+            Found::Found(value) => fields.serialize_entry("found", value)?,
+            Found::NotEstimated(needs) => {
+                fields.serialize_entry("not_estimated", &needs.first())?;
+                if needs.len() > 1 {
+                    fields.serialize_entry("needs", needs)?;
+                }
+            }
+        }
+        fields.end()
+    }
+}
+
+/// Reads that form field by field, so that an error keeps its place in the document.
+struct FoundVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for FoundVisitor<T> {
+    type Value = Outcome<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object with `found` or `not_estimated`")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Self::Value, A::Error> {
+        let (mut found, mut first, mut needs) = (None, None::<Option<Reason>>, None::<Vec<Reason>>);
+        while let Some(name) = fields.next_key::<String>()? {
+            match name.as_str() {
+                "found" => found = Some(fields.next_value()?),
+                "not_estimated" => first = Some(fields.next_value()?),
+                "needs" => needs = Some(fields.next_value()?),
+                _ => drop(fields.next_value::<IgnoredAny>()?),
+            }
+        }
+        match (found, first) {
+            (Some(value), _) => Ok(Outcome::Estimated(value)),
+            (None, Some(first)) => {
+                Ok(Outcome::NotEstimated { needs: needs.unwrap_or_else(|| first.into_iter().collect()) })
+            }
+            (None, None) => Err(A::Error::missing_field("found")),
+        }
+    }
 }
 
 /// Serialises an outcome as [`Found`].
@@ -237,4 +301,27 @@ pub fn write_if_sought<T: Serialize, S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     outcome.as_ref().map(Outcome::written).serialize(serializer)
+}
+
+/// Reads what [`write_found`] wrote.
+///
+/// # Errors
+/// Those of the deserialiser.
+pub fn read_found<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Outcome<T>, D::Error> {
+    deserializer.deserialize_map(FoundVisitor(PhantomData))
+}
+
+/// An outcome in the form of single analyses.
+#[derive(Deserialize)]
+#[serde(transparent, bound = "T: Deserialize<'de>")]
+struct Sought<T>(#[serde(deserialize_with = "read_found")] Outcome<T>);
+
+/// Reads what [`write_if_sought`] wrote.
+///
+/// # Errors
+/// Those of the deserialiser.
+pub fn read_if_sought<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<Outcome<T>>, D::Error> {
+    Ok(Option::<Sought<T>>::deserialize(deserializer)?.map(|sought| sought.0))
 }

@@ -4,7 +4,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::estimate::{Estimate, Parameter, Stretch};
 use super::validation::Validation;
-use crate::numbers::{nan_if_null, unscaled};
+use numerics::null::nan_if_null;
+
+use crate::numbers::unscaled;
 use crate::quantity::Quantity;
 use crate::role::Role;
 
@@ -44,6 +46,7 @@ pub struct DelayRoute {
     #[serde(deserialize_with = "nan_if_null")]
     pub delay_s: f64,
     /// 95 % interval, s; `None` where the recording is too short.
+    #[serde(deserialize_with = "nan_if_null")]
     pub interval_s: Option<(f64, f64)>,
     /// How far the route may be off by what it is, s: what of the signal's dynamics it takes for delay.
     #[serde(deserialize_with = "nan_if_null")]
@@ -190,18 +193,19 @@ pub struct Shaft {
     /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the
     /// recording in torque control that they are from, and the estimate.
     pub inertias: Option<(String, Estimate)>,
-    /// Errors of K and B that come from prior knowledge; no document holds them.
-    #[serde(skip)]
+    /// Errors of K and B that come from prior knowledge. Documents of earlier versions do not hold them.
+    #[serde(default)]
     pub shared_errors: Vec<SharedError>,
 }
 
 /// Errors of K and B that come from the error of one thing known beforehand. It is the same thing in every recording of
 /// a bench, so more recordings do not make its error smaller.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SharedError {
     /// Quantity known beforehand.
     pub known: Quantity,
     /// The errors of K and B if it is wrong by one standard uncertainty, Nm/rad and Nm s/rad.
+    #[serde(deserialize_with = "nan_if_null")]
     pub of_shaft: [f64; 2],
 }
 

@@ -5,7 +5,7 @@ use serde::ser::SerializeStruct;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::estimate::Stretch;
-use crate::numbers::nan_if_null;
+use numerics::null::nan_if_null;
 
 /// A uniformly sampled curve for plots, in the unit people use.
 ///
@@ -39,8 +39,9 @@ struct ReadTrace {
     samples: usize,
 }
 
-/// Samples beyond which a trace is taken as damaged: 28 hours at 100 Hz.
-const MOST_SAMPLES: usize = 10_000_000;
+/// Samples beyond which a trace is taken as damaged: 28 hours at 1 kHz. Its values take memory before the table is read,
+/// so a damaged number must not ask for more than a machine has.
+const MOST_SAMPLES: usize = 100_000_000;
 
 impl<'de> Deserialize<'de> for Trace {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -13,3 +13,4 @@ mod prepare;
 mod recorded;
 mod results;
 mod stretch;
+mod written;

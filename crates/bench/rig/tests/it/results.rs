@@ -38,7 +38,8 @@ fn exact_json_has_the_units_people_read() {
     near(&json["covariance"][0][1], 1e-6 * RPM_RAD_S);
     near(&json["covariance"][1][1], 1e-10);
     let keys: Vec<&String> = gain.as_object().unwrap().keys().collect();
-    assert_eq!(keys.len(), 7, "{keys:?}");
+    assert_eq!(keys.len(), 8, "{keys:?}");
+    assert_eq!(gain["key"], "proportional_gain");
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
         .recordings
         .iter()
         .find(|recording| recording.label.as_ref().is_some_and(ExperimentLabel::is_without_shaft));
-    match (analyses.map(|found| &found.friction), without_shaft) {
+    match (analyses.map(|found| found.friction.as_ref()), without_shaft) {
         (Some(Ok(found)), _) => {
             let Some(middle) = found.curve.get(found.curve.len() / 2) else { return unknown(Why::SpeedsShowNone) };
             let (torque_nm, half_width_nm) = (middle.torque_nm, middle.half_width_nm);
@@ -47,7 +47,7 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
             let why = Why::ShaftOff { files, is_small: half_width_nm >= torque_nm.abs() };
             Known::new(Subject::Friction, Grade::of_width(width, WIDTHS), value, vec![why])
         }
-        (Some(Err(why)), _) => unknown(Why::NoFriction(why.clone().into())),
+        (Some(Err(why)), _) => unknown(Why::NoFriction(why.to_vec())),
         (None, Some(recording)) => {
             Known { value: Value::NotSought, ..unknown(Why::FrictionIn(recording.file.clone())) }
         }

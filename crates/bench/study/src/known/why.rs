@@ -3,11 +3,10 @@
 use bench_model::model::ModelParameter;
 use part_controller::speed_controller::Term;
 use part_engine::Certainty;
-use part_friction::FrictionError;
 use part_torque::torque_control::SecondOrderTest;
 use rig::facts::BenchVariant;
 use rig::results::{Parameter, Reason};
-use rig::{ExperimentLabel, InWords, Role};
+use rig::{ExperimentLabel, Role};
 use serde::Serialize;
 
 /// One reason why something is known as well as it is.
@@ -141,7 +140,7 @@ pub enum Why {
     /// The recorded speeds do not show friction.
     SpeedsShowNone,
     /// Friction cannot be estimated.
-    NoFriction(InWords<FrictionError>),
+    NoFriction(Vec<Reason>),
     /// Friction was not sought; this recording shows it.
     FrictionIn(String),
     /// With the shaft on, friction cannot be separated from engine torque.

@@ -21,7 +21,7 @@ fn uncertainty(degrees_of_freedom: f64) -> ModelUncertainty {
     ModelUncertainty::new(&[shaft, controller]).unwrap()
 }
 
-fn document(model: BenchModel, recording: &str) -> BenchModelDocument {
+pub(crate) fn document(model: BenchModel, recording: &str) -> BenchModelDocument {
     let facts = BenchFacts {
         name: "Test cell 4".into(),
         variant: BenchVariant::LoadCell,

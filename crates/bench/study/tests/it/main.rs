@@ -9,6 +9,7 @@ mod drawn_benches;
 mod next_experiment;
 mod recorded_bench;
 mod recorded_benches;
+mod results;
 mod shaft_benches;
 mod shaft_terms;
 mod study;

@@ -5,7 +5,6 @@ use part_controller::noise_test::{Case, Estimator, NoiseTest, Summary};
 use part_controller::speed_controller::{
     Controller, ControllerRecording, FeedForwardTerms, Round, SpeedControl, TermTest,
 };
-use rig::estimation::EstimateError;
 use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use units::RPM_RAD_S;
 
@@ -14,16 +13,16 @@ use crate::blocks::{figures, heading, no_result, of_recording, parameters, plain
 use crate::wording::{self, number};
 
 /// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
-pub(crate) fn analysis(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
+pub(crate) fn analysis(found: &SpeedControl, study: Option<&Outcome<NoiseTest>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));
     if !found.controllers.is_empty() {
         all.push(heading("Limit of T_d*"));
         words::limits(found).iter().for_each(|text| all.push(sentence(text)));
     }
-    match study {
+    match study.map(Outcome::as_ref) {
         Some(Ok(study)) => all.push(pi_study(study)),
-        Some(Err(error)) => all.push(no_result("What noise does to a known PI", &error.to_string())),
+        Some(Err(why)) => all.push(no_result("What noise does to a known PI", &wording::reasons(why))),
         None => {}
     }
     all

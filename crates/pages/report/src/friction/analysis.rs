@@ -1,18 +1,19 @@
 //! Friction and inertia of the dynamometer.
 
 use page::Blocks;
-use part_friction::{Friction, FrictionError, Inertia};
+use part_friction::{Friction, Inertia};
 use rig::facts::{BenchFacts, StatedInertia};
+use rig::results::Outcome;
 
 use super::words;
 use crate::blocks::{figures, no_result, parameters, plain_table, sentence};
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// The section on friction.
-pub(crate) fn analysis(found: &Result<Friction, FrictionError>, bench: &BenchFacts) -> Blocks {
-    let found = match found {
+pub(crate) fn analysis(found: &Outcome<Friction>, bench: &BenchFacts) -> Blocks {
+    let found = match found.as_ref() {
         Ok(found) => found,
-        Err(why) => return no_result("Friction and inertia of the dynamometer are not known", &why.to_string()),
+        Err(why) => return no_result("Friction and inertia of the dynamometer are not known", &wording::reasons(why)),
     };
     analysis_of(found, bench.dynamometer_inertia())
 }

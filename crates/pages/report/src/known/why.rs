@@ -70,7 +70,7 @@ pub(super) fn sentence(symbol: &str, why: &Why) -> String {
         Why::BesideBend { role, late } => beside_bend(*role, late),
         Why::ShaftOff { files, is_small } => shaft_off(files, *is_small),
         Why::SpeedsShowNone => "The recorded speeds do not show it.".to_owned(),
-        Why::NoFriction(error) => wording::capitalised(&format!("{error}.")),
+        Why::NoFriction(needs) => wording::capitalised(&format!("{}.", wording::reasons(needs))),
         Why::FrictionIn(file) => {
             format!("It is no part of the model; `dynoid friction` estimates it from {file}.")
         }

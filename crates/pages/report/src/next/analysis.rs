@@ -1,17 +1,18 @@
 //! Experiments to record next.
 
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
-use study::{Candidate, NextError, NextExperiments};
+use rig::results::Outcome;
+use study::{Candidate, NextExperiments};
 
 use super::words::{self, Choice};
 use crate::blocks::{no_result, sentence};
 use crate::wording::{self, number};
 
 /// The section on the next experiment.
-pub(crate) fn analysis(found: &Result<NextExperiments, NextError>) -> Blocks {
-    let found = match found {
+pub(crate) fn analysis(found: &Outcome<NextExperiments>) -> Blocks {
+    let found = match found.as_ref() {
         Ok(found) => found,
-        Err(why) => return no_result("What to record next cannot be said", &why.to_string()),
+        Err(why) => return no_result("What to record next cannot be said", &wording::reasons(why)),
     };
     analysis_of(found)
 }

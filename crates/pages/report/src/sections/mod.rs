@@ -18,7 +18,7 @@ mod whole;
 use rig::results::Part;
 use study::{Analyses, Origin, Study};
 
-use page::{Block, Blocks, Page};
+use page::{Block, Blocks, Figure, Page};
 
 use crate::{controller, engine, friction, lines, next, shaft, torque, torque_control, wording};
 
@@ -53,11 +53,17 @@ fn on_one_page(study: &Study) -> Blocks {
 fn page(study: &Study, origin: &Origin, analyses: Option<&Analyses>) -> Page {
     let section = |(id, title, content): (&str, &str, Blocks)| Block::section(id, title, content.into_vec());
     let blocks = sections(study, origin, analyses).into_iter().map(section).collect();
-    Page {
+    let page = Page {
         subtitle: identity::subtitle(study, origin),
         running_head: identity::running_head(study, origin),
         ..Page::new(identity::title(study), blocks)
-    }
+    };
+    if study.lacks_series() { page.with_remarks_for_empty_figures(&left_out) } else { page }
+}
+
+/// In place of a figure whose curves are in a table that was not read.
+fn left_out(figure: &Figure) -> String {
+    format!("The figure “{}” is left out: its curves are in the table of series beside study.json.", figure.title)
 }
 
 /// The sections in the order in which an engineer asks; those that only analyses fill are left out without them.

@@ -2,10 +2,9 @@
 
 use page::Blocks;
 use part_torque::model_comparison::{
-    BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility,
-    VisibilityCase,
+    BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, Visibility, VisibilityCase,
 };
-use rig::results::{Parameter, ResidualTest};
+use rig::results::{Outcome, Parameter, ResidualTest};
 use study::Analyses;
 
 use super::words;
@@ -13,10 +12,10 @@ use crate::blocks::{figures, heading, no_result, of_recording, plain_table, sent
 use crate::wording::{self, number};
 
 /// Models of the torque control, with the orders that a report tries.
-pub(crate) fn analysis_in_report(found: &Result<ModelComparison, ModelComparisonError>) -> Blocks {
-    let studied = match found {
+pub(crate) fn analysis_in_report(found: &Outcome<ModelComparison>) -> Blocks {
+    let studied = match found.as_ref() {
         Ok(studied) => studied,
-        Err(why) => return no_result("Models of the torque control beyond delay and lag", &why.to_string()),
+        Err(why) => return no_result("Models of the torque control beyond delay and lag", &wording::reasons(why)),
     };
     let orders = Analyses::ORDERS_TRIED;
     let mut all = sentence(&format!(

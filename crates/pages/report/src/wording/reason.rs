@@ -27,7 +27,7 @@ pub fn need(reason: &Reason) -> String {
         }
         Reason::Failed { file, error } => better(file, &error.to_string()),
         Reason::NotExplained { file } | Reason::FoldedTorque { file, .. } => better(file, &reason_of(reason)),
-        Reason::FiringsTooFast { .. } | Reason::TooFewCycles { .. } => reason_of(reason),
+        Reason::FiringsTooFast { .. } | Reason::TooFewCycles { .. } | Reason::Analysis { .. } => reason_of(reason),
     }
 }
 
@@ -105,6 +105,7 @@ pub fn reason_of(reason: &Reason) -> String {
             format!("it holds {found} whole cycles, {needed} are needed: {needed_s:.1} s")
         }
         Reason::Failed { error, .. } => error.to_string(),
+        Reason::Analysis { words } => words.clone(),
     }
 }
 

@@ -25,6 +25,7 @@ proptest! {
     #[test]
     fn prop_any_number_can_be_written(value in any::<f64>(), low in any::<f64>(), high in any::<f64>(), unit in select(vec!["s", "Nm", ""])) {
         let parameter = WrittenParameter {
+            key: Quantity::Stiffness,
             notation: Notation { unit, ..Quantity::Stiffness.notation() },
             value,
             standard_error: low,

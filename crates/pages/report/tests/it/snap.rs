@@ -122,6 +122,7 @@ fn snap_needs() {
 
 fn parameter(unit: &'static str, value: f64, below: f64, above: f64) -> String {
     let parameter = WrittenParameter {
+        key: Quantity::Stiffness,
         notation: Notation { unit, ..Quantity::Stiffness.notation() },
         value,
         standard_error: below / 1.96,

@@ -16,6 +16,7 @@ pub(crate) mod inspect;
 pub(crate) mod lines;
 mod number;
 mod overview;
+pub(crate) mod report;
 pub(crate) mod shaft;
 pub(crate) mod shell;
 mod suggest;
@@ -110,6 +111,8 @@ pub(crate) enum Command {
     Init(bench::InitArguments),
     /// Estimate and judge the whole bench, and write the report
     Study(bench::StudyArguments),
+    /// Write the report of a study.json again, without recordings
+    Report(report::ReportArguments),
     /// Study a simulated bench and compare with its known parameters
     Demo(bench::DemoArguments),
     /// Name the lines in the spectra: orders, aliases, ripple

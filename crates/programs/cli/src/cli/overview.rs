@@ -6,7 +6,7 @@ use clap::Command;
 
 /// Headings and the commands below them.
 const GROUPS: [(&str, &[&str]); 4] = [
-    ("The whole bench", &["init", "study", "can", "experiment", "export", "diff", "demo"]),
+    ("The whole bench", &["init", "study", "report", "can", "experiment", "export", "diff", "demo"]),
     (
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
@@ -35,7 +35,7 @@ pub(super) fn grouped(command: Command) -> Command {
         }
     }
     let _ = write!(page, "\n{heading}Examples:{heading:#}\n{EXAMPLES}\n");
-    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Always: --quiet, --all, --color WHEN.\n");
+    let _ = write!(page, "`dynoid help COMMAND` explains a command. Always: --quiet, --all, --color WHEN.\n");
     page.push_str(EXIT_CODES);
     command.help_template(page)
 }

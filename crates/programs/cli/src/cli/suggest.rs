@@ -6,11 +6,10 @@ use clap::Command;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
 /// Other words for a command, and its name here.
-const OTHER_WORDS: [(&str, &str); 13] = [
+const OTHER_WORDS: [(&str, &str); 12] = [
     ("experiment run", "experiment simulate"),
     ("experiment record", "experiment simulate"),
     ("run", "study"),
-    ("report", "study"),
     ("look", "lines"),
     ("campbell", "lines"),
     ("orders", "lines"),

@@ -15,6 +15,7 @@ pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod lines;
 mod rebuilt;
+pub(crate) mod report;
 mod result;
 pub(crate) mod shaft;
 pub(crate) mod shell;

@@ -34,6 +34,7 @@ mod operating_point;
 #[cfg(unix)]
 mod places;
 mod published;
+mod report;
 mod shaft;
 mod study;
 mod support;

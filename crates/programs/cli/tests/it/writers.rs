@@ -34,6 +34,7 @@ const WRITERS: &[Writer] = &[
         "study bench.toml --full --pdf --summary --out OUT",
         &["report-full.html", "report.pdf", "report-full.pdf", "summary.pdf"],
     ),
+    file("report study.json --out OUT", &["a.html", "a.pdf"]),
     folder("demo --out OUT", &["bench.toml", "effects.html", "recordings/BS_T_NT_1200.mf4"]),
     file("lines bench.toml --plot OUT", &["a.html", "a.svg", "a.png", "a.pdf"]),
     file("torque-signals bench.toml --plot OUT", &["a.html"]),
@@ -90,6 +91,7 @@ fn campaign() -> Campaign {
     let campaign = Campaign::whole();
     assert!(campaign.run(&["study", "bench.toml", "--quiet"]).code.is_some_and(|code| code < 2));
     std::fs::rename(campaign.path("study/model.json"), campaign.path("bench.json")).unwrap();
+    std::fs::rename(campaign.path("study/study.json"), campaign.path("study.json")).unwrap();
     std::fs::remove_dir_all(campaign.path("study")).unwrap();
     recorded(&campaign.path(""), "run.csv", 1, 0.2);
     let fit = "fit arx run.csv -u valve -y speed --na 2 --nb 2 --nk 1 --out arx.json --quiet";
@@ -158,7 +160,7 @@ fn regress_no_command_replaces_a_file_that_it_did_not_make() {
 #[test]
 fn regress_no_command_replaces_a_file_that_it_reads() {
     let campaign = campaign();
-    let inputs = ["bench.toml", "bench.json", "arx.json", "run.csv", "recordings/BS_T_NT_1200.mf4"];
+    let inputs = ["bench.toml", "bench.json", "study.json", "arx.json", "run.csv", "recordings/BS_T_NT_1200.mf4"];
     let contents = || inputs.map(|input| std::fs::read(campaign.path(input)).unwrap());
     let before = contents();
     for (number, writer) in WRITERS.iter().filter(|writer| !writer.folder).enumerate() {

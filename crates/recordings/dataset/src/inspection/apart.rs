@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use recording::{Channel, Recording};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::SignalView;
 use signal::clock::{check_clock, fitted_clock};
 use signal::drift::{Drift, relative_drift};
@@ -19,7 +19,7 @@ const SIGNIFICANCE: f64 = 5.0;
 const SHARE_OF_SAMPLE_TIME: f64 = 0.05;
 
 /// A clock that runs apart from that of another raster.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Apart {
     /// The other raster.
     pub raster: usize,

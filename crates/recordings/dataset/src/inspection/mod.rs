@@ -7,14 +7,14 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use recording::{Catalogue, Channel, ChannelInfo, Event, Extras, Quantity, Raster, Recording};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::clock::{ClockCheck, check_clock};
 use signal::quality::{Quality, QualityOptions, check_quality};
 
 pub use apart::Apart;
 
 /// A recording.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct File {
     /// Its name.
     pub file: String,
@@ -38,7 +38,7 @@ pub struct File {
 }
 
 /// Inventory of a recording without its samples.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Listing {
     /// Its name.
     pub file: String,
@@ -60,7 +60,7 @@ pub struct Listing {
 }
 
 /// A clock and its channels by name.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedRaster {
     /// Its name.
     pub name: Option<String>,
@@ -71,7 +71,7 @@ pub struct ListedRaster {
 }
 
 /// A channel by name.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedChannel {
     /// Its name.
     pub name: String,
@@ -82,7 +82,7 @@ pub struct ListedChannel {
 }
 
 /// Contents of a file beside its channels.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Beside {
     /// Files carried with the measurement.
     pub attachments: Vec<Attached>,
@@ -91,7 +91,7 @@ pub struct Beside {
 }
 
 /// A file carried with the measurement.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Attached {
     /// Its name.
     pub name: String,
@@ -104,10 +104,10 @@ pub struct Attached {
 }
 
 /// Event during the measurement.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Happened {
     /// Its kind.
-    pub kind: &'static str,
+    pub kind: Cow<'static, str>,
     /// Its name.
     pub name: String,
     /// Comment that was written with it.
@@ -115,11 +115,11 @@ pub struct Happened {
     /// Where on the axis of the measurement.
     pub at: f64,
     /// The unit of `at`.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 /// One clock with its channels.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
     /// Its name.
     pub name: Option<String>,
@@ -150,7 +150,7 @@ pub struct Clock {
 }
 
 /// The longest gap of a clock.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LongestGap {
     /// Where it begins.
     pub at_s: f64,
@@ -159,7 +159,7 @@ pub struct LongestGap {
 }
 
 /// A channel and its samples' values.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// Its name.
     pub name: String,
@@ -202,7 +202,7 @@ impl Beside {
 
 fn happened(event: &Event) -> Happened {
     Happened {
-        kind: match event.kind {
+        kind: Cow::from(match event.kind {
             0 => "recording",
             1 => "recording interrupt",
             2 => "acquisition interrupt",
@@ -211,16 +211,16 @@ fn happened(event: &Event) -> Happened {
             5 => "trigger",
             6 => "marker",
             _ => "event",
-        },
+        }),
         name: event.name.to_string(),
         comment: event.comment.to_string(),
         at: event.at,
-        unit: match event.quantity {
+        unit: Cow::from(match event.quantity {
             Some(Quantity::Time) => "s",
             Some(Quantity::Angle) => "rad",
             Some(Quantity::Distance) => "m",
             Some(Quantity::Index) | None => "",
-        },
+        }),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 /// Information criteria of a model: the smaller, the better. They compare models fitted to the same samples.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Criteria {
     /// Akaike's final prediction error `V (1 + d/N) / (1 − d/N)`: the loss to expect on new data. Infinite for `d ≥ N`.
     pub fpe: f64,

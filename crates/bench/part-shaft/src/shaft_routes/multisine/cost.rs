@@ -1,18 +1,22 @@
 //! The test of the cost of a fit.
 
 use ident::distributions::normal_quantile;
-use serde::Serialize;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 /// Test that the rest is noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CostTest {
     /// V at the minimum.
+    #[serde(deserialize_with = "nan_if_null")]
     pub achieved: f64,
     /// Its expected value under a right model.
+    #[serde(deserialize_with = "nan_if_null")]
     pub expected: f64,
     /// Between these it lies with 95 % probability under a right model. Above: the shaft is not linear, or the model
     /// lacks something. Below: periods scatter by more than what their mean keeps, as by a once-a-turn error of an
     /// encoder whose turns do not repeat with the demand; intervals are wider than need be.
+    #[serde(deserialize_with = "nan_if_null")]
     pub limits: (f64, f64),
 }
 

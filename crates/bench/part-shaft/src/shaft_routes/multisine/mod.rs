@@ -29,11 +29,12 @@ mod engine;
 mod lines;
 mod shaft;
 
+use numerics::null::{infinite_if_null, nan_if_null};
+use rig::InWords;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::facts::Engine;
 use rig::results::{Estimate, Quantity};
-use rig::write_words_if_any;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signal::Signal;
 
 use super::{Timing, estimate_of, flange_torque};
@@ -45,7 +46,7 @@ use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
 
 /// Treatment of J_d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DynoInertia {
     /// As stated, within its uncertainty.
@@ -55,27 +56,30 @@ pub enum DynoInertia {
 }
 
 /// The shaft from a periodic demand.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MultisineRoute {
     /// K, B, J_d where it was not exactly known, δ_e and δ_T; J_e where it is determined.
     pub estimate: Estimate,
     /// The period, s.
+    #[serde(deserialize_with = "nan_if_null")]
     pub period_s: f64,
     /// Periods that were used.
     pub periods: usize,
     /// The lines, Hz.
+    #[serde(deserialize_with = "nan_if_null")]
     pub lines_hz: Vec<f64>,
     /// |e|/σ at each line.
+    #[serde(deserialize_with = "nan_if_null")]
     pub normalised: Vec<f64>,
     /// Degrees of freedom of the variance at a line.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub variance_freedom: f64,
     /// The test of the cost.
     pub cost: CostTest,
     /// The test of the cost of the engine's side, where J_e is determined.
     pub engine_cost: Option<CostTest>,
     /// Why J_e is not determined; it serialises as its words.
-    #[serde(serialize_with = "write_words_if_any")]
-    pub engine_error: Option<EngineError>,
+    pub engine_error: Option<InWords<EngineError>>,
 }
 
 /// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the
@@ -145,6 +149,6 @@ pub fn estimate(
         variance_freedom: lines.freedom(),
         cost,
         engine_cost,
-        engine_error,
+        engine_error: engine_error.map(InWords::from),
     })
 }
