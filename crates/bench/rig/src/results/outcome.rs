@@ -228,8 +228,8 @@ pub fn read_status<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer:
     })
 }
 
-/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason and, where
-/// there are several, all of them as `needs`.
+/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason and,
+/// where there are several, all of them as `needs`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found<'a, T> {
     /// The estimate, or what is written of it.

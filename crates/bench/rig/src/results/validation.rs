@@ -39,8 +39,8 @@ struct ReadTrace {
     samples: usize,
 }
 
-/// Samples beyond which a trace is taken as damaged: 28 hours at 1 kHz. Its values take memory before the table is read,
-/// so a damaged number must not ask for more than a machine has.
+/// Samples beyond which a trace is taken as damaged: 28 hours at 1 kHz. Its values take memory before the table is
+/// read, so a damaged number must not ask for more than a machine has.
 const MOST_SAMPLES: usize = 100_000_000;
 
 impl<'de> Deserialize<'de> for Trace {

@@ -35,7 +35,7 @@ pub(super) fn grouped(command: Command) -> Command {
         }
     }
     let _ = write!(page, "\n{heading}Examples:{heading:#}\n{EXAMPLES}\n");
-    let _ = write!(page, "`dynoid help COMMAND` explains a command. Always: --quiet, --all, --color WHEN.\n");
+    page.push_str("`dynoid help COMMAND` explains a command. Always: --quiet, --all, --color WHEN.\n");
     page.push_str(EXIT_CODES);
     command.help_template(page)
 }
