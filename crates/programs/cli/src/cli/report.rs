@@ -10,7 +10,7 @@ Examples:
   dynoid report study/study.json
   dynoid report study.json --out cell4.pdf
 
-The command needs neither the recordings nor the bench file. The curves of figures come from the table that study.json names, if it lies beside it; figures without curves are left out. So are the logo and the analyses of `dynoid study --full`.")]
+The command needs neither the recordings nor the bench file. The curves of figures come from the table that study.json names, if it lies beside it; figures without curves are left out. The report has neither the logo nor the analyses of `dynoid study --full`.")]
 pub(crate) struct ReportArguments {
     /// The study.json of `dynoid study`
     #[arg(value_name = "STUDY")]
