@@ -207,7 +207,7 @@ fn in_options(error: &Error) -> String {
             format!("{file}: name outputs with --output and inputs with --input; the channels are {channels}")
         }
         Error::OnlyGaps { data, channels, shortest } => format!(
-            "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer --sample-time"
+            "{data}: {channels}: some are missing in any {shortest} consecutive samples; choose other channels, or a longer --sample-time"
         ),
         Error::NoneReadable { reasons } => {
             format!("no recording can be read ({} tried); the reasons are above", reasons.len())

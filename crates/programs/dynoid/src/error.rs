@@ -235,7 +235,7 @@ pub enum Error {
     StillChannel { data: String, channel: String },
     /// Nothing is left between gaps.
     #[error(
-        "{data}: {channels}: no {shortest} consecutive samples are without gaps; choose other channels, or a longer sample time"
+        "{data}: {channels}: some are missing in any {shortest} consecutive samples; choose other channels, or a longer sample time"
     )]
     OnlyGaps { data: String, channels: String, shortest: usize },
     /// Something computed from data or models is impossible.
