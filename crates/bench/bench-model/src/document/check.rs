@@ -16,10 +16,8 @@ const TIME: Bound = Bound::within(1.0, "s");
 const NOT_NEGATIVE_TIME: Bound = Bound::new(0.0, 1.0, "s");
 const SKEW: Bound = Bound::within(1000.0, "s");
 const SAMPLE_TIME: Bound = Bound::new(1e-6, 1.0, "s");
-/// Samples of the controller that a delay lasts: each is a state of the closed loop.
+/// Samples of the controller that a delay or an encoder's gate lasts: each is a state of the closed loop.
 const MOST_SAMPLES: f64 = 250.0;
-/// Samples of the controller that an encoder's gate lasts: each is a state, and reaches the loop at once.
-const MOST_SAMPLES_OF_GATE: f64 = 100.0;
 /// Where the model has no controller, s.
 const USUAL_SAMPLE_TIME_S: f64 = 1e-3;
 /// Ripple of a drive, and how many lines of it a model may have.
@@ -143,18 +141,18 @@ fn samples(model: &BenchModel) -> Result<(), DocumentError> {
     let pi = model.speed_controller;
     let sample_time_s = pi.map_or(USUAL_SAMPLE_TIME_S, |pi| pi.sample_time_s);
     let delays = [
-        ("model.encoder_gate_s", model.encoder_gate_s, MOST_SAMPLES_OF_GATE),
-        ("model.speed_controller.delay_s", pi.map_or(0.0, |pi| pi.delay_s), MOST_SAMPLES),
-        ("model.speed_controller.demand_delay_s", pi.map_or(0.0, |pi| pi.demand_delay_s), MOST_SAMPLES),
-        ("model.feed_forward.delay_s", model.feed_forward.map_or(0.0, |feed| feed.delay_s), MOST_SAMPLES),
-        ("model.torque_control.delay_s", model.torque_control.map_or(0.0, |control| control.delay_s), MOST_SAMPLES),
+        ("model.encoder_gate_s", model.encoder_gate_s),
+        ("model.speed_controller.delay_s", pi.map_or(0.0, |pi| pi.delay_s)),
+        ("model.speed_controller.demand_delay_s", pi.map_or(0.0, |pi| pi.demand_delay_s)),
+        ("model.feed_forward.delay_s", model.feed_forward.map_or(0.0, |feed| feed.delay_s)),
+        ("model.torque_control.delay_s", model.torque_control.map_or(0.0, |control| control.delay_s)),
     ];
-    let is_long = |(_, delay_s, most): &&(&str, f64, f64)| delay_s.abs() > most * sample_time_s;
+    let is_long = |(_, delay_s): &&(&str, f64)| delay_s.abs() > MOST_SAMPLES * sample_time_s;
     match delays.iter().find(is_long) {
         None => Ok(()),
-        Some((field, delay_s, most)) => Err(DocumentError::Together {
+        Some((field, delay_s)) => Err(DocumentError::Together {
             problem: format!(
-                "`{field}` is {} s, and lasts at most {most} samples of `model.speed_controller.sample_time_s`, {} s",
+                "`{field}` is {} s, and lasts at most {MOST_SAMPLES} samples of `model.speed_controller.sample_time_s`, {} s",
                 short(*delay_s),
                 short(sample_time_s)
             ),

@@ -182,7 +182,7 @@ fn regress_sizes_that_no_bench_has_are_refused() {
         ),
         (
             &[("\"encoder_gate_s\": 0.001", "\"encoder_gate_s\": 0.9")],
-            "`model.encoder_gate_s` is 0.9 s, and lasts at most 100 samples",
+            "`model.encoder_gate_s` is 0.9 s, and lasts at most 250 samples",
         ),
         (
             &[("\"sample_time_s\": 0.001", "\"sample_time_s\": 1e-12")],
