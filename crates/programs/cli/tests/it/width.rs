@@ -11,7 +11,7 @@ const WIDTHS: [usize; 3] = [60, 80, 120];
 
 /// A run of every command, in an order in which each finds what it reads. Some end with a message: those lines count
 /// too.
-const RUNS: [&str; 45] = [
+const RUNS: [&str; 44] = [
     "init recordings --out proposed.toml --force",
     "study bench.toml",
     "study proposed.toml",
@@ -34,7 +34,6 @@ const RUNS: [&str; 45] = [
     "experiment check bench.toml BS_T_NT --duration 4s --samples 72",
     "experiment simulate bench.toml BS_T_NT --duration 1s --out run.mf4",
     "experiment next nowhere.toml",
-    "report study/study.json",
     "diff study/model.json study/model.json",
     "export study/model.json --to c --out exported",
     "inspect recordings",
@@ -80,7 +79,7 @@ fn check_all(columns: usize, is_run: impl Fn(&str) -> bool) {
     for line in RUNS.into_iter().filter(|line| is_run(line)) {
         let arguments: Vec<&str> = line.split(' ').collect();
         let (code, text) = run(&campaign, &arguments, columns);
-        assert!(matches!(code, Some(0..=4)), "dynoid {line}: {code:?}\n{text}");
+        assert!(matches!(code, Some(0 | 1 | 3 | 4)), "dynoid {line}: {code:?}\n{text}");
         let wide = too_wide(&text, columns);
         assert!(wide.is_empty(), "dynoid {line} at {columns} columns: {wide:#?}");
     }
