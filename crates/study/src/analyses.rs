@@ -3,20 +3,21 @@
 use numerics::parallel;
 use part_controller::speed_control::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
-use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
+use part_friction::{Friction, FrictionError};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
 use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
 use part_torque::model_comparison::{self, ModelComparison, ModelComparisonError, OrdersTried};
 use part_torque::torque_signals::{TorqueSignals, torque_signals};
+use rig::Experiment;
 use rig::estimation::EstimateError;
 use rig::experiment::Sought;
-use rig::{BenchFile, Experiment};
 
 use super::Progress;
 use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
+use crate::run_outs::friction_of;
 
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
 /// take minutes.
@@ -106,10 +107,4 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, progress: 
 fn held_speed<'a>(parts: &Parts<'a>) -> Option<&'a Experiment> {
     let candidates = || Sought::SpeedController.candidates(&parts.experiments).first().copied();
     parts.controllers.chosen().ok().map(|chosen| chosen.experiment).or_else(candidates)
-}
-
-fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
-    let without_shaft: Vec<&Experiment> =
-        experiments.iter().copied().filter(|experiment| experiment.label.is_without_shaft()).collect();
-    friction::estimate(&without_shaft, FrictionOptions::of(bench))
 }

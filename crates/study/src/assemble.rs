@@ -70,7 +70,12 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     }))
     .flatten()
     .collect();
-    Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()?, engine_pulses: None })
+    Some(AssembledModel {
+        model,
+        uncertainty: ModelUncertainty::new(&blocks).ok()?,
+        engine_pulses: None,
+        dyno_friction: None,
+    })
 }
 
 /// J_e and its standard uncertainty, kg m²: as the bench file states it, with what the recordings show.

@@ -10,7 +10,7 @@ use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
 use crate::gather::Prepared;
-use crate::{Provenance, Study, estimates, struck, validity};
+use crate::{Provenance, Study, estimates, run_outs, struck, validity};
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -61,7 +61,13 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
-    let pulses = estimates.model.is_some().then(|| engine_pulses(parts, &|one| struck::is_sound(&findings, one)).ok());
+    let is_sound = |one: &Experiment| struck::is_sound(&findings, one);
+    let sound: Vec<&Experiment> = parts.experiments.iter().copied().filter(|one| is_sound(one)).collect();
+    let model = estimates.model.map(|model| {
+        let friction = run_outs::of_model(&sound, campaign.bench);
+        let engine_pulses = engine_pulses(parts, friction.as_ref(), &is_sound).ok();
+        AssembledModel { engine_pulses, dyno_friction: friction, ..model }
+    });
     let validity = validity::of(&prepared.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
@@ -82,7 +88,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, progress: &mut dyn FnMut(
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model.map(|model| AssembledModel { engine_pulses: pulses.flatten(), ..model }),
+        model,
         validity,
         skews: estimates.skews,
         recorded_torque: estimates.recorded_torque,

@@ -3,6 +3,7 @@
 //! What is read may be edited by hand, or come from elsewhere. The bounds are far beyond every bench; they keep what is computed from a
 //! model within the numbers and the memory of a computer. `docs/src/bench-model-format.md` states them.
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 
 use super::error::DocumentError;
@@ -25,6 +26,7 @@ const MOST_LINES: usize = 64;
 /// The frequency of the shaft between both masses.
 const RESONANCE: Bound = Bound::new(1e-3, 1e5, "Hz");
 const TORQUE: Bound = Bound::new(1e-3, 1e8, "Nm");
+const FRICTION: Bound = Bound::new(0.0, 1e8, "Nm");
 const ANY_TORQUE: Bound = Bound::within(1e8, "Nm");
 const SPEED: Bound = Bound::new(1e-3, 1e5, "rad/s");
 const ANY_SPEED: Bound = Bound::within(1e5, "rad/s");
@@ -37,6 +39,8 @@ const CYLINDERS: Bound = Bound::new(0.0, 64.0, "");
 const DEGREES_OF_FREEDOM: Bound = Bound::new(0.1, f64::MAX, "");
 /// Eigenvalues of a correlation matrix below this are no rounding.
 const LEAST_EIGENVALUE: f64 = -1e-6;
+/// By so large a part of itself rounding may move a product.
+const ROUNDING: f64 = 1e-6;
 
 /// Refuses numbers that no bench can have, and contradictions.
 pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
@@ -49,6 +53,7 @@ pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
     described(model, listed)?;
     uncertain(model, uncertainty)?;
     pulses(document.engine_pulses.as_ref())?;
+    friction(document.dyno_friction.as_ref())?;
     recorded_torque(document.recorded_torque.as_ref())?;
     ranges(document)
 }
@@ -86,6 +91,28 @@ fn facts(document: &BenchModelDocument) -> Result<(), DocumentError> {
 /// Refuses pulses that no engine can have.
 fn pulses(pulses: Option<&EnginePulses>) -> Result<(), DocumentError> {
     pulses.map_or(Ok(()), EnginePulses::check).map_err(|impossible| DocumentError::Pulses { impossible })
+}
+
+/// Refuses friction that no dynamometer can have.
+fn friction(friction: Option<&EstimatedFriction>) -> Result<(), DocumentError> {
+    let Some(EstimatedFriction { coulomb_nm, viscous_nm_s_per_rad, covariance, speeds_rad_s, .. }) = friction else {
+        return Ok(());
+    };
+    bounded([
+        ("dyno_friction.coulomb_nm", Some(*coulomb_nm), FRICTION),
+        ("dyno_friction.viscous_nm_s_per_rad", Some(*viscous_nm_s_per_rad), ModelParameter::Damping.bound()),
+        ("dyno_friction.speeds_rad_s", Some(speeds_rad_s.0), ANY_SPEED),
+        ("dyno_friction.speeds_rad_s", Some(speeds_rad_s.1), ANY_SPEED),
+    ])?;
+    let [[coulomb, both], [other, viscous]] = *covariance;
+    let is_covariance =
+        coulomb >= 0.0 && viscous >= 0.0 && both == other && both * both <= coulomb * viscous * (1.0 + ROUNDING);
+    if is_covariance && (coulomb + viscous).is_finite() {
+        return Ok(());
+    }
+    let problem =
+        "`dyno_friction.covariance` is no covariance of two numbers, [[variance, both], [both, variance]]".to_owned();
+    Err(DocumentError::Together { problem })
 }
 
 /// Refuses delays and lines of ripple that no recording shows.

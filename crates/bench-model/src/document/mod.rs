@@ -12,6 +12,7 @@ mod provenance;
 mod read;
 mod validity;
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use rig::facts::BenchFacts;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,9 @@ pub struct BenchModelDocument {
     /// The engine's firing pulses with their covariance; null where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
+    /// Friction of the dynamometer with its covariance; null without run-outs.
+    #[serde(default)]
+    pub dyno_friction: Option<EstimatedFriction>,
     /// Parts that were not estimated, and why.
     #[serde(default)]
     pub not_estimated: Vec<NotEstimated>,
@@ -95,7 +99,7 @@ impl BenchModelDocument {
     /// A document of a model. Validity, skews and what was not estimated are empty.
     #[must_use]
     pub fn new(assembled: AssembledModel, bench: BenchFacts, provenance: Provenance) -> Self {
-        let AssembledModel { model, uncertainty, engine_pulses } = assembled;
+        let AssembledModel { model, uncertainty, engine_pulses, dyno_friction } = assembled;
         BenchModelDocument {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -104,6 +108,7 @@ impl BenchModelDocument {
             model,
             uncertainty,
             engine_pulses,
+            dyno_friction,
             skews: None,
             recorded_torque: None,
             not_estimated: Vec::new(),
@@ -143,6 +148,7 @@ impl BenchModelDocument {
             model: self.model.clone(),
             uncertainty: self.uncertainty.clone(),
             engine_pulses: self.engine_pulses.clone(),
+            dyno_friction: self.dyno_friction.clone(),
         }
     }
 }

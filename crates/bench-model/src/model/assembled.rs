@@ -1,5 +1,6 @@
 //! A model with its uncertainty.
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use serde::{Deserialize, Serialize};
 
@@ -15,4 +16,7 @@ pub struct AssembledModel {
     /// The engine's firing pulses with their covariance; none where no recording shows them.
     #[serde(default)]
     pub engine_pulses: Option<EnginePulses>,
+    /// Friction of the dynamometer with its covariance, which is no part of the model's equations; none without run-outs.
+    #[serde(default)]
+    pub dyno_friction: Option<EstimatedFriction>,
 }

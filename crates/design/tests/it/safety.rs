@@ -7,8 +7,10 @@ use design::safety::{
     BenchSpread, Checked, FrictionSpread, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyError, SafetyInputs,
     check,
 };
+use numerics::random::Stream;
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
 use signal::distributions::{chi_squared_tail, normal_quantile};
@@ -233,6 +235,39 @@ fn exact_friction_counts_in_torque_control() {
         low > without && low < without + 3.0 && high > without + 8.0 && high < without + 12.0,
         "{low} {high} {without}"
     );
+}
+
+/// The draws of friction that run-outs show have its mean, and its spread on another day; a bench file that states friction comes first.
+#[test]
+fn stat_estimated_friction_is_drawn_with_its_mean_and_spread() {
+    let estimated = EstimatedFriction {
+        coulomb_nm: 2.0,
+        viscous_nm_s_per_rad: 0.02,
+        covariance: [[0.04, -3e-4], [-3e-4, 4e-6]],
+        speeds_rad_s: (5.0, 260.0),
+        recordings: vec!["NoShaft_N_NT.mf4".into()],
+    };
+    let mut file = bench_testkit::benches::default_bench();
+    file.dynamometer_friction_uncertainty_percent = Some(10.0);
+    let spread = FrictionSpread::of(&file, 400.0, Some(&estimated));
+    assert_eq!(spread.from, design::safety::FrictionFrom::Estimated);
+    let wanted = estimated.covariance_on_another_day(Some(10.0));
+    let mut random = Stream::new(5, 0);
+    let count = 20_000;
+    let drawn: Vec<[f64; 2]> =
+        (0..count).map(|_| spread.draw(&mut random)).map(|one| [one.coulomb_nm, one.viscous_nm_s_per_rad]).collect();
+    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| drawn.iter().map(of).sum::<f64>() / f64::from(count);
+    let means = [mean(&|one| one[0]), mean(&|one| one[1])];
+    assert!((means[0] - 2.0).abs() < 0.01 && (means[1] - 0.02).abs() < 1e-4, "{means:?}");
+    for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+        let found = mean(&|one| (one[i] - means[i]) * (one[j] - means[j]));
+        let scale = (wanted[i][i] * wanted[j][j]).sqrt();
+        assert!((found - wanted[i][j]).abs() < 0.04 * scale, "{i} {j}: {found} {wanted:?}");
+    }
+    file.dynamometer_friction_nm_s_per_rad = Some(0.01);
+    assert_eq!(FrictionSpread::of(&file, 400.0, Some(&estimated)).from, design::safety::FrictionFrom::Estimated);
+    file.dynamometer_coulomb_friction_nm = Some(1.0);
+    assert_eq!(FrictionSpread::of(&file, 400.0, Some(&estimated)).from, design::safety::FrictionFrom::Stated);
 }
 
 #[test]

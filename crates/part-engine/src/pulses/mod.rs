@@ -15,6 +15,7 @@ use numerics::{order, parallel};
 use part_shaft::Parts;
 use part_shaft::shaft_inputs::stated_gate;
 use part_torque::torque_smoother::{Prepared, needed};
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::{EnginePulses, PulseHarmonic};
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
@@ -34,11 +35,16 @@ const ONE_BY_ONE: usize = 2;
 /// The largest variation from cycle to cycle that is believed.
 const MOST_VARIATION: f64 = 0.2;
 
-/// The pulses that recordings show; `is_sound` says which of them may be used.
+/// The pulses that recordings show; `is_sound` says which of them may be used. `friction` is what run-outs show of the dynamometer's, if
+/// there are any.
 ///
 /// # Errors
 /// No shaft, or no recording that shows the engine's pulses; without a reason where nothing fires.
-pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) -> Result<EnginePulses, Vec<Reason>> {
+pub fn engine_pulses(
+    parts: &Parts<'_>,
+    friction: Option<&EstimatedFriction>,
+    is_sound: &dyn Fn(&Experiment) -> bool,
+) -> Result<EnginePulses, Vec<Reason>> {
     if parts.bench.cylinders == 0 {
         return Err(Vec::new());
     }
@@ -56,7 +62,7 @@ pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) 
     let class = Class::of(&prior);
     let places: Vec<usize> = looked_for(cylinders, prior.harmonics.len()).collect();
     let orders: Vec<f64> = places.iter().map(|place| prior.harmonics[*place].order).collect();
-    let friction = Friction::of(parts.bench, || largest_torque_nm(&all));
+    let friction = Friction::of(parts.bench, friction, || largest_torque_nm(&all));
     let looks = parallel::map(&all, |experiment| seen(experiment, parts, (&values, friction), &orders));
     let mut reasons = Vec::new();
     let mut seen: Vec<(Recording, Vec<Seen>)> = Vec::new();

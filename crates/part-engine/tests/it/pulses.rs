@@ -20,7 +20,7 @@ fn recorded(parameters: &BenchParameters, plans: &[ExperimentPlan], bench: &Benc
 }
 
 fn estimated(experiments: &[Experiment], bench: &BenchFile) -> EnginePulses {
-    engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench), &|_| true).unwrap()
+    engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench), None, &|_| true).unwrap()
 }
 
 /// The bench with the friction that is assumed of it: the middle of what dynamometers with a limit of 400 Nm can have.
@@ -98,7 +98,7 @@ fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
 fn regress_without_a_shaft_nothing_is_shown() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
     let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::no_shaft_n_nt(1200.0, 4.0)], &bench);
-    assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|_| true).is_err());
+    assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), None, &|_| true).is_err());
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn regress_where_nothing_fires_there_are_no_pulses() {
     let bench = BenchFile { cylinders: 0, ..bench_file("0.6", "0.28", "400 Nm", BENCH_A) };
     let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::bs_t_nt(1200.0, 12.0)], &bench);
     let parts = Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench);
-    assert!(engine_pulses(&parts, &|_| true).is_err());
+    assert!(engine_pulses(&parts, None, &|_| true).is_err());
 }
 
 /// A disc that runs out gives order 1 a torque in which the mean torque has no part. Recordings begin at any angle of it, so that two with
