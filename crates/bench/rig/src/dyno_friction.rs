@@ -60,8 +60,8 @@ impl EstimatedFriction {
         normal_quantile(0.975) * deviation_nm(&self.covariance, speed_rad_s)
     }
 
-    /// Tells whether it drives at one of the ends of the speeds seen, by more than two half widths of its interval: then
-    /// it is no friction.
+    /// Tells whether it drives at the lowest or the highest speed seen, by more than two half widths of its interval.
+    /// Then it is no friction.
     #[must_use]
     pub fn drives(&self) -> bool {
         let (low, high) = self.speeds_rad_s;
