@@ -19,6 +19,7 @@ mod replayed;
 mod result;
 mod ripple_clock;
 mod run;
+mod run_outs;
 mod series;
 mod struck;
 mod validity;

@@ -1,6 +1,7 @@
 //! Delays of signals, friction, and the engine's torque.
 
 use rig::ExperimentLabel;
+use rig::dyno_friction::EstimatedFriction;
 use rig::results::{Outcome, Parameter, SignalDelay};
 use study::{Analyses, Study};
 
@@ -70,6 +71,9 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
         }
         (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),
         (None, Some(recording)) => {
+            if let Some(found) = study.model.as_ref().and_then(|model| model.dyno_friction.as_ref()) {
+                return of_model(found);
+            }
             let why = format!("It is no part of the model; `dynoid friction` estimates it from {}.", recording.file);
             known(Grade::NotAtAll, "not looked at here".to_owned(), why)
         }
@@ -78,6 +82,17 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
             known(Grade::NotAtAll, "–".to_owned(), why.to_owned())
         }
     }
+}
+
+/// Friction that is in the model: at the middle of the speeds of its run-outs.
+fn of_model(found: &EstimatedFriction) -> Known {
+    let speed_rad_s = 0.5 * (found.speeds_rad_s.0 + found.speeds_rad_s.1);
+    let torque_nm = found.torque_nm(speed_rad_s);
+    let half_width_nm = found.half_width_nm(speed_rad_s);
+    let width = half_width_nm / torque_nm.max(FRICTION_NM / WIDTHS.well);
+    let value = format!("{} at {}", number::plus_minus(torque_nm, half_width_nm, "Nm"), number::rpm(speed_rad_s));
+    let why = format!("From {}, with the shaft off; predictions count it.", wording::join(&found.recordings, "and"));
+    Known::new("", "friction of the dynamometer", Grade::of_width(width, WIDTHS), value, vec![why])
 }
 
 /// The engine's torque.
