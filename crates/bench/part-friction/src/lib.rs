@@ -10,6 +10,7 @@
 mod error;
 mod fitted;
 mod free_run;
+mod linear;
 mod options;
 mod regression;
 

@@ -4,7 +4,7 @@ use numerics::parallel;
 use part_controller::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
 use part_controller::speed_controller::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
-use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
+use part_friction::{Friction, FrictionError};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
 use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
@@ -25,7 +25,7 @@ const ORDERS: OrdersTried = OrdersTried { highest: 2, longest_delay: 2 };
 /// Draws of each noise in the study of a known PI: enough to separate a coverage of 95 % from one of 80 %.
 const DRAWS: usize = 50;
 /// Steps of all analyses.
-const COUNT: u64 = 9;
+const COUNT: u64 = 8;
 
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
 /// [`crate::document`] has its form in JSON.
@@ -76,8 +76,13 @@ pub fn lines(experiments: &[Experiment], bench: &BenchFile, context: &Context) -
     on_one_mains(found)
 }
 
-/// Makes all analyses that the recordings allow.
-pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &Context) -> Analyses {
+/// Makes all analyses that the recordings allow; the friction is that of the study.
+pub(super) fn analyses(
+    experiments: &[Experiment],
+    parts: &Parts<'_>,
+    friction: Result<Friction, FrictionError>,
+    context: &Context,
+) -> Analyses {
     let (all, bench) = (&parts.experiments, parts.bench);
     let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
     let step = context.step("analysing", COUNT);
@@ -89,10 +94,6 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
         noise_test(experiment, &options, &step).into()
     });
     let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &step).map_err(Reason::of_analysis);
-    let friction = {
-        let _part = step.step("estimating the friction", 0);
-        friction_of(all, bench).map_err(Reason::of_analysis)
-    };
     let shaft = shaft_analysis(parts, &step);
     let engine_torque = engine_torque(parts, &step);
     let next = next::beside(parts, NextOptions::default(), &step).map_err(Reason::of_analysis);
@@ -105,7 +106,7 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
         speed_control,
         pi_study,
         torque_control: torque_control.into(),
-        friction: friction.into(),
+        friction: friction.map_err(Reason::of_analysis).into(),
         shaft,
         engine_torque,
         next: next.into(),
@@ -116,14 +117,4 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, context: &
 fn held_speed<'a>(parts: &Parts<'a>) -> Option<&'a Experiment> {
     let candidates = || Sought::SpeedController.candidates(&parts.experiments).first().copied();
     parts.controllers.chosen().ok().map(|chosen| chosen.experiment).or_else(candidates)
-}
-
-/// Friction and inertia of the dynamometer, from the recordings without shaft.
-///
-/// # Errors
-/// No recording that shows them.
-pub fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
-    let without_shaft: Vec<&Experiment> =
-        experiments.iter().copied().filter(|experiment| experiment.label.is_without_shaft()).collect();
-    friction::estimate(&without_shaft, FrictionOptions::of(bench))
 }

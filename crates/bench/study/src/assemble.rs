@@ -71,7 +71,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     .flatten()
     .collect();
     let uncertainty = ModelUncertainty::new(&blocks).ok()?;
-    Some(AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None })
+    Some(AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None, dyno_friction: None })
 }
 
 /// J_e and its standard uncertainty, kg m²: as the bench file states it, with what the recordings show.

@@ -18,13 +18,14 @@ mod recorded;
 mod replayed;
 mod result;
 mod run;
+mod run_outs;
 mod series;
 mod struck;
 mod validity;
 pub mod verdict;
 mod whole;
 
-pub use analyses::{Analyses, friction_of, lines};
+pub use analyses::{Analyses, lines};
 pub use assemble::{StudyParts, assemble};
 pub use comparison::{
     CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges, WaldTest,
@@ -38,5 +39,6 @@ pub use recorded::{RecordedCourse, StepResponse};
 pub use replayed::{REPLAYED_S, ReplayModel, replayed_stretch};
 pub use result::*;
 pub use run::{Campaign, run, run_full};
+pub use run_outs::friction_of;
 pub use series::series;
 pub use verdict::verdict;

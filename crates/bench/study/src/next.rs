@@ -407,7 +407,8 @@ fn safety(
 ) -> Option<Safety> {
     let model = stated.linear_model(known.map(|known| &known.model));
     let demands = Demands::of(plan, seed, DEMAND_HOLD_S);
-    let friction = FrictionSpread::of(bench, stated.parameters.drive.torque_limit_nm);
+    let estimated = known.and_then(|known| known.dyno_friction.as_ref());
+    let friction = FrictionSpread::of(bench, stated.parameters.drive.torque_limit_nm, estimated);
     let prediction = PredictionInputs {
         plan,
         demands: &demands,

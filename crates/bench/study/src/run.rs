@@ -2,6 +2,7 @@
 
 use bench_model::model::AssembledModel;
 use part_engine::engine_pulses;
+use part_friction::{Friction, FrictionError};
 use part_shaft::Parts;
 use rig::{BenchFile, Experiment};
 use work::Context;
@@ -11,10 +12,11 @@ use crate::analyses::{Analyses, analyses};
 use crate::disturbances::disturbances;
 use crate::findings::Findings;
 use crate::gather::Prepared;
-use crate::{Provenance, Study, estimates, struck, validity};
+use crate::{Provenance, Study, estimates, run_outs, struck, validity};
 
-/// Steps of a study: the parts, comparing, the timing, the whole model, the replays, the pulses of the engine.
-const STEPS: u64 = 6;
+/// Steps of a study: the parts, comparing, the timing, the whole model, the replays, the friction of the dynamometer,
+/// the pulses of the engine.
+const STEPS: u64 = 7;
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -38,7 +40,7 @@ pub struct Campaign<'a> {
 pub fn run(mut campaign: Campaign<'_>, context: &Context) -> Result<Study, StudyError> {
     campaign.recordings = campaign.recordings.usable(campaign.bench)?;
     let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
-    Ok(studied(&campaign, &Parts::of(&all, campaign.bench), context))
+    Ok(studied(&campaign, &Parts::of(&all, campaign.bench), context).0)
 }
 
 /// The same study, and beside it all analyses that the recordings allow.
@@ -49,12 +51,12 @@ pub fn run_full(mut campaign: Campaign<'_>, context: &Context) -> Result<(Study,
     campaign.recordings = campaign.recordings.usable(campaign.bench)?;
     let all: Vec<&Experiment> = campaign.recordings.experiments.iter().collect();
     let parts = Parts::of(&all, campaign.bench);
-    let study = studied(&campaign, &parts, context);
-    Ok((study, analyses(&campaign.recordings.experiments, &parts, context)))
+    let (study, friction) = studied(&campaign, &parts, context);
+    Ok((study, analyses(&campaign.recordings.experiments, &parts, friction, context)))
 }
 
-/// The study of these experiments.
-fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Study {
+/// The study of these experiments, and the friction that its model rests on.
+fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> (Study, Result<Friction, FrictionError>) {
     let prepared = &campaign.recordings;
     let mut recordings = prepared.recordings.clone();
     let step = context.step("studying", STEPS);
@@ -63,13 +65,22 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Stu
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
-    let pulses_step = step.step("estimating: pulses of the engine", 0);
-    let pulses = estimates.model.is_some().then(|| engine_pulses(parts, &|one| struck::is_sound(&findings, one)).ok());
-    drop(pulses_step);
+    let is_sound = |one: &Experiment| struck::is_sound(&findings, one);
+    let friction = {
+        let _part = step.step("estimating: friction of the dynamometer", 0);
+        let sound: Vec<&Experiment> = parts.experiments.iter().copied().filter(|one| is_sound(one)).collect();
+        run_outs::friction_of(&sound, campaign.bench)
+    };
+    let model = estimates.model.map(|model| {
+        let _part = step.step("estimating: pulses of the engine", 0);
+        let dyno_friction = run_outs::of_model(&friction, campaign.bench);
+        let engine_pulses = engine_pulses(parts, dyno_friction.as_ref(), &is_sound).ok();
+        AssembledModel { engine_pulses, dyno_friction, disturbances: Some(disturbances(parts)), ..model }
+    });
     let validity = validity::of(&prepared.experiments, &recordings, &estimates.shaft);
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
-    Study {
+    let study = Study {
         provenance: Provenance {
             studied_on: None,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -87,15 +98,12 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> Stu
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
-        model: estimates.model.map(|model| AssembledModel {
-            engine_pulses: pulses.flatten(),
-            disturbances: Some(disturbances(parts)),
-            ..model
-        }),
+        model,
         validity,
         skews: estimates.skews,
         recorded_torque: estimates.recorded_torque,
         replays: estimates.replays,
         diagnostics,
-    }
+    };
+    (study, friction)
 }

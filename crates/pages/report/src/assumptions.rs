@@ -26,14 +26,16 @@ pub(crate) fn prior_ranges() -> String {
 
 /// Friction of the dynamometer, and whence it is known.
 pub(crate) fn friction(spread: &FrictionSpread) -> Block {
-    let between =
-        |(low, high): (f64, f64)| format!("{} … {}", number::significant(low, 2), number::significant(high, 2));
+    let between = |(low, high): (f64, f64)| {
+        format!("{} … {}", number::significant(low.max(0.0), 2), number::significant(high, 2))
+    };
     let values = format!(
         "friction of the dynamometer, {} Nm and {} Nm s/rad; each bench has its own",
         between(spread.coulomb_nm),
         between(spread.viscous_nm_s_per_rad)
     );
     let finding = match spread.from {
+        FrictionFrom::Estimated => Finding::new(Tone::Plain, "estimated", format!("{values}; estimated from run-outs")),
         FrictionFrom::Stated => Finding::new(Tone::Plain, "stated", values),
         FrictionFrom::Assumed => {
             let remedy = "State what `dynoid friction` estimates from a run-out, as `dynamometer_friction` and \

@@ -187,9 +187,11 @@ impl KnownBench {
         Page { running_head: line, blocks: page.blocks.into_iter().chain([origin]).collect(), ..page }
     }
 
-    /// Friction of the dynamometer, as the bench file states it or as dynamometers have it.
+    /// Friction of the dynamometer, as the bench file states it, as the model's run-outs show it, or as dynamometers
+    /// have it.
     pub fn friction(&self) -> FrictionSpread {
-        FrictionSpread::of(&self.file, self.stated.parameters.drive.torque_limit_nm)
+        let estimated = self.assembled.as_ref().and_then(|assembled| assembled.dyno_friction.as_ref());
+        FrictionSpread::of(&self.file, self.stated.parameters.drive.torque_limit_nm, estimated)
     }
 
     /// Errors of the encoder and ripple of the drive, as the recordings show them or as benches have them.

@@ -21,7 +21,7 @@ pub fn of_model(model: BenchModel) -> BenchModelDocument {
         degrees_of_freedom: f64::INFINITY,
     };
     let uncertainty = ModelUncertainty::new(&[shaft, controller]).expect("a covariance");
-    let assembled = AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None };
+    let assembled = AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None, dyno_friction: None };
     let mut document = BenchModelDocument::new(assembled, facts(), provenance());
     document.validity = Validity {
         dyno_speed_rad_s: Some((80.0, 260.0)),

@@ -3,6 +3,7 @@
 //! A document may be edited by hand, or come from elsewhere. The bounds are far beyond every bench; they keep what is
 //! computed from a model within the numbers and the memory of a computer. `docs/src/bench-model-format.md` states them.
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 
 use super::error::DocumentError;
@@ -30,6 +31,7 @@ const RIPPLE_TORQUE: Bound = Bound::new(0.0, 1e8, "Nm");
 /// The frequency of the shaft between both masses.
 const RESONANCE: Bound = Bound::new(1e-3, 1e5, "Hz");
 const TORQUE: Bound = Bound::new(1e-3, 1e8, "Nm");
+const ANY_SLOPE: Bound = Bound::within(1e8, "Nm s/rad");
 const ANY_TORQUE: Bound = Bound::within(1e8, "Nm");
 const SPEED: Bound = Bound::new(1e-3, 1e5, "rad/s");
 const ANY_SPEED: Bound = Bound::within(1e5, "rad/s");
@@ -42,6 +44,8 @@ const CYLINDERS: Bound = Bound::new(0.0, 64.0, "");
 const DEGREES_OF_FREEDOM: Bound = Bound::new(0.1, f64::MAX, "");
 /// Eigenvalues of a correlation matrix below this are no rounding.
 const LEAST_EIGENVALUE: f64 = -1e-6;
+/// By so large a part of itself rounding may move a product.
+const ROUNDING: f64 = 1e-6;
 
 /// Refuses numbers that no bench can have, and contradictions.
 pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
@@ -54,6 +58,7 @@ pub(super) fn all(document: &BenchModelDocument) -> Result<(), DocumentError> {
     described(model, listed)?;
     uncertain(model, uncertainty)?;
     pulses(document.engine_pulses.as_ref())?;
+    friction(document.dyno_friction.as_ref())?;
     recorded_torque(document.recorded_torque.as_ref())?;
     disturbances(document.disturbances.as_ref())?;
     ranges(document)
@@ -92,6 +97,31 @@ fn facts(document: &BenchModelDocument) -> Result<(), DocumentError> {
 /// Refuses pulses that no engine can have.
 fn pulses(pulses: Option<&EnginePulses>) -> Result<(), DocumentError> {
     pulses.map_or(Ok(()), EnginePulses::check).map_err(|impossible| DocumentError::Pulses { impossible })
+}
+
+/// Refuses friction that no dynamometer can have.
+fn friction(friction: Option<&EstimatedFriction>) -> Result<(), DocumentError> {
+    let Some(friction) = friction else { return Ok(()) };
+    let EstimatedFriction { coulomb_nm, viscous_nm_s_per_rad, covariance, speeds_rad_s, .. } = friction;
+    bounded([
+        ("dyno_friction.coulomb_nm", Some(*coulomb_nm), ANY_TORQUE),
+        ("dyno_friction.viscous_nm_s_per_rad", Some(*viscous_nm_s_per_rad), ANY_SLOPE),
+        ("dyno_friction.speeds_rad_s", Some(speeds_rad_s.0), ANY_SPEED),
+        ("dyno_friction.speeds_rad_s", Some(speeds_rad_s.1), SPEED),
+    ])?;
+    let [[coulomb, both], [other, viscous]] = *covariance;
+    let is_covariance =
+        coulomb >= 0.0 && viscous >= 0.0 && both == other && both * both <= coulomb * viscous * (1.0 + ROUNDING);
+    let problem = if !(is_covariance && (coulomb + viscous).is_finite()) {
+        "`dyno_friction.covariance` is no covariance of two numbers, [[variance, both], [both, variance]]"
+    } else if !(0.0..=speeds_rad_s.1).contains(&speeds_rad_s.0) {
+        "`dyno_friction.speeds_rad_s` is not [lowest, highest] of speeds above zero"
+    } else if friction.drives() {
+        "`dyno_friction` drives the dynamometer: at its speeds it is below zero by more than its interval"
+    } else {
+        return Ok(());
+    };
+    Err(DocumentError::Together { problem: problem.to_owned() })
 }
 
 /// Refuses delays and lines of ripple that no recording shows.

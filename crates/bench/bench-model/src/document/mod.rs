@@ -13,6 +13,7 @@ mod read;
 mod result_format;
 mod validity;
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use rig::facts::BenchFacts;
 use serde::{Deserialize, Serialize};
@@ -58,6 +59,9 @@ pub struct BenchModelDocument {
     /// Noise and once-a-turn error of N_d, and ripple of the drive; none where they are not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbances: Option<Disturbances>,
+    /// Friction of the dynamometer with its covariance; null without run-outs.
+    #[serde(default)]
+    pub dyno_friction: Option<EstimatedFriction>,
     /// Parts that were not estimated, and why.
     #[serde(default)]
     pub not_estimated: Vec<NotEstimated>,
@@ -102,7 +106,7 @@ impl BenchModelDocument {
     /// A document of a model. Validity, skews and what was not estimated are empty.
     #[must_use]
     pub fn new(assembled: AssembledModel, bench: BenchFacts, provenance: Provenance) -> Self {
-        let AssembledModel { model, uncertainty, engine_pulses, disturbances } = assembled;
+        let AssembledModel { model, uncertainty, engine_pulses, disturbances, dyno_friction } = assembled;
         BenchModelDocument {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -112,6 +116,7 @@ impl BenchModelDocument {
             uncertainty,
             engine_pulses,
             disturbances,
+            dyno_friction,
             skews: None,
             recorded_torque: None,
             not_estimated: Vec::new(),
@@ -152,6 +157,7 @@ impl BenchModelDocument {
             uncertainty: self.uncertainty.clone(),
             engine_pulses: self.engine_pulses.clone(),
             disturbances: self.disturbances,
+            dyno_friction: self.dyno_friction.clone(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A model with its uncertainty.
 
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use serde::{Deserialize, Serialize};
 
@@ -19,4 +20,7 @@ pub struct AssembledModel {
     /// Disturbances of the bench in its recordings; none where that is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbances: Option<Disturbances>,
+    /// Friction of the dynamometer with its covariance; none without run-outs. It is no part of the model's equations.
+    #[serde(default)]
+    pub dyno_friction: Option<EstimatedFriction>,
 }

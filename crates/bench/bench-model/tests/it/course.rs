@@ -143,7 +143,7 @@ fn ref_a_long_run_at_the_torque_limit_equals_the_same_run_sample_by_sample() {
 #[test]
 fn exact_friction_is_taken_off_the_torque_of_the_dynamometer() {
     let model = BenchModel::of(&BenchParameters::default());
-    let friction = DynoFriction { coulomb_nm: 2.0, viscous_nm_s_per_rad: 0.03 };
+    let friction = DynoFriction { coulomb_nm: 2.0, viscous_nm_s_per_rad: 0.03, beside: None };
     let (course, response) = compared_with(&model, 100.0, friction);
     let demand = worst(&course.torque_demand_nm, &response.torque_demand_nm);
     assert!(demand < 0.3, "{demand} Nm");

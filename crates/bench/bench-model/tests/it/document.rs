@@ -9,6 +9,7 @@ use bench_model::model::{AssembledModel, ModelParameter, ModelUncertainty, PartC
 use bench_model::skews::SignalSkews;
 use bench_testkit::models::bench_a;
 use proptest::prelude::*;
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use rig::facts::{BenchFacts, BenchVariant, Engine};
 use rig::results::Part;
@@ -45,7 +46,7 @@ fn document(stiffness_variance: f64, degrees_of_freedom: f64) -> BenchModelDocum
         verdict: None,
     };
     let document = BenchModelDocument::new(
-        AssembledModel { model: bench_a(), uncertainty, engine_pulses: None, disturbances: None },
+        AssembledModel { model: bench_a(), uncertainty, engine_pulses: None, disturbances: None, dyno_friction: None },
         facts,
         provenance,
     );
@@ -65,6 +66,37 @@ proptest! {
     fn prop_a_document_is_read_back_bit_for_bit(variance in 1e-9_f64..1e9, degrees in prop_oneof![Just(f64::INFINITY), 1.0_f64..1e6]) {
         let document = document(variance, degrees);
         prop_assert_eq!(BenchModelDocument::from_json(&document.to_json().unwrap()), Ok(document));
+    }
+}
+
+#[test]
+fn regress_friction_is_read_back_bit_for_bit_and_impossible_one_is_refused() {
+    let mut document = document(36.0, 40.0);
+    let friction = EstimatedFriction {
+        coulomb_nm: 1.1,
+        viscous_nm_s_per_rad: 0.013,
+        covariance: [[0.01, -1e-5], [-1e-5, 1e-7]],
+        speeds_rad_s: (5.0, 260.0),
+        recordings: vec!["NoShaft_N_NT.mf4".into()],
+    };
+    document.dyno_friction = Some(friction.clone());
+    assert_eq!(document.assembled().dyno_friction, Some(friction.clone()));
+    assert_eq!(BenchModelDocument::from_json(&document.to_json().unwrap()), Ok(document.clone()));
+    let refused = |damage: fn(&mut EstimatedFriction)| {
+        let (mut document, mut damaged) = (document.clone(), friction.clone());
+        damage(&mut damaged);
+        document.dyno_friction = Some(damaged);
+        BenchModelDocument::from_json(&document.to_json().unwrap()).unwrap_err().to_string()
+    };
+    assert!(refused(|one| one.coulomb_nm = -1.0).contains("`dyno_friction` drives"));
+    assert!(refused(|one| one.coulomb_nm = 1e9).contains("`dyno_friction.coulomb_nm`"));
+    assert!(refused(|one| one.speeds_rad_s = (300.0, 260.0)).contains("`dyno_friction.speeds_rad_s`"));
+    assert!(refused(|one| one.viscous_nm_s_per_rad = 1e9).contains("`dyno_friction.viscous_nm_s_per_rad`"));
+    for covariance in [[[0.01, 1.0], [1.0, 1e-7]], [[-0.01, 0.0], [0.0, 1e-7]], [[0.01, 1e-5], [-1e-5, 1e-7]]] {
+        let mut document = document.clone();
+        document.dyno_friction = Some(EstimatedFriction { covariance, ..friction.clone() });
+        let error = BenchModelDocument::from_json(&document.to_json().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("`dyno_friction.covariance`"), "{error}");
     }
 }
 
@@ -222,7 +254,13 @@ fn regress_correlations_that_contradict_each_other_are_refused() {
             degrees_of_freedom: 40.0,
         };
         let uncertainty = ModelUncertainty::new(&[part]).unwrap();
-        let assembled = AssembledModel { model: bench_a(), uncertainty, engine_pulses: None, disturbances: None };
+        let assembled = AssembledModel {
+            model: bench_a(),
+            uncertainty,
+            engine_pulses: None,
+            disturbances: None,
+            dyno_friction: None,
+        };
         let whole = document(1.0, 3.0);
         BenchModelDocument::from_json(
             &BenchModelDocument::new(assembled, whole.bench, whole.provenance).to_json().unwrap(),

@@ -68,7 +68,7 @@ fn exact_friction_of_the_dynamometer_is_that_of_the_virtual_bench() {
     (parameters.engine.cylinder_factors, parameters.engine.strokes) = (vec![1.0; 50], 2);
     parameters.mechanics.coulomb_friction_nm = 1.2;
     parameters.mechanics.viscous_friction_nm_s_per_rad = 0.02;
-    let friction = DynoFriction { coulomb_nm: 1.2, viscous_nm_s_per_rad: 0.02 };
+    let friction = DynoFriction { coulomb_nm: 1.2, viscous_nm_s_per_rad: 0.02, beside: None };
     for plan in [ExperimentPlan::step_t_tn(3000.0, 6.0), ExperimentPlan::ramp_n_nt(1200.0, 6.0)] {
         let truth = run(&parameters, &plan, Numerics::default()).hidden;
         let of = |friction: DynoFriction| {

@@ -1,11 +1,12 @@
 //! Friction of dynamometers that could be the one at hand.
 
-use bench_model::friction::DynoFriction;
+use bench_model::friction::{Beside, DynoFriction};
 use numerics::null::nan_if_null;
 use numerics::random::Stream;
 use rig::BenchFile;
-use rig::dyno_friction::{DOUBT_PERCENT, MOST_COULOMB, MOST_SLOPE_S_PER_RAD};
+use rig::dyno_friction::{DOUBT_PERCENT, EstimatedFriction, ExpectedFriction, MOST_COULOMB, MOST_SLOPE_S_PER_RAD};
 use serde::{Deserialize, Serialize};
+use signal::distributions::normal_quantile;
 
 /// Whence friction is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub enum FrictionFrom {
     /// The bench file.
     Stated,
+    /// Run-outs, joined with what is stated or assumed.
+    Estimated,
     /// Dynamometers in general, for all or a part of it.
     Assumed,
 }
@@ -22,15 +25,18 @@ pub enum FrictionFrom {
 pub struct FrictionSpread {
     /// Whence it is known.
     pub from: FrictionFrom,
-    /// Coulomb friction at the least and at the most, Nm.
+    /// Coulomb friction at the least and at the most, Nm; of estimates the 95 % range.
     #[serde(deserialize_with = "nan_if_null")]
     pub coulomb_nm: (f64, f64),
-    /// Slope over speed at the least and at the most, Nm s/rad.
+    /// Slope over speed at the least and at the most, Nm s/rad; of estimates the 95 % range.
     #[serde(deserialize_with = "nan_if_null")]
     pub viscous_nm_s_per_rad: (f64, f64),
     /// The mean of the benches drawn; the middle between the least and the most where it is none.
     #[serde(default)]
     pub mean: Option<DynoFriction>,
+    /// Both parts with their covariance where run-outs show them.
+    #[serde(default)]
+    pub run_outs: Option<ExpectedFriction>,
 }
 
 impl FrictionSpread {
@@ -40,12 +46,16 @@ impl FrictionSpread {
         coulomb_nm: (0.0, 0.0),
         viscous_nm_s_per_rad: (0.0, 0.0),
         mean: None,
+        run_outs: None,
     };
 
-    /// Spread that a bench file states, and where it does not, the one that a dynamometer with this torque limit can
-    /// have.
+    /// Spread that a bench file states; else the one that run-outs show; else the one that a dynamometer with this
+    /// torque limit can have.
     #[must_use]
-    pub fn of(bench: &BenchFile, torque_limit_nm: f64) -> Self {
+    pub fn of(bench: &BenchFile, torque_limit_nm: f64, estimated: Option<&EstimatedFriction>) -> Self {
+        if let Some(estimated) = EstimatedFriction::unless_stated(estimated, bench) {
+            return Self::of_run_outs(ExpectedFriction::of(bench, torque_limit_nm, Some(estimated)));
+        }
         let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(DOUBT_PERCENT);
         let (slope, coulomb) = (bench.dynamometer_friction_nm_s_per_rad, bench.dynamometer_coulomb_friction_nm);
         let coulomb_nm = stated_or_up_to(coulomb, percent, MOST_COULOMB * torque_limit_nm);
@@ -54,7 +64,22 @@ impl FrictionSpread {
             from: if slope.and(coulomb).is_some() { FrictionFrom::Stated } else { FrictionFrom::Assumed },
             coulomb_nm: (coulomb_nm.low, coulomb_nm.high),
             viscous_nm_s_per_rad: (slope_nm_s_per_rad.low, slope_nm_s_per_rad.high),
-            mean: Some(DynoFriction { coulomb_nm: coulomb_nm.mean, viscous_nm_s_per_rad: slope_nm_s_per_rad.mean }),
+            mean: Some(line([coulomb_nm.mean, slope_nm_s_per_rad.mean])),
+            run_outs: None,
+        }
+    }
+
+    fn of_run_outs(expected: ExpectedFriction) -> Self {
+        let about = |i: usize| {
+            let (mean, reach) = (expected.parts[i], normal_quantile(0.975) * expected.covariance[i][i].sqrt());
+            (mean - reach, mean + reach)
+        };
+        FrictionSpread {
+            from: FrictionFrom::Estimated,
+            coulomb_nm: about(0),
+            viscous_nm_s_per_rad: about(1),
+            mean: Some(line(expected.parts)),
+            run_outs: Some(expected),
         }
     }
 
@@ -62,20 +87,42 @@ impl FrictionSpread {
     #[must_use]
     pub fn middle(&self) -> DynoFriction {
         let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
-        self.mean.unwrap_or(DynoFriction {
-            coulomb_nm: middle(self.coulomb_nm),
-            viscous_nm_s_per_rad: middle(self.viscous_nm_s_per_rad),
-        })
+        self.mean.unwrap_or_else(|| line([middle(self.coulomb_nm), middle(self.viscous_nm_s_per_rad)]))
     }
 
     /// The friction of a bench.
     #[must_use]
     pub fn draw(&self, random: &mut Stream) -> DynoFriction {
+        if let Some(expected) = &self.run_outs {
+            return drawn(expected, random);
+        }
         let mean = self.middle();
         let about = |(low, high): (f64, f64), mean: f64| Uneven { low, mean, high };
         let coulomb_nm = about(self.coulomb_nm, mean.coulomb_nm).at(random.uniform());
         let slope = about(self.viscous_nm_s_per_rad, mean.viscous_nm_s_per_rad);
-        DynoFriction { coulomb_nm, viscous_nm_s_per_rad: slope.at(random.uniform()) }
+        line([coulomb_nm, slope.at(random.uniform())])
+    }
+}
+
+/// Friction by both parts alone.
+fn line([coulomb_nm, viscous_nm_s_per_rad]: [f64; 2]) -> DynoFriction {
+    DynoFriction { coulomb_nm, viscous_nm_s_per_rad, beside: None }
+}
+
+/// A draw of both parts by their covariance. None is cut off at zero: that would raise the mean at speeds where the sum
+/// is well known. The sum is never below zero, see [`DynoFriction`].
+fn drawn(expected: &ExpectedFriction, random: &mut Stream) -> DynoFriction {
+    let [[coulomb, both], [_, slope]] = expected.covariance;
+    let root = coulomb.sqrt();
+    let shared = if root > 0.0 { both / root } else { 0.0 };
+    let own = (slope - shared * shared).max(0.0).sqrt();
+    let (of_coulomb, of_slope) = (random.normal(), random.normal());
+    let reach = 3.0_f64.sqrt();
+    let deviations = random.between(-reach, reach);
+    DynoFriction {
+        coulomb_nm: expected.parts[0] + root * of_coulomb,
+        viscous_nm_s_per_rad: expected.parts[1] + shared * of_coulomb + own * of_slope,
+        beside: expected.unseen.map(|unseen| Beside { unseen, deviations }),
     }
 }
 

@@ -7,8 +7,10 @@ use bench_model::prediction::PredictionInputs;
 use design::safety::{
     BenchSpread, Checked, FrictionSpread, Prior, Quantity, Safety, SafetyCheck, SafetyError, SafetyInputs, check,
 };
+use numerics::random::Stream;
 use rig::bench_file::Limits;
 use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
+use rig::dyno_friction::{EstimatedFriction, ExpectedFriction};
 use rig::engine_pulses::KnownPulses;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
 use signal::distributions::{chi_squared_tail, normal_quantile};
@@ -235,6 +237,64 @@ fn exact_friction_counts_in_torque_control() {
         low > without && low < without + 3.0 && high > without + 8.0 && high < without + 12.0,
         "{low} {high} {without}"
     );
+}
+
+/// Mean and standard deviation of drawn friction at a speed, Nm.
+fn drawn(spread: &FrictionSpread, speed_rad_s: f64) -> (f64, f64) {
+    let mut random = Stream::new(5, 0);
+    let torques: Vec<f64> = (0..20_000).map(|_| spread.draw(&mut random).torque_nm(speed_rad_s)).collect();
+    assert!(torques.iter().all(|torque| *torque >= 0.0));
+    let mean = torques.iter().sum::<f64>() / 2e4;
+    (mean, (torques.iter().map(|torque| (torque - mean).powi(2)).sum::<f64>() / 2e4).sqrt())
+}
+
+/// The draws of friction that run-outs show have its mean and its deviation at each speed, also where a part is
+/// probably below zero. A bench file that states friction comes first.
+#[test]
+fn stat_estimated_friction_is_drawn_with_its_mean_and_spread() {
+    let estimated = EstimatedFriction {
+        coulomb_nm: 0.05,
+        viscous_nm_s_per_rad: 0.012,
+        covariance: [[0.04, -3.9e-4], [-3.9e-4, 4e-6]],
+        speeds_rad_s: (50.0, 160.0),
+        recordings: vec!["NoShaft_N_NT.mf4".into()],
+    };
+    let mut file = bench_testkit::benches::default_bench();
+    file.dynamometer_friction_uncertainty_percent = Some(10.0);
+    let spread = FrictionSpread::of(&file, 400.0, Some(&estimated));
+    assert_eq!(spread.from, design::safety::FrictionFrom::Estimated);
+    let expected = ExpectedFriction::of(&file, 400.0, Some(&estimated));
+    for speed in [60.0, 100.0, 150.0, 250.0] {
+        let (mean, deviation) = drawn(&spread, speed);
+        let (wanted, of_day) = (expected.mean_nm(speed), expected.deviation_nm(speed));
+        assert!((mean - wanted).abs() < 0.03 * of_day, "{speed}: {mean}, expected {wanted} ± {of_day}");
+        assert!((deviation / of_day - 1.0).abs() < 0.03, "{speed}: {deviation}, expected {of_day}");
+    }
+    let (mean, deviation) = drawn(&spread, 100.0);
+    assert!((mean - 1.25).abs() < 0.03 && deviation < 0.15, "{mean} {deviation}");
+    file.dynamometer_friction_nm_s_per_rad = Some(0.01);
+    assert_eq!(FrictionSpread::of(&file, 400.0, Some(&estimated)).from, design::safety::FrictionFrom::Estimated);
+    file.dynamometer_coulomb_friction_nm = Some(1.0);
+    assert_eq!(FrictionSpread::of(&file, 400.0, Some(&estimated)).from, design::safety::FrictionFrom::Stated);
+}
+
+/// A run-out that shows next to nothing draws as none would.
+#[test]
+fn regress_a_poor_run_out_neither_raises_nor_widens_friction() {
+    let poor = EstimatedFriction {
+        coulomb_nm: 0.1,
+        viscous_nm_s_per_rad: 0.001,
+        covariance: [[100.0, 0.0], [0.0, 0.01]],
+        speeds_rad_s: (10.0, 50.0),
+        recordings: vec!["NoShaft_T_TN.mf4".into()],
+    };
+    let file = bench_testkit::benches::default_bench();
+    let [assumed, with] = [None, Some(&poor)].map(|one| FrictionSpread::of(&file, 400.0, one));
+    for speed in [30.0, 100.0, 300.0] {
+        let (without, with) = (drawn(&assumed, speed), drawn(&with, speed));
+        assert!((with.0 / without.0 - 1.0).abs() < 0.03, "{speed}: {with:?} {without:?}");
+        assert!((with.1 / without.1 - 1.0).abs() < 0.04, "{speed}: {with:?} {without:?}");
+    }
 }
 
 #[test]

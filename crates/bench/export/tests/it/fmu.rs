@@ -27,7 +27,7 @@ fn with_model(model: BenchModel) -> BenchModelDocument {
     let whole = document();
     let uncertainty = whole.uncertainty.clone();
     BenchModelDocument::new(
-        AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None },
+        AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None, dyno_friction: None },
         whole.bench.clone(),
         whole.provenance.clone(),
     )

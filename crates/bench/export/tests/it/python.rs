@@ -13,7 +13,7 @@ fn with_model(model: BenchModel) -> BenchModelDocument {
     let whole = document();
     let uncertainty = Default::default();
     BenchModelDocument::new(
-        AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None },
+        AssembledModel { model, uncertainty, engine_pulses: None, disturbances: None, dyno_friction: None },
         whole.bench.clone(),
         whole.provenance.clone(),
     )

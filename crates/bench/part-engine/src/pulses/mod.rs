@@ -2,11 +2,10 @@
 //! cycle is, over mean torque and speed, with its covariance.
 //!
 //! Where the recordings show nothing, the pulses are those of the class, see [`EnginePulses::prior`]. The mean torque
-//! of the engine is T_d + (J_d + J_e) dω/dt and the friction of the dynamometer's bearings. The middle of what that can
-//! be is taken, and its spread counts as an error.
+//! of the engine is T_d + (J_d + J_e) dω/dt and the friction of the dynamometer's bearings. Its mean
+//! is taken, as it is stated, as run-outs show it or as the class has it, and its spread counts as an error.
 
 mod fit;
-mod friction;
 mod windows;
 
 use std::f64::consts::SQRT_2;
@@ -15,6 +14,7 @@ use numerics::{order, parallel};
 use part_shaft::Parts;
 use part_shaft::shaft_inputs::stated_gate;
 use part_torque::torque_smoother::{Prepared, needed};
+use rig::dyno_friction::{EstimatedFriction, ExpectedFriction};
 use rig::engine_pulses::{EnginePulses, PulseHarmonic};
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
@@ -26,7 +26,6 @@ use signal::{Complex64, Signal};
 
 use crate::source::{TwoMasses, Values};
 use fit::{Class, Joined, Recording};
-use friction::Friction;
 use windows::{Late, Record, Seen, firings_counted};
 
 /// Harmonics up to this multiple of the firing order are looked for one by one, beyond it the multiples of the firing
@@ -37,11 +36,16 @@ const MOST_VARIATION: f64 = 0.2;
 /// Pairs of windows that show it.
 const FEWEST_PAIRS: usize = 20;
 
-/// The pulses that recordings show; `is_sound` says which of them may be used.
+/// The pulses that recordings show; `is_sound` says which of them may be used. `friction` is that of the dynamometer as
+/// run-outs show it, if there are any.
 ///
 /// # Errors
 /// No shaft, or no recording that shows the engine's pulses; without a reason where nothing fires.
-pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) -> Result<EnginePulses, Vec<Reason>> {
+pub fn engine_pulses(
+    parts: &Parts<'_>,
+    friction: Option<&EstimatedFriction>,
+    is_sound: &dyn Fn(&Experiment) -> bool,
+) -> Result<EnginePulses, Vec<Reason>> {
     if parts.bench.cylinders == 0 {
         return Err(Vec::new());
     }
@@ -59,7 +63,8 @@ pub fn engine_pulses(parts: &Parts<'_>, is_sound: &dyn Fn(&Experiment) -> bool) 
     let class = Class::of(&prior);
     let places: Vec<usize> = looked_for(cylinders, prior.harmonics.len()).collect();
     let orders: Vec<f64> = places.iter().map(|place| prior.harmonics[*place].order).collect();
-    let friction = Friction::of(parts.bench, || largest_torque_nm(&all));
+    let limit_nm = parts.bench.limits.torque_nm.unwrap_or_else(|| largest_torque_nm(&all));
+    let friction = ExpectedFriction::of(parts.bench, limit_nm, friction);
     let looks = parallel::map(&all, |experiment| seen(experiment, parts, &values, friction, &orders));
     let mut reasons = Vec::new();
     let mut seen: Vec<(Recording, Vec<Seen>)> = Vec::new();
@@ -113,7 +118,7 @@ fn seen(
     experiment: &Experiment,
     parts: &Parts<'_>,
     values: &Values,
-    friction: Friction,
+    friction: ExpectedFriction,
     orders: &[f64],
 ) -> Result<Vec<Seen>, EstimateError> {
     believable(experiment)?;

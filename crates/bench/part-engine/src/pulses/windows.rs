@@ -13,9 +13,9 @@ use std::f64::consts::{PI, TAU};
 use faer::Mat;
 use numerics::linalg::{Qr, solve_upper};
 use rig::bench_parameters::ONCE_A_TURN;
+use rig::dyno_friction::ExpectedFriction;
 use signal::{Complex64, Signal};
 
-use super::friction::Friction;
 use crate::source::Values;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
@@ -84,7 +84,7 @@ pub(super) struct Record<'a> {
     pub(super) engine_speed: Late<'a>,
     pub(super) torque: Late<'a>,
     /// Of the dynamometer's bearings.
-    pub(super) friction: Friction,
+    pub(super) friction: ExpectedFriction,
     /// Time over which the encoders average, s.
     pub(super) gate_s: f64,
 }

@@ -5,6 +5,7 @@ use bench_testkit::recordings::BENCH_A;
 use part_engine::engine_pulses;
 use part_shaft::Parts;
 use rig::bench_parameters::{BenchParameters, CycleHarmonic, MechanicsParameters};
+use rig::dyno_friction::EstimatedFriction;
 use rig::engine_pulses::EnginePulses;
 use rig::experiment::{ExperimentPlan, Waveform};
 use rig::{BenchFile, Experiment, prepare};
@@ -20,7 +21,11 @@ fn recorded(parameters: &BenchParameters, plans: &[ExperimentPlan], bench: &Benc
 }
 
 fn estimated(experiments: &[Experiment], bench: &BenchFile) -> EnginePulses {
-    engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench), &|_| true).unwrap()
+    with_run_outs(experiments, bench, None)
+}
+
+fn with_run_outs(experiments: &[Experiment], bench: &BenchFile, friction: Option<&EstimatedFriction>) -> EnginePulses {
+    engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), bench), friction, &|_| true).unwrap()
 }
 
 /// The bench with the friction that is assumed of it: the middle of what dynamometers with a limit of 400 Nm can have.
@@ -95,11 +100,47 @@ fn stat_the_parts_of_a_harmonic_are_separated_by_torque_and_speed() {
     }
 }
 
+/// The mean torque of the engine overcomes the friction of the dynamometer, once: with 14 Nm of it the pulses are those
+/// of the truth, whether run-outs show it or the bench file states it.
+#[test]
+fn stat_large_friction_counts_once_in_the_mean_torque_of_the_pulses() {
+    let mut bench = BenchParameters::default();
+    (bench.mechanics.coulomb_friction_nm, bench.mechanics.viscous_friction_nm_s_per_rad) = (8.0, 0.045);
+    let plans = [ExperimentPlan::bs_t_nt(1300.0, 20.0), ExperimentPlan::ramp_n_nt(1300.0, 20.0)];
+    let mut file = default_bench();
+    file.dynamometer_friction_uncertainty_percent = Some(2.0);
+    let experiments = recorded(&bench, &plans, &file);
+    let run_outs = EstimatedFriction {
+        coulomb_nm: 8.0,
+        viscous_nm_s_per_rad: 0.045,
+        covariance: [[0.01, 0.0], [0.0, 1e-7]],
+        speeds_rad_s: (5.0, 300.0),
+        recordings: vec!["NoShaft_N_NT.mf4".to_owned()],
+    };
+    let stated = BenchFile {
+        dynamometer_coulomb_friction_nm: Some(8.0),
+        dynamometer_friction_nm_s_per_rad: Some(0.045),
+        ..file.clone()
+    };
+    let ratio = |found: &EnginePulses| {
+        let [amplitude, _, truth] = compared(found, &bench, 4, (60.0, 136.0));
+        amplitude / truth
+    };
+    let shown = ratio(&with_run_outs(&experiments, &file, Some(&run_outs)));
+    let of_file = ratio(&estimated(&experiments, &stated));
+    let assumed = ratio(&estimated(&experiments, &file));
+    println!("run-outs {shown:.3}, stated {of_file:.3}, assumed {assumed:.3} of the truth");
+    assert!((shown - 1.0).abs() < 0.04, "{shown}");
+    assert!((of_file - 1.0).abs() < 0.04, "{of_file}");
+    // The class has at most a third of it, so that too small a torque seems to make the pulses.
+    assert!(assumed > shown + 0.05, "{assumed} {shown}");
+}
+
 #[test]
 fn regress_without_a_shaft_nothing_is_shown() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
     let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::no_shaft_n_nt(1200.0, 4.0)], &bench);
-    assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|_| true).is_err());
+    assert!(engine_pulses(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), None, &|_| true).is_err());
 }
 
 #[test]
@@ -107,7 +148,7 @@ fn regress_where_nothing_fires_there_are_no_pulses() {
     let bench = BenchFile { cylinders: 0, ..bench_file("0.6", "0.28", "400 Nm", BENCH_A) };
     let experiments = recorded(&BenchParameters::default(), &[ExperimentPlan::bs_t_nt(1200.0, 12.0)], &bench);
     let parts = Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench);
-    assert!(engine_pulses(&parts, &|_| true).is_err());
+    assert!(engine_pulses(&parts, None, &|_| true).is_err());
 }
 
 /// A disc that runs out gives order 1 a torque in which the mean torque has no part. Recordings begin at any angle of

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use part_friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, TorqueUsed, Undetermined, estimate};
 use rig::bench_parameters::BenchParameters;
+use rig::dyno_friction::EstimatedFriction;
 use rig::experiment::{ExperimentPlan, Waveform};
 use rig::results::Parameter;
 use rig::{ControlMode, Experiment, Role, prepare};
@@ -215,6 +216,53 @@ fn stat_intervals_of_inertia_and_friction_cover() {
         let share = covered.iter().filter(|c| c[k]).count() as f64 / RUNS as f64;
         println!("{name}: {share:.3}");
         assert!(share >= 0.9, "{name}: {share}");
+    }
+}
+
+/// The line of the bench model from two recordings of a bench with this friction.
+fn line_of(parameters: &BenchParameters, seed: u64) -> EstimatedFriction {
+    let plans = if seed.is_multiple_of(2) { [steps(), run_out()] } else { [steps(), steps()] };
+    let both = [0, 1].map(|i| recorded(parameters, &plans[i], 100 * i as u64 + seed));
+    let stated = default_bench().dynamometer_inertia();
+    estimate(&[&both[0], &both[1]], OPTIONS).unwrap().linear(stated).unwrap()
+}
+
+/// Tells whether the 95 % intervals of the line hold the friction at the lowest, the middle and the highest speed.
+fn covered(seed: u64) -> [bool; 3] {
+    let mut random = Random::new(3000 + seed);
+    let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let (coulomb, viscous) = (within(0.0, 3.0), within(0.0, 0.03));
+    let line = line_of(&bench_with(coulomb, viscous, within(0.4, 0.8)), seed);
+    let (low, high) = line.speeds_rad_s;
+    [low, 0.5 * (low + high), high].map(|speed| {
+        let apart = line.torque_nm(speed) - coulomb - viscous * speed;
+        let holds = apart.abs() < line.half_width_nm(speed);
+        if !holds {
+            println!("{seed}, {speed:.0} rad/s: off by {apart:.3} Nm, ± {:.3} Nm", line.half_width_nm(speed));
+        }
+        holds
+    })
+}
+
+#[test]
+fn stat_line_of_the_bench_model_holds_the_friction() {
+    for holds in in_parallel(2, |i| covered(500 + i as u64)) {
+        assert!(holds.iter().filter(|holds| **holds).count() >= 2, "{holds:?}");
+    }
+    let line = line_of(&bench_with(1.5, 0.02, 0.6), 4);
+    assert!(line.speeds_rad_s.0 < 70.0 && line.speeds_rad_s.1 > 250.0, "{line:?}");
+    assert!((line.torque_nm(150.0) - 4.5).abs() < 0.3 && line.half_width_nm(150.0) < 0.5, "{line:?}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_of_the_line_of_the_bench_model_cover() {
+    const RUNS: usize = 40;
+    let found = in_parallel(RUNS, |i| covered(i as u64));
+    for (k, place) in ["lowest", "middle", "highest"].iter().enumerate() {
+        let share = found.iter().filter(|holds| holds[k]).count() as f64 / RUNS as f64;
+        println!("{place} speed: {share:.3}");
+        assert!(share >= 0.88, "{place} speed: {share}");
     }
 }
 

@@ -7,6 +7,7 @@ mod align;
 mod bench_file;
 mod channels;
 mod damaged;
+mod dyno_friction;
 mod engine_pulses;
 mod experiment;
 mod prepare;

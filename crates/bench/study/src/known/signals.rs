@@ -2,6 +2,7 @@
 
 use numerics::order::upper_median;
 use rig::ExperimentLabel;
+use rig::dyno_friction::EstimatedFriction;
 use rig::results::{Outcome, Part, SignalDelay};
 
 use super::grade::{FRICTION_NM, Grade, WIDTHS};
@@ -49,10 +50,23 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
         }
         (Some(Err(why)), _) => unknown(Why::NoFriction(why.to_vec())),
         (None, Some(recording)) => {
+            if let Some(found) = study.model.as_ref().and_then(|model| model.dyno_friction.as_ref()) {
+                return of_model(found);
+            }
             Known { value: Value::NotSought, ..unknown(Why::FrictionIn(recording.file.clone())) }
         }
         (None, None) => unknown(Why::ShaftOn),
     }
+}
+
+/// Friction that is in the model: at the middle of the speeds of its run-outs.
+fn of_model(found: &EstimatedFriction) -> Known {
+    let speed_rad_s = 0.5 * (found.speeds_rad_s.0 + found.speeds_rad_s.1);
+    let (torque_nm, half_width_nm) = (found.torque_nm(speed_rad_s), found.half_width_nm(speed_rad_s));
+    let width = half_width_nm / torque_nm.max(FRICTION_NM / WIDTHS.well);
+    let value = Value::Friction { torque_nm, half_width_nm, speed_rad_s };
+    let why = Why::InModel { files: found.recordings.clone() };
+    Known::new(Subject::Friction, Grade::of_width(width, WIDTHS), value, vec![why])
 }
 
 /// The engine's torque.

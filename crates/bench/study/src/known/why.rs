@@ -137,6 +137,11 @@ pub enum Why {
         /// True where it does not differ from zero by more than its interval.
         is_small: bool,
     },
+    /// Friction is in the model, from recordings with the shaft off.
+    InModel {
+        /// The recordings.
+        files: Vec<String>,
+    },
     /// The recorded speeds do not show friction.
     SpeedsShowNone,
     /// Friction cannot be estimated.

@@ -50,7 +50,13 @@ pub(crate) fn document(model: BenchModel, recording: &str) -> BenchModelDocument
         verdict: None,
     };
     BenchModelDocument::new(
-        AssembledModel { model, uncertainty: uncertainty(60.0), engine_pulses: None, disturbances: None },
+        AssembledModel {
+            model,
+            uncertainty: uncertainty(60.0),
+            engine_pulses: None,
+            disturbances: None,
+            dyno_friction: None,
+        },
         facts,
         provenance,
     )

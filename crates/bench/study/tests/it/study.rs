@@ -81,6 +81,30 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
     );
 }
 
+/// The friction of the bench is within the interval that its model has, and the mean torque of the pulses rests on it.
+#[test]
+fn stat_run_outs_put_friction_into_the_model() {
+    let mut bench = BenchParameters::default();
+    bench.mechanics.coulomb_friction_nm = 1.5;
+    bench.mechanics.viscous_friction_nm_s_per_rad = 0.02;
+    let made =
+        |plan: &ExperimentPlan, seed| source(&format!("{}.mf4", plan.label), Ok(simulate(&bench, plan, seed).unwrap()));
+    let with_shaft = [ExperimentPlan::bs_t_nt(1200.0, 20.0), ExperimentPlan::white_noise_t_tn(1200.0, 20.0)];
+    let mut all: Vec<Source> = with_shaft.iter().map(|plan| made(plan, 3)).collect();
+    let without = studied(&default_bench(), all.iter().map(|one| source(&one.file, one.recording.clone())).collect());
+    assert_eq!(without.model.unwrap().dyno_friction, None);
+    all.push(made(&ExperimentPlan::no_shaft_n_nt(1200.0, 30.0), 4));
+    let study = studied(&default_bench(), all);
+    let found = study.model.unwrap().dyno_friction.unwrap();
+    println!("{found:?}");
+    for speed in [60.0, 120.0, 150.0] {
+        let (torque, half) = (found.torque_nm(speed), found.half_width_nm(speed));
+        println!("{speed}: {torque} ± {half}");
+        assert!((torque - 1.5 - 0.02 * speed).abs() < half && half < 1.0, "{speed}: {torque} ± {half}");
+    }
+    assert_eq!(found.recordings, ["NoShaft_N_NT.mf4"]);
+}
+
 #[test]
 fn exact_pulses_that_fold_to_rest_are_noticed() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);

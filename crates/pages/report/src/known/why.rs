@@ -69,6 +69,9 @@ pub(super) fn sentence(symbol: &str, why: &Why) -> String {
         },
         Why::BesideBend { role, late } => beside_bend(*role, late),
         Why::ShaftOff { files, is_small } => shaft_off(files, *is_small),
+        Why::InModel { files } => {
+            format!("From {}, with the shaft off; predictions count it.", wording::join(files, "and"))
+        }
         Why::SpeedsShowNone => "The recorded speeds do not show it.".to_owned(),
         Why::NoFriction(needs) => wording::capitalised(&format!("{}.", wording::reasons(needs))),
         Why::FrictionIn(file) => {

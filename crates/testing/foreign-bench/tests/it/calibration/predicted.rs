@@ -45,7 +45,8 @@ impl<'a> Predictor<'a> {
         // The user knows how late the air path is.
         let engine = EngineParameters { intake_lag_s: known.bench.engine.air_lag_s, ..stated.parameters.engine };
         let spread = BenchSpread::Estimated(&assembled.uncertainty);
-        let friction = FrictionSpread::of(&known.file, stated.parameters.drive.torque_limit_nm);
+        let friction =
+            FrictionSpread::of(&known.file, stated.parameters.drive.torque_limit_nm, assembled.dyno_friction.as_ref());
         let following = FollowingSpread { lag_s: 0.0, ..FollowingSpread::ASSUMED };
         let disturbances = assembled.disturbances.unwrap_or_else(Disturbances::assumed);
         let (limits, pulses) = (known.file.limits, stated.pulses);
