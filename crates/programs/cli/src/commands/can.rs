@@ -69,6 +69,7 @@ fn recorded(
 
 fn map(arguments: &CanArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let bench = known(&arguments.on, terminal)?;
+    Capability::check(&bench)?;
     let map = Capability::of(&bench, map_options(arguments)?)?;
     if !map.unchecked().is_empty() {
         let names = map.unchecked().iter().map(|of| of.key()).collect::<Vec<_>>().join(", ");

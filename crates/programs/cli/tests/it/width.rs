@@ -11,7 +11,7 @@ const WIDTHS: [usize; 3] = [60, 80, 120];
 
 /// A run of every command, in an order in which each finds what it reads. Some end with a message: those lines count
 /// too.
-const RUNS: [&str; 44] = [
+const RUNS: [&str; 45] = [
     "init recordings --out proposed.toml --force",
     "study bench.toml",
     "study proposed.toml",
@@ -34,6 +34,7 @@ const RUNS: [&str; 44] = [
     "experiment check bench.toml BS_T_NT --duration 4s --samples 72",
     "experiment simulate bench.toml BS_T_NT --duration 1s --out run.mf4",
     "experiment next nowhere.toml",
+    "report study/study.json",
     "diff study/model.json study/model.json",
     "export study/model.json --to c --out exported",
     "inspect recordings",

@@ -61,6 +61,14 @@ pub struct Capability {
 }
 
 impl Capability {
+    /// Checks that there can be a map of a bench, before anything is asked of it.
+    ///
+    /// # Errors
+    /// A bench that cannot be predicted.
+    pub fn check(bench: &KnownBench) -> Result<(), Error> {
+        bench.model_with_shaft().map(|_| ()).map_err(|reason| bench.refused(reason))
+    }
+
     /// The map of a bench.
     ///
     /// # Errors
