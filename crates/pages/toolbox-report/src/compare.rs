@@ -1,15 +1,17 @@
 //! Models compared on recordings.
 
 use ident::validate::Judgement;
-use ident::{Dataset, IdentError};
+use ident::{Dataset, IdentError, Label};
+use numerics::null::nan_if_null;
 use page::decimal::{percent, significant};
 use page::{Align, Block, Page, Table};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::blocks::name;
 use crate::figures::{Shown, comparison};
 
 /// A model and the recordings it met.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Met {
     /// Name of the model.
     pub model: String,
@@ -26,15 +28,53 @@ pub fn page(all: &[Met]) -> Page {
     Page::new("Models compared", blocks.collect())
 }
 
-/// The same in numbers.
-pub fn json(all: &[Met]) -> Value {
-    let row = |met: &Met| match &met.judged {
-        Ok(j) => json!({"model": met.model, "outputs": met.data.output_labels(),
-            "recordings": met.data.experiments().iter().map(|e| e.name.as_str()).collect::<Vec<_>>(),
-            "fit_percent": j.fit_percent, "rms_error": j.rms_error, "loss": j.loss}),
-        Err(reason) => json!({"model": met.model, "error": reason.to_string()}),
-    };
-    all.iter().map(row).collect()
+/// A model and the recordings it met, in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum MetFacts {
+    /// Its responses were judged.
+    Judged {
+        /// Name of the model.
+        model: String,
+        /// Its outputs.
+        outputs: Vec<Label>,
+        /// Names of the recordings.
+        recordings: Vec<String>,
+        /// Fit of each recording and output, %.
+        #[serde(deserialize_with = "nan_if_null")]
+        fit_percent: Vec<Vec<f64>>,
+        /// Error of each recording and output, in the unit of the output.
+        #[serde(deserialize_with = "nan_if_null")]
+        rms_error: Vec<Vec<f64>>,
+        /// Determinant of the mean square of the errors.
+        #[serde(deserialize_with = "nan_if_null")]
+        loss: f64,
+    },
+    /// It cannot be compared.
+    Failed {
+        /// Name of the model.
+        model: String,
+        /// The reason.
+        error: String,
+    },
+}
+
+impl Met {
+    /// The same in numbers.
+    pub fn facts(&self) -> MetFacts {
+        let model = self.model.clone();
+        match &self.judged {
+            Ok(judged) => MetFacts::Judged {
+                model,
+                outputs: self.data.output_labels().to_vec(),
+                recordings: self.data.experiments().iter().map(|e| e.name.clone()).collect(),
+                fit_percent: judged.fit_percent.clone(),
+                rms_error: judged.rms_error.clone(),
+                loss: judged.loss,
+            },
+            Err(reason) => MetFacts::Failed { model, error: reason.to_string() },
+        }
+    }
 }
 
 fn shown(met: &Met) -> Option<Shown<'_>> {

@@ -3,9 +3,10 @@
 use ident::distributions::normal_quantile;
 use ident::validate::{Independence, JointTest, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
+use numerics::null::{infinite_if_null, nan_if_null};
 use page::decimal::probability;
 use page::{Abscissa, Axis, Block, Figure, Finding, Layer, Page, Panel, Prose, Style, Tone, rounded};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::blocks::line;
 use crate::figures::figure;
@@ -22,12 +23,24 @@ pub fn page(report: &ResidualReport, data: &Dataset) -> Page {
     Page::new("Residuals", blocks)
 }
 
-/// The same in numbers.
-pub fn json(report: &ResidualReport, data: &Dataset) -> Value {
-    let mut tests = numbers(report);
-    tests["inputs"] = json!(data.input_labels());
-    tests["outputs"] = json!(data.output_labels());
-    tests
+/// Tests of the residuals of a model on data, in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualFacts {
+    /// The tests.
+    #[serde(flatten)]
+    pub tests: TestFacts,
+    /// The inputs of the model.
+    pub inputs: Vec<Label>,
+    /// The outputs of the model.
+    pub outputs: Vec<Label>,
+}
+
+impl ResidualFacts {
+    /// Of a report on data.
+    pub fn of(report: &ResidualReport, data: &Dataset) -> Self {
+        let (inputs, outputs) = (data.input_labels().to_vec(), data.output_labels().to_vec());
+        ResidualFacts { tests: TestFacts::of(report), inputs, outputs }
+    }
 }
 
 /// Findings of the tests, output by output.
@@ -77,21 +90,96 @@ fn finding(test: &JointTest, good: String, bad: String) -> Block {
     Block::Finding(Finding::new(tone, severity, Prose::verbatim(text)))
 }
 
-/// The tests in numbers.
-pub(crate) fn numbers(report: &ResidualReport) -> Value {
-    let joint = |test: &JointTest| json!({"p_value": test.p_value, "passed": test.passes(REGION)});
-    let of = |i: &Independence| {
-        json!({"dynamics": joint(&i.dynamics), "past": joint(&i.past), "feedback": joint(&i.feedback),
-            "cross": i.cross, "bounds": i.bounds})
-    };
-    let independence: Vec<Vec<_>> = report.independence.iter().map(|row| row.iter().map(of).collect()).collect();
-    let whiteness: Vec<_> = report
-        .whiteness
-        .iter()
-        .map(|w| json!({"joint": joint(&w.joint), "auto": w.auto, "bounds": w.bounds}))
-        .collect();
-    json!({"level": REGION, "whiteness": whiteness, "independence": independence,
-        "samples": report.samples, "samples_given": report.samples_given})
+/// Tests of residuals in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TestFacts {
+    /// Confidence of the regions.
+    pub level: f64,
+    /// Tests of each output for whiteness.
+    pub whiteness: Vec<WhitenessFacts>,
+    /// Tests of each output for independence of each input.
+    pub independence: Vec<Vec<IndependenceFacts>>,
+    /// Number of samples that were tested.
+    pub samples: usize,
+    /// Number of samples that there are.
+    pub samples_given: usize,
+}
+
+/// Test for whiteness.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WhitenessFacts {
+    /// All lags together.
+    pub joint: JointFacts,
+    /// Autocorrelations from lag 0 on.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub auto: Vec<f64>,
+    /// Their regions; infinite at lags without pairs.
+    #[serde(deserialize_with = "infinite_if_null")]
+    pub bounds: Vec<f64>,
+}
+
+/// Test for independence of an input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IndependenceFacts {
+    /// Correlation that missing dynamics cause.
+    pub dynamics: JointFacts,
+    /// Correlation with the past of the input.
+    pub past: JointFacts,
+    /// Correlation with the future of the input.
+    pub feedback: JointFacts,
+    /// Correlations, those of negative lags first.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub cross: Vec<f64>,
+    /// Their regions; infinite at lags without pairs.
+    #[serde(deserialize_with = "infinite_if_null")]
+    pub bounds: Vec<f64>,
+}
+
+/// Test of several lags together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointFacts {
+    /// Probability of such correlations by chance.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub p_value: f64,
+    /// True where it passed.
+    pub passed: bool,
+}
+
+impl TestFacts {
+    pub(crate) fn of(report: &ResidualReport) -> Self {
+        let independence = |row: &Vec<Independence>| row.iter().map(IndependenceFacts::of).collect();
+        TestFacts {
+            level: REGION,
+            whiteness: report.whiteness.iter().map(WhitenessFacts::of).collect(),
+            independence: report.independence.iter().map(independence).collect(),
+            samples: report.samples,
+            samples_given: report.samples_given,
+        }
+    }
+}
+
+impl WhitenessFacts {
+    fn of(test: &Whiteness) -> Self {
+        WhitenessFacts { joint: JointFacts::of(&test.joint), auto: test.auto.clone(), bounds: test.bounds.clone() }
+    }
+}
+
+impl IndependenceFacts {
+    fn of(test: &Independence) -> Self {
+        IndependenceFacts {
+            dynamics: JointFacts::of(&test.dynamics),
+            past: JointFacts::of(&test.past),
+            feedback: JointFacts::of(&test.feedback),
+            cross: test.cross.clone(),
+            bounds: test.bounds.clone(),
+        }
+    }
+}
+
+impl JointFacts {
+    fn of(test: &JointTest) -> Self {
+        JointFacts { p_value: test.p_value, passed: test.passes(REGION) }
+    }
 }
 
 /// Correlations of the residuals, a figure for each output.

@@ -2,9 +2,10 @@
 
 use ident::validate::Judgement;
 use ident::{Dataset, Label};
+use numerics::null::nan_if_null;
 use page::decimal::percent;
 use page::{Block, Page};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::blocks::line;
 use crate::figures::{Shown, comparison};
@@ -24,6 +25,27 @@ pub struct Responded<'a> {
     pub judged: &'a Judgement,
 }
 
+/// Response of an output to a recording, in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResponseFacts {
+    /// Name of the recording.
+    pub recording: String,
+    /// Name of the output.
+    pub output: String,
+    /// Its unit.
+    pub unit: String,
+    /// Time of the first value, s.
+    pub start_s: f64,
+    /// Time between values, s.
+    pub sample_time_s: f64,
+    /// Fit to the recorded output, %; NaN where it was not recorded.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub fit_percent: f64,
+    /// The values.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub values: Vec<f64>,
+}
+
 impl Responded<'_> {
     /// How well each output is met, and the responses drawn.
     pub fn page(&self) -> Page {
@@ -36,14 +58,19 @@ impl Responded<'_> {
         Page::new(format!("{}, {}", self.model, self.what), self.pairs().map(sentence).chain(figures).collect())
     }
 
-    /// The responses in numbers.
-    pub fn json(&self) -> Value {
+    /// The responses in numbers, one a recording and output.
+    pub fn facts(&self) -> Vec<ResponseFacts> {
         let row = |(n, o): (usize, usize)| {
             let (experiment, output) = (&self.data.experiments()[n], &self.outputs[o]);
-            json!({"recording": experiment.name, "output": output.name, "unit": output.unit,
-                "start_s": experiment.start_s, "sample_time_s": self.data.sample_time_s(),
-                "fit_percent": self.judged.fit_percent[n][o],
-                "values": self.judged.response.outputs[n].col_as_slice(o)})
+            ResponseFacts {
+                recording: experiment.name.clone(),
+                output: output.name.clone(),
+                unit: output.unit.clone(),
+                start_s: experiment.start_s,
+                sample_time_s: self.data.sample_time_s(),
+                fit_percent: self.judged.fit_percent[n][o],
+                values: self.judged.response.outputs[n].col_as_slice(o).to_vec(),
+            }
         };
         self.pairs().map(row).collect()
     }

@@ -4,7 +4,14 @@ use std::io;
 use std::path::PathBuf;
 
 use dynoid::experiments::OPTIMAL;
-use dynoid::{Error, NotDesigned, NotPredicted};
+use dynoid::{Error, Fault, NotDesigned, NotPredicted};
+use ident::IdentError;
+use lti::{Complex64, LtiError};
+use page::decimal::significant;
+use toolbox_report::convert::ConvertError;
+use toolbox_report::words::pair;
+
+use crate::summary::shown;
 
 /// The command line is wrong.
 const USAGE: u8 = 2;
@@ -71,18 +78,9 @@ pub(crate) enum CliError {
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file exists already; write another with --out, add to it with --update, or replace it with --force", .path.display())]
     BenchFileExists { path: PathBuf },
-    /// The demo's folder holds other things.
-    #[error(
-        "{}: the folder contains other files ({found}); choose another folder with --out",
-        .path.display()
-    )]
-    NotADemoFolder { path: PathBuf, found: String },
     /// Standard output cannot be written.
     #[error("the standard output cannot be written: {source}; is the disk full?")]
     StandardOutput { source: io::Error },
-    /// Nothing is left of a recording.
-    #[error("{file}: nothing to convert: no numeric channel has a sample in this time{}", because(.reasons))]
-    NothingToConvert { file: String, reasons: Vec<String> },
     /// No recording from which PI and delay can be estimated.
     #[error(
         "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
@@ -95,26 +93,12 @@ pub(crate) enum CliError {
     /// The noise test of the controller is impossible.
     #[error("{source}")]
     NoiseTest { source: rig::estimation::EstimateError },
-    /// No recording can be used.
-    #[error("{}: none of the recordings can be used", .path.display())]
-    NothingToLookAt { path: PathBuf },
     /// A wrong command line.
     #[error("{what}")]
     Usage { what: String },
     /// An estimate is impossible.
     #[error("{data}: the estimate is not possible: {source}{remedy}")]
     Estimate { data: String, source: ident::IdentError, remedy: String },
-    /// A model meets a channel in another unit.
-    #[error(
-        "{data}: \"{channel}\" has the unit {found}, but {expected} in the model; convert the recording, or fit the model again"
-    )]
-    UnitOfModel { data: String, channel: String, found: String, expected: String },
-    /// A file that is not a structure of a grey-box model.
-    #[error("{}: this is not a structure of a grey-box model: {reason}\n`dynoid fit greybox --help` shows the layout", .path.display())]
-    StructureFile { path: PathBuf, reason: String },
-    /// A recording that a bench model cannot be run on.
-    #[error("the recording cannot be replayed on a bench model: {reason}")]
-    NotReplayed { reason: String },
 }
 
 impl CliError {
@@ -126,18 +110,12 @@ impl CliError {
         Error::internal(what).into()
     }
 
-    /// Tells whether an input is the cause.
-    pub(crate) fn is_of_input(&self) -> bool {
-        self.code() == INPUT || matches!(self, CliError::Door { source: Error::Encode { .. } })
-    }
-
     pub(crate) fn code(&self) -> u8 {
         match self {
             CliError::Door { source } => code_of(source),
-            CliError::BenchFileExists { .. }
-            | CliError::NotABenchFile { .. }
-            | CliError::NotADemoFolder { .. }
-            | CliError::StandardOutput { .. } => OUTPUT,
+            CliError::BenchFileExists { .. } | CliError::NotABenchFile { .. } | CliError::StandardOutput { .. } => {
+                OUTPUT
+            }
             CliError::Usage { .. } => USAGE,
             _ => INPUT,
         }
@@ -145,43 +123,11 @@ impl CliError {
 }
 
 fn code_of(error: &Error) -> u8 {
-    match error {
-        Error::Write { .. }
-        | Error::InTheWay { .. }
-        | Error::Occupied { .. }
-        | Error::IsReadOnly { .. }
-        | Error::IsDevice { .. }
-        | Error::AmongRecordings { .. }
-        | Error::OtherFmi { .. }
-        | Error::OtherSource { .. }
-        | Error::Encode { .. } => OUTPUT,
-        Error::IsRead { .. }
-        | Error::OutputEnding { .. }
-        | Error::ModelEnding { .. }
-        | Error::PageEnding { .. }
-        | Error::NotABench { .. }
-        | Error::ManyFiles { .. }
-        | Error::NotToml { .. }
-        | Error::NothingAdded { .. }
-        | Error::ChannelTwice { .. }
-        | Error::RecordingTwice { .. }
-        | Error::EmptyWindow { .. }
-        | Error::NoOutputNamed { .. }
-        | Error::OtherEnding { .. }
-        | Error::FileOfLinear { .. }
-        | Error::NameInside { .. }
-        | Error::Catalogue { .. }
-        | Error::NotDesigned { .. }
-        | Error::UnknownTest { .. }
-        | Error::NeedsVehicle { .. }
-        | Error::NeedsEngineMap { .. }
-        | Error::Cycle { .. }
-        | Error::Requirement { .. }
-        | Error::NoRegressions { .. }
-        | Error::NothingToJudgeBy { .. }
-        | Error::SpeedOfMap { .. } => USAGE,
-        Error::Internal { .. } => INTERNAL,
-        _ => INPUT,
+    match error.fault() {
+        Fault::Request => USAGE,
+        Fault::Input => INPUT,
+        Fault::Output => OUTPUT,
+        Fault::Internal => INTERNAL,
     }
 }
 
@@ -203,6 +149,31 @@ fn in_options(error: &Error) -> String {
         Error::EmptyWindow { from_s, to_s } => {
             format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first")
         }
+        Error::SeveralIntoOne { path } => format!(
+            "{}: for a folder of recordings say their format with --to, as in --to mf4 --out FOLDER",
+            path.display()
+        ),
+        Error::FileForSeveral { path } => {
+            format!("{}: with --to, --out is a folder; leave --to out to write this file", path.display())
+        }
+        Error::NotADemoFolder { path, found } => format!(
+            "{}: the folder contains other files ({}); choose another folder with --out",
+            path.display(),
+            shown(found)
+        ),
+        Error::NoSuchChannel { .. } => format!("--channels {error}"),
+        Error::ClockOfModel { given_s, own_s } => format!(
+            "--sample-time {given_s}: the model is discrete, with a sample every {own_s} s, and keeps to that; leave the option out, or convert the model"
+        ),
+        Error::TrendOfMissing { channel } => format!(
+            "--detrend takes off what the outputs show, and \"{channel}\" is not in the recording; leave the option out, and the operating point of the model is taken"
+        ),
+        Error::LagsOfTest { lags, samples } => {
+            format!("--lags {lags}: give at least 1, and at most a quarter of the {samples} samples")
+        }
+        Error::TwoClocks { file } => {
+            format!("{file}: it has time stamps, so give --sample-time or --rate, not both")
+        }
         Error::NoOutputNamed { file, channels } => {
             format!("{file}: name outputs with --output and inputs with --input; the channels are {channels}")
         }
@@ -217,6 +188,7 @@ fn in_options(error: &Error) -> String {
         }
         Error::Catalogue { experiment, source } if experiment == OPTIMAL => format!("--optimal: {source}"),
         Error::NotDesigned { reason } => format!("--optimal: {}", designed_with(reason)),
+        Error::NotConverted { source } => converted_with(source).unwrap_or_else(|| error.to_string()),
         _ => format!("{error}{}", hint(error)),
     }
 }
@@ -232,6 +204,25 @@ fn designed_with(reason: &NotDesigned) -> String {
         NotDesigned::NothingLeft { .. } => format!("{reason} with --set torque=…"),
         NotDesigned::Design(_) => reason.to_string(),
     }
+}
+
+/// Why a model is not converted, with the options that are the remedy.
+fn converted_with(error: &ConvertError) -> Option<String> {
+    Some(match error {
+        ConvertError::DelaysDiffer => {
+            format!("{error}, which a state space with delayed inputs cannot hold; give --to tf, or --sample-time")
+        }
+        ConvertError::WhiteNoise => format!("{error}: there is nothing to convert"),
+        ConvertError::Model(IdentError::Lti(LtiError::FractionalDelay { delay_s, sample_time_s })) => format!(
+            "the delay of {} s is no whole number of samples of {sample_time_s} s, which this --method needs; --method zoh is exact for any delay (with --to ss foh is too), or choose a --sample-time that divides it",
+            significant(*delay_s)
+        ),
+        ConvertError::Model(IdentError::Lti(LtiError::NoLogarithm { re, im })) => format!(
+            "the model has a pole (or with --method matched a zero) at {}, which no continuous model of the same order has under this --method: one at 0 is that of numerator coefficients beyond the order of the denominator, a negative one turns at half the sample rate; --method tustin gives an approximation, a fit of another order or of a continuous model (tf) avoids it",
+            pair(Complex64::new(*re, *im))
+        ),
+        ConvertError::Model(_) => return None,
+    })
 }
 
 /// The options that are the remedy of an error, behind its text.
@@ -251,16 +242,10 @@ fn hint(error: &Error) -> &'static str {
         Error::NeedsEngineMap { .. } => " with --engine-map FILE",
         Error::NeedsMap { .. } => " with --engine-map",
         Error::StillChannel { .. } => " with --from and --to",
+        Error::StructureFile { .. } => "\n`dynoid fit greybox --help` shows the layout",
+        Error::TwoKinds { .. } => ". `dynoid export --to linear` makes linear models of a bench model",
+        Error::NoBenchBeside { .. } => " with --bench bench.toml",
+        Error::NoLabel { .. } => ", with --mode nt or --mode tn",
         _ => "",
     }
-}
-
-/// The first reasons, one a line.
-fn because(reasons: &[String]) -> String {
-    const MOST: usize = 5;
-    let mut lines: Vec<String> = reasons.iter().take(MOST).map(|reason| format!("\n  {reason}")).collect();
-    if reasons.len() > MOST {
-        lines.push(format!("\n  and {} more", reasons.len() - MOST));
-    }
-    lines.concat()
 }

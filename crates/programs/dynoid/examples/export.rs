@@ -2,22 +2,16 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
+use dynoid::experiments::{BenchParameters, ExperimentPlan, VirtualRecordings};
 use dynoid::{Bench, Export, ExportTarget, Files, Session};
-use rig::bench_parameters::BenchParameters;
-use rig::experiment::ExperimentPlan;
-use study::Source;
 use work::Context;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (files, context, folder) = (Files::new("example", false), Context::new(), tempfile::tempdir()?);
     let plans = [ExperimentPlan::bs_t_nt(1200.0, 20.0), ExperimentPlan::white_noise_t_tn(1200.0, 20.0)];
-    let mut sources = Vec::new();
-    for (plan, seed) in plans.iter().zip(1..) {
-        let recording = virtual_bench::simulate(&BenchParameters::default(), plan, seed);
-        sources.push(Source { file: format!("{}_1200", plan.label), sha256: String::new(), recording: Ok(recording?) });
-    }
+    let recordings = VirtualRecordings::of(&BenchParameters::default(), &plans, 1, &context)?;
     let bench = Bench::of("bench.toml".as_ref(), bench_testkit::benches::default_bench());
-    let model = Session::of(bench, sources, &context).bench_model(&context)?;
+    let model = Session::of(bench, recordings.sources(), &context).bench_model(&context)?;
     for target in [ExportTarget::Python, ExportTarget::Fmu3] {
         let written = Export::of_bench(&model, target, folder.path())?.write(&files)?;
         println!("{:?}", written.files);

@@ -13,6 +13,7 @@ use report::wording;
 use rig::bench_file::BenchFileError;
 use rig::experiment::catalogue::CatalogueError;
 use study::{NextError, StudyError};
+use toolbox_report::convert::ConvertError;
 
 /// Why the work cannot go on. A text that ends in a remedy can be followed by how a program offers it.
 #[derive(Debug, thiserror::Error)]
@@ -283,6 +284,89 @@ pub enum Error {
     /// A speed at which a bench has no map.
     #[error("{rpm} rpm: a map needs a speed above 0 rpm, since an engine turns forwards")]
     SpeedOfMap { rpm: f64 },
+    /// Several recordings for one file.
+    #[error("{}: for a folder of recordings say their format", .path.display())]
+    SeveralIntoOne { path: PathBuf },
+    /// A file where recordings of a stated format are to be written.
+    #[error("{}: recordings of a stated format go to a folder; name a folder", .path.display())]
+    FileForSeveral { path: PathBuf },
+    /// Two recordings of one name.
+    #[error("{one} and {other} would both become {}; convert them into different folders", .path.display())]
+    OneTarget { one: String, other: String, path: PathBuf },
+    /// A channel that no recording has.
+    #[error("{pattern}: no recording has such a channel{}", closest_words(.closest))]
+    NoSuchChannel { pattern: String, closest: Vec<String> },
+    /// Nothing is left of a recording.
+    #[error("{file}: nothing to convert: no numeric channel has a sample in this time{}", because(.reasons))]
+    NothingToConvert { file: String, reasons: Vec<String> },
+    /// A recording that is to have two clocks.
+    #[error("{file}: it has time stamps, so give a sample time or a rate, not both")]
+    TwoClocks { file: String },
+    /// A file that is not a structure of a grey-box model.
+    #[error("{}: this is not a structure of a grey-box model: {reason}", .path.display())]
+    StructureFile { path: PathBuf, reason: String },
+    /// A model that cannot be converted.
+    #[error("the conversion is not possible: {source}")]
+    NotConverted { source: ConvertError },
+    /// A model that meets a channel in another unit.
+    #[error(
+        "{data}: \"{channel}\" has the unit {found}, but {expected} in the model; convert the recording, or fit the model again"
+    )]
+    UnitOfModel { data: String, channel: String, found: String, expected: String },
+    /// A discrete model that is to meet data on another clock.
+    #[error(
+        "the model is discrete, with a sample every {own_s} s, and keeps to that; leave out the sample time of {given_s} s, or \
+         convert the model"
+    )]
+    ClockOfModel { given_s: f64, own_s: f64 },
+    /// A simulation of a model without inputs.
+    #[error("a model without inputs has nothing to be simulated on")]
+    NothingToSimulateOn,
+    /// A trend of the outputs that cannot be taken off, because one was not recorded.
+    #[error(
+        "a trend that the outputs show is to be taken off, and \"{channel}\" is not in the recording; take off the operating \
+         point of the model"
+    )]
+    TrendOfMissing { channel: String },
+    /// A test of residuals with lags for which data are too short.
+    #[error("{lags} lags: give at least 1, and at most a quarter of the {samples} samples")]
+    LagsOfTest { lags: usize, samples: usize },
+    /// Several recordings in a file that has room for one.
+    #[error("{}: .{ending} holds one recording, and {count} are given; write .mf4, or one after the other", .path.display())]
+    OneRecordingFile { path: PathBuf, ending: &'static str, count: usize },
+    /// Models of both kinds, which cannot be compared.
+    #[error(
+        "{} is a bench model and {} a linear model; compare models of one kind",
+        .bench.display(), .linear.display()
+    )]
+    TwoKinds { bench: PathBuf, linear: PathBuf },
+    /// A bench file that is not beside a bench model.
+    #[error(
+        "{}: the bench file states which channel is which, and it is not beside the model; give it",
+        .path.display()
+    )]
+    NoBenchBeside { path: PathBuf },
+    /// A recording whose name does not say how the dynamometer was controlled.
+    #[error("{file}: its name has no label such as BS_T_NT; state how the dynamometer was controlled")]
+    NoLabel { file: String },
+    /// A recording that a bench model cannot be run on.
+    #[error("the recording cannot be replayed on a bench model: {reason}")]
+    NotReplayed { reason: String },
+    /// The folder of a demonstration holds other things.
+    #[error("{}: the folder contains other files ({}); choose another folder", .path.display(), .found.display())]
+    NotADemoFolder { path: PathBuf, found: PathBuf },
+    /// Recordings none of which can be used.
+    #[error("{}: none of the recordings can be used", .path.display())]
+    NothingToLookAt { path: PathBuf },
+    /// A torque of several recordings, of which one can be written.
+    #[error(
+        "{}: {what} of one recording is written, and {count} are given; name the one that is meant",
+        .path.display()
+    )]
+    TorqueOfSeveral { path: PathBuf, what: &'static str, count: usize },
+    /// A torque that was not rebuilt.
+    #[error("{file}: {reason}")]
+    NotRebuilt { file: String, reason: String },
     /// A study's file that cannot be used.
     #[error("{}: {source}", .path.display())]
     Study { path: PathBuf, source: study::document::DocumentError },
@@ -387,6 +471,22 @@ pub enum NotDesigned {
     /// The task has no solution.
     #[error(transparent)]
     Design(#[from] DesignError),
+}
+
+/// The names that are closest to one that is missing.
+fn closest_words(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    if names.is_empty() { String::new() } else { format!("; the closest are {}", names.join(", ")) }
+}
+
+/// The first reasons, one a line.
+fn because(reasons: &[String]) -> String {
+    const MOST: usize = 5;
+    let mut lines: Vec<String> = reasons.iter().take(MOST).map(|reason| format!("\n  {reason}")).collect();
+    if reasons.len() > MOST {
+        lines.push(format!("\n  and {} more", reasons.len() - MOST));
+    }
+    lines.concat()
 }
 
 fn experiment_remedy(error: &CatalogueError) -> &'static str {

@@ -3,8 +3,8 @@
 use ident::uncertainty::Derived;
 use ident::{AnyModel, Fit, IdentError, Structure};
 use page::Block;
-use serde_json::{Value, json};
 
+use super::facts::DerivedFacts;
 use super::table::{INTERVAL, Known, estimate, estimates};
 use crate::blocks::line;
 
@@ -48,19 +48,19 @@ pub(super) fn blocks(fit: &Fit<AnyModel>) -> Option<Block> {
     Some(Block::Table(table))
 }
 
-/// The same in numbers; null where they cannot be computed.
-pub(super) fn json(fit: &Fit<AnyModel>) -> Value {
+/// The same in numbers; none where they cannot be computed.
+pub(super) fn facts(fit: &Fit<AnyModel>) -> Option<Vec<DerivedFacts>> {
     let (names, derived) = match derived(fit) {
-        Ok(None) => return json!([]),
+        Ok(None) => return Some(Vec::new()),
         Ok(Some(found)) => found,
-        Err(_) => return Value::Null,
+        Err(_) => return None,
     };
     let (errors, intervals) = (derived.standard_errors(), derived.intervals(INTERVAL));
-    let quantity = |(i, name): (usize, &String)| {
-        let (low, high) = intervals[i];
-        json!({
-            "name": name, "value": derived.values[i], "standard_error": errors[i], "interval_95": [low, high],
-        })
+    let quantity = |(i, name): (usize, String)| DerivedFacts {
+        name,
+        value: derived.values[i],
+        standard_error: errors[i],
+        interval_95: intervals[i].into(),
     };
-    names.iter().enumerate().map(quantity).collect()
+    Some(names.into_iter().enumerate().map(quantity).collect())
 }

@@ -1,6 +1,7 @@
 //! An estimate: the model with its uncertainty, how good it is, and what to doubt.
 
 mod derived;
+mod facts;
 mod judged;
 mod repeated;
 mod table;
@@ -10,16 +11,16 @@ use ident::validate::{Judgement, ResidualReport};
 use ident::{AnyModel, Dataset, Doubt, Fit, IdentError, Label, LinearModel, ModelDocument, Parametric};
 use page::decimal::{digits, percent, significant};
 use page::{Align, Block, Blocks, Page, Table, Tone};
-use serde_json::{Value, json};
 
 use crate::blocks::{finding, heading, line, name};
 use crate::models::poles;
-use crate::residuals::{self, REGION};
+use crate::residuals::{self, REGION, TestFacts};
 use crate::words;
 use judged::{Judged, is_singular};
 use repeated::Repeated;
 use table::{INTERVAL, Known, estimate, estimates};
 
+pub use facts::{DerivedFacts, EstimateFacts, JudgedFacts, RepeatedFacts};
 pub use judged::Verdict;
 
 /// Estimate with its model, its verdict and the number of its experiments.
@@ -93,23 +94,22 @@ impl Estimated {
     }
 
     /// The estimate in numbers, with what was done to the data on the way.
-    pub fn json(&self, adjustments: &[impl AsRef<str>]) -> Value {
-        // What is not known is null.
-        let intervals: Vec<[f64; 2]> = self.fit.intervals(INTERVAL).into_iter().map(|(a, b)| [a, b]).collect();
-        json!({
-            "model": self.document,
-            "adjustments": adjustments.iter().map(AsRef::as_ref).collect::<Vec<&str>>(),
-            "standard_errors": self.fit.standard_errors(),
-            "intervals_95": intervals,
-            "levels": self.fit.levels,
-            "derived": derived::json(&self.fit),
-            "criteria": self.verdict.criteria,
-            "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
-            "residuals": self.verdict.residuals.as_ref().ok().map(residuals::numbers),
-            "residuals_error": self.verdict.no_residuals(),
-            "at_bound": (0..intervals.len()).map(|i| self.fit.is_at_bound(i)).collect::<Vec<_>>(),
-            "doubts": self.doubts().into_iter().map(|(_, doubt)| doubt).collect::<Vec<_>>(),
-        })
+    pub fn facts(&self, adjustments: Vec<String>) -> EstimateFacts {
+        let intervals: Vec<[f64; 2]> = self.fit.intervals(INTERVAL).into_iter().map(<[f64; 2]>::from).collect();
+        EstimateFacts {
+            model: self.document.clone(),
+            adjustments,
+            standard_errors: self.fit.standard_errors(),
+            levels: self.fit.levels.clone(),
+            derived: derived::facts(&self.fit),
+            criteria: self.verdict.criteria,
+            judged: self.verdict.judged.iter().map(JudgedFacts::of).collect(),
+            residuals: self.verdict.residuals.as_ref().ok().map(TestFacts::of),
+            residuals_error: self.verdict.no_residuals(),
+            at_bound: (0..intervals.len()).map(|i| self.fit.is_at_bound(i)).collect(),
+            doubts: self.doubts().into_iter().map(|(_, doubt)| doubt).collect(),
+            intervals_95: intervals,
+        }
     }
 
     fn text(&self) -> Blocks {
@@ -302,21 +302,4 @@ impl Estimated {
         };
         self.verdict.judged.iter().flat_map(of).collect()
     }
-}
-
-fn judged_json(judged: &Judged) -> Value {
-    let fit = |j: &Result<Judgement, IdentError>| j.as_ref().ok().map(|j| j.fit_percent.clone());
-    let error = |j: &Result<Judgement, IdentError>| j.as_ref().err().map(ToString::to_string);
-    json!({
-        "data": judged.name,
-        "experiments": judged.experiments,
-        "fit_percent_simulated": fit(&judged.simulated).filter(|_| !judged.diverges),
-        "fit_percent_predicted": fit(&judged.predicted),
-        "error_simulated": match judged.diverges {
-            true => Some("the model is not stable, and its simulation measures nothing".to_owned()),
-            false => error(&judged.simulated),
-        },
-        "error_predicted": error(&judged.predicted),
-        "repeated": judged.repeated.iter().map(Repeated::json).collect::<Vec<_>>(),
-    })
 }

@@ -5,9 +5,9 @@ use ident::prediction::Response;
 use ident::validate::fit_percent;
 use ident::{Dataset, Experiment};
 use page::decimal::{digits, percent};
-use serde_json::{Value, json};
 use signal::frf::repeated_response;
 
+use super::facts::RepeatedFacts;
 use crate::words::counted;
 
 /// A period this close to a whole number of samples is one.
@@ -105,8 +105,13 @@ impl Repeated {
         missed.map(text).collect()
     }
 
-    pub(super) fn json(&self) -> Value {
-        json!({"experiment": self.experiment, "period_s": self.period_s, "periods": self.periods,
-            "fit_percent_simulated": self.fit_percent, "fit_percent_attainable": self.attainable_percent})
+    pub(super) fn facts(&self) -> RepeatedFacts {
+        RepeatedFacts {
+            experiment: self.experiment.clone(),
+            period_s: self.period_s,
+            periods: self.periods,
+            fit_percent_simulated: self.fit_percent.clone(),
+            fit_percent_attainable: self.attainable_percent.clone(),
+        }
     }
 }

@@ -8,8 +8,8 @@ use ident::validate::judge;
 use ident::{AnyModel, Arx, Dataset, EstimateRecord, Fit, InitialState, ModelDocument};
 use page::{Page, Screen, terminal};
 use signal::excitation::Random;
-use toolbox_report::compare::{self, Met};
-use toolbox_report::fit::{Estimated, Verdict};
+use toolbox_report::compare::{self, Met, MetFacts};
+use toolbox_report::fit::{EstimateFacts, Estimated, Verdict};
 use toolbox_report::models::{Detail, Model, bode, poles, step};
 use toolbox_report::order::Orders;
 use toolbox_report::response::Responded;
@@ -55,8 +55,10 @@ fn snap_an_estimate_has_parameters_fits_tests_and_figures() {
     let found = estimated(&data);
     let words = ["95 % interval", "fit on", "loss", "passed: residuals of"];
     assert_says(&found.page(&data), &words);
-    let json = found.json(&["filtered"]);
-    assert_eq!((&json["adjustments"][0], json["judged"].as_array().unwrap().len()), (&"filtered".into(), 1));
+    let facts = found.facts(vec!["filtered".to_owned()]);
+    assert_eq!((facts.adjustments[0].as_str(), facts.judged.len()), ("filtered", 1));
+    let text = serde_json::to_string(&facts).unwrap();
+    assert_eq!(serde_json::from_str::<EstimateFacts>(&text).unwrap(), facts);
 }
 
 #[test]
@@ -76,10 +78,10 @@ fn snap_models_on_recordings() {
     let judged = judge(&document.model, &data, None, &InitialState::Estimated).unwrap();
     let shown = Responded { model: "arx", what: "simulated", outputs: &document.outputs, data: &data, judged: &judged };
     assert_says(&shown.page(), &["simulated, fit"]);
-    assert_eq!(shown.json()[0]["values"].as_array().unwrap().len(), 500);
+    assert_eq!(shown.facts()[0].values.len(), 500);
     let met = [Met { model: "arx".to_owned(), data: data.clone(), judged: Ok(judged.clone()) }];
     assert_says(&compare::page(&met), &["rms error", "arx"]);
-    assert!(compare::json(&met)[0]["fit_percent"][0][0].as_f64().unwrap() > 80.0);
+    assert!(matches!(met[0].facts(), MetFacts::Judged { fit_percent, .. } if fit_percent[0][0] > 80.0));
 }
 
 #[test]

@@ -123,9 +123,11 @@ fn snap_a_fit_on_inputs_that_repeat_is_also_that_of_the_mean_period() {
     let data = Dataset::siso(T, whole.input(0), &y).unwrap();
     let found =
         super::estimated_as(ContinuousTransferFunction::new(0, 2).fit(&data).unwrap().map(AnyModel::from), &data);
-    let json = &found.json(&["none"])["judged"][0];
-    let [whole, repeated] = [&json["fit_percent_simulated"][0][0], &json["repeated"][0]["fit_percent_simulated"][0]];
-    assert!(whole.as_f64().unwrap() < 50.0 && repeated.as_f64().unwrap() > 70.0, "{whole} {repeated}");
+    let facts = found.facts(Vec::new());
+    let judged = &facts.judged[0];
+    let whole = judged.fit_percent_simulated.as_ref().unwrap()[0][0];
+    let repeated = judged.repeated[0].fit_percent_simulated[0];
+    assert!(whole < 50.0 && repeated > 70.0, "{whole} {repeated}");
     let text = lines(&found.page(&data)).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("the inputs repeat every 1 s; over the mean of"), "{text}");
 }
@@ -143,10 +145,8 @@ fn regress_a_model_that_misses_what_repeats_is_doubted() {
     let data = Dataset::siso(T, whole.input(0), &drifting.collect::<Vec<f64>>()).unwrap();
     let found =
         super::estimated_as(ContinuousTransferFunction::new(0, 2).fit(&data).unwrap().map(AnyModel::from), &data);
-    let doubts = found.json(&["none"])["doubts"].to_string();
-    assert!(doubts.contains("misses most of what repeats in"), "{doubts}");
-    let repeated = &found.json(&["none"])["judged"][0]["repeated"][0];
-    let [fit, attainable] =
-        ["simulated", "attainable"].map(|of| repeated[format!("fit_percent_{of}")][0].as_f64().unwrap());
-    assert!(fit < attainable - 30.0, "{repeated}");
+    let facts = found.facts(Vec::new());
+    assert!(facts.doubts.iter().any(|doubt| doubt.contains("misses most of what repeats in")), "{:?}", facts.doubts);
+    let repeated = &facts.judged[0].repeated[0];
+    assert!(repeated.fit_percent_simulated[0] < repeated.fit_percent_attainable[0] - 30.0, "{repeated:?}");
 }

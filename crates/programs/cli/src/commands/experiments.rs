@@ -1,10 +1,8 @@
 //! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
 
-use dynoid::Error;
-use report::wording;
-use rig::{BenchFile, Experiment, Severity};
+use dynoid::BenchRecordings;
+use rig::{BenchFile, Experiment};
 use serde::Serialize;
-use study::experiment_of;
 
 use super::result::{Sorted, check_plot};
 use crate::cli::GivenRecordings;
@@ -28,52 +26,37 @@ pub(super) fn all(
     result: &ResultArguments,
     terminal: &mut Terminal,
 ) -> Result<Campaign, CliError> {
-    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused = each(given, result, "reading", terminal, |bench, experiment| {
-        found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-    })?;
-    let (bench, experiments) = found.ok_or_else(|| CliError::NothingToLookAt { path: given.bench.clone() })?;
-    Ok(Campaign { bench, experiments, refused })
+    let recordings = find(given, result, terminal)?;
+    let mut experiments = Vec::new();
+    let refused = each(&recordings, "reading", terminal, |experiment| experiments.push(experiment))?;
+    match experiments.is_empty() {
+        true => Err(recordings.nothing().into()),
+        false => Ok(Campaign { bench: recordings.bench().clone(), experiments, refused }),
+    }
 }
 
-/// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns
-/// of, those that cannot be used. What is wrong in the others is warned of too.
-pub(super) fn each(
+/// The recordings that are named, or else those of the bench file, once it is clear that the result can be written.
+pub(super) fn find(
     given: &GivenRecordings,
     result: &ResultArguments,
+    terminal: &Terminal,
+) -> Result<BenchRecordings, CliError> {
+    let recordings = BenchRecordings::find(&given.bench, &given.recordings, &terminal.files())?;
+    check_plot(result, &terminal.files())?;
+    Ok(recordings)
+}
+
+/// Reads the recordings, and hands each to `work`; returns, and warns of, those that cannot be used. It warns of faults
+/// in the others too.
+pub(super) fn each(
+    recordings: &BenchRecordings,
     doing: &str,
     terminal: &mut Terminal,
-    mut work: impl FnMut(&BenchFile, Experiment),
+    work: impl FnMut(Experiment),
 ) -> Result<Vec<String>, CliError> {
-    let bench = dynoid::Bench::load(&given.bench, &terminal.files())?.into_file();
-    if bench.channels.is_empty() {
-        return Err(Error::NoChannelsNamed { path: given.bench.clone() }.into());
-    }
-    let files = match given.recordings.is_empty() {
-        true => dynoid::listed(&given.bench, &bench.recordings.files)?,
-        false => terminal.files().named(&given.recordings)?,
-    };
-    check_plot(result, &terminal.files())?;
-    let step = terminal.work().step(doing, files.len() as u64);
-    let (mut refused, mut doubts) = (Vec::new(), Vec::new());
-    for file in &files {
-        let part = step.step(format!("{doing} {}", file.name), 0);
-        match experiment_of(&bench, &terminal.files().read_source(file, &bench, &part)?) {
-            Ok((experiment, diagnostics)) => {
-                let worth_knowing = diagnostics.iter().filter(|d| d.severity >= Severity::Warning);
-                doubts.extend(worth_knowing.map(wording::remark));
-                work(&bench, experiment);
-            }
-            Err(diagnostics) => {
-                let worst = diagnostics.iter().find(|d| d.severity == Severity::Error).or(diagnostics.first());
-                let nothing = || format!("{}: nothing in it can be used", file.name);
-                refused.push(worst.map_or_else(nothing, wording::remark));
-            }
-        }
-    }
-    drop(step);
-    refused.iter().chain(&doubts).for_each(|reason| terminal.warning(reason));
-    Ok(refused)
+    let remarks = recordings.each(doing, &terminal.files(), terminal.work(), work)?;
+    remarks.all().for_each(|remark| terminal.warning(remark));
+    Ok(remarks.refused)
 }
 
 /// A result in numbers, with the recordings that could not be used.

@@ -5,7 +5,6 @@ use dynoid::facts::FrictionFacts;
 use part_friction::{FrictionOptions, estimate};
 use report::friction::doubts;
 use rig::Experiment;
-use rig::facts::StatedInertia;
 use serde::Serialize;
 use units::RPM_RAD_S;
 
@@ -16,19 +15,18 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let recordings = experiments::find(&arguments.given, &arguments.result, terminal)?;
     let mut used: Vec<Experiment> = Vec::new();
-    let mut options = FrictionOptions { inertia_kg_m2: f64::NAN, slowest_rad_s: None, torque_limit_nm: None };
-    let mut stated = StatedInertia::of_dynamometer(f64::NAN, None);
     let all_named = !arguments.given.recordings.is_empty();
-    let refused = experiments::each(&arguments.given, &arguments.result, "reading", terminal, |bench, experiment| {
-        let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
-        options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
-        stated = bench.dynamometer_inertia();
+    let refused = experiments::each(&recordings, "reading", terminal, |experiment| {
         // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
         if all_named || experiment.label.is_without_shaft() {
             used.push(experiment);
         }
     })?;
+    let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
+    let options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(recordings.bench()) };
+    let stated = recordings.bench().dynamometer_inertia();
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(Error::from)?;
     let doubts = doubts(&found, stated);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));

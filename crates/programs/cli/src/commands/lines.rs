@@ -10,11 +10,11 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let recordings = experiments::find(&arguments.given, &arguments.result, terminal)?;
     let mut looks = Vec::new();
-    let refused =
-        experiments::each(&arguments.given, &arguments.result, "looking at", terminal, |bench, experiment| {
-            looks.push(find_lines(&experiment, bench));
-        })?;
+    let refused = experiments::each(&recordings, "looking at", terminal, |experiment| {
+        looks.push(find_lines(&experiment, recordings.bench()));
+    })?;
     let looks = on_one_mains(looks);
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);

@@ -14,7 +14,6 @@ pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod lines;
-mod rebuilt;
 pub(crate) mod report;
 mod result;
 pub(crate) mod shaft;

@@ -198,6 +198,19 @@ fn exact_what_limits_refer_to_is_stated() {
     assert_eq!(json["limits_refer_to"]["of"].as_str(), Some("cycle"));
 }
 
+/// An experiment has no map either, and its limits refer to the idle speed that is stated.
+#[test]
+fn regress_a_stated_idle_speed_counts_for_an_experiment_too() {
+    let campaign = campaign();
+    let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT", "--set", "duration=20", "--out", "bs.mf4"];
+    assert_eq!(campaign.run(&simulate).code, Some(0));
+    let judge = ["can", "bench.toml", "BS_T_NT", "--set", "duration=20", "--recorded", "bs.mf4", "--by", "1065.514"];
+    let judged = |more: &[&str]| words(&campaign.run(&[&judge[..], more].concat()).stdout);
+    assert!(judged(&[]).contains("or state the idle speed with --idle"), "{}", judged(&[]));
+    let stated = judged(&["--idle", "650"]);
+    assert!(stated.contains("650 rpm at warm idle") && !stated.contains("state the idle speed"), "{stated}");
+}
+
 #[test]
 fn exact_requirements_of_ones_own_judge_a_recording() {
     let campaign = recorded();

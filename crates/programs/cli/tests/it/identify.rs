@@ -237,3 +237,12 @@ fn regress_impossible_requests_say_what_to_do() {
     let still = run(&folder, "fit arx still.csv -u u -y y");
     assert_eq!(still.code, Some(3), "{}", still.stdout);
 }
+
+#[test]
+fn regress_notes_on_the_data_are_shown_where_a_later_recording_cannot_be_read() {
+    let folder = folder();
+    std::fs::copy(folder.path().join("run.csv"), folder.path().join("twin.csv")).unwrap();
+    let ran = run(&folder, "fit arx run.csv twin.csv -u valve -y speed --validate missing.csv");
+    assert_eq!(ran.code, Some(3), "{}", ran.stderr);
+    assert!(ran.stderr.contains("counts it twice") && ran.stderr.contains("missing.csv"), "{}", ran.stderr);
+}

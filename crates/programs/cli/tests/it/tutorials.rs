@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::support::dynoid;
 
-const PAGES: [(&str, &str); 8] = [
+const PAGES: [(&str, &str); 9] = [
     ("1-first-study", include_str!("../../../../../docs/src/tutorials/1-first-study.md")),
     ("2-one-part", include_str!("../../../../../docs/src/tutorials/2-one-part.md")),
     ("3-experiments", include_str!("../../../../../docs/src/tutorials/3-experiments.md")),
@@ -17,6 +17,7 @@ const PAGES: [(&str, &str); 8] = [
     ("cookbook/verdict", include_str!("../../../../../docs/src/cookbook/verdict.md")),
     ("cookbook/fit", include_str!("../../../../../docs/src/cookbook/fit.md")),
     ("cookbook/export", include_str!("../../../../../docs/src/cookbook/export.md")),
+    ("cookbook/convert", include_str!("../../../../../docs/src/cookbook/convert.md")),
 ];
 
 /// A fenced block: the words behind the fence, and the lines.

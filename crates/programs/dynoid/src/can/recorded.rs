@@ -12,6 +12,7 @@ use report::wording;
 use rig::Role;
 use rig::experiment::{ControlMode, UPDATE_S};
 use signal::Signal;
+use units::RPM_RAD_S;
 use work::Context;
 
 use super::compared::{self, Compared, mode};
@@ -165,7 +166,7 @@ fn both((wanted, measured): &(Vec<f64>, Vec<f64>)) -> (&[f64], &[f64]) {
 /// Reference of limits in per cent.
 fn scales_of(test: &Test) -> ScalesOf {
     let has_map = matches!(&test.what, What::Cycle { map: Some(_), .. });
-    match (has_map, test.has_stated_idle) {
+    match (has_map, test.idle_rpm.is_some()) {
         (true, true) => ScalesOf::MapAndStatedIdle,
         (true, false) => ScalesOf::Map,
         (false, true) => ScalesOf::CycleAndStatedIdle,
@@ -182,7 +183,10 @@ fn reference(test: &Test) -> Reference {
                 ControlMode::Nt => &demands.engine_torque_nm,
                 ControlMode::Tn => &demands.dyno_torque_nm,
             };
-            let of_itself = Reference::of_itself(0.0, demands.speed_rad_s.clone(), torque.clone());
+            let mut of_itself = Reference::of_itself(0.0, demands.speed_rad_s.clone(), torque.clone());
+            if let Some(idle_rpm) = test.idle_rpm {
+                of_itself.scales.idle_rad_s = idle_rpm * RPM_RAD_S;
+            }
             Reference { step_s: UPDATE_S, ..of_itself }
         }
     }

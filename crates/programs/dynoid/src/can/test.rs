@@ -38,7 +38,8 @@ pub struct TestOptions {
 pub struct Test {
     pub(super) title: String,
     pub(super) what: What,
-    pub(super) has_stated_idle: bool,
+    /// Warm idle speed that was stated, rpm.
+    pub(super) idle_rpm: Option<f64>,
     usual_set: Option<&'static str>,
     remarks: Vec<String>,
 }
@@ -85,14 +86,15 @@ impl Test {
         }
         let planned = Planned::find(name, &options.given, files, context)?;
         let remarks = planned.remark(name).into_iter().collect();
-        Ok(Test { remarks, ..Test::of_plan(&planned.plan.label.to_string(), planned.plan, options.seed) })
+        let test = Test::of_plan(&planned.plan.label.to_string(), planned.plan, options.seed);
+        Ok(Test { remarks, idle_rpm: options.idle_rpm, ..test })
     }
 
     /// The test that runs a plan.
     pub fn of_plan(title: &str, plan: ExperimentPlan, seed: u64) -> Self {
         let demands = Box::new(Demands::of(&plan, seed, DEMAND_HOLD_S));
         let what = What::Plan { plan: Box::new(plan), demands };
-        Test { title: title.to_owned(), what, has_stated_idle: false, usual_set: None, remarks: Vec::new() }
+        Test { title: title.to_owned(), what, idle_rpm: None, usual_set: None, remarks: Vec::new() }
     }
 
     /// The test that runs a cycle, with the idle speed that is stated; an engine map has it already.
@@ -106,8 +108,8 @@ impl Test {
         if let (None, Some(idle_rpm)) = (&map, options.idle_rpm) {
             reference.scales.idle_rad_s = idle_rpm * RPM_RAD_S;
         }
-        let (what, has_stated_idle) = (What::Cycle { reference, map }, options.idle_rpm.is_some());
-        Test { title: title.to_owned(), what, has_stated_idle, usual_set, remarks: Vec::new() }
+        let what = What::Cycle { reference, map };
+        Test { title: title.to_owned(), what, idle_rpm: options.idle_rpm, usual_set, remarks: Vec::new() }
     }
 
     /// Its name.
@@ -177,7 +179,7 @@ fn vehicle(path: &Path, files: &Files) -> Result<VehicleFile, Error> {
 fn of_shape(shape: &shapes::Shape, options: &TestOptions) -> Result<Test, Error> {
     let settings = settings(shape.name, shape.parameters, &options.given)?;
     let plan = shape.plan(&settings).map_err(|error| refused(shape.name, error))?;
-    Ok(Test::of_plan(shape.name, plan, options.seed))
+    Ok(Test { idle_rpm: options.idle_rpm, ..Test::of_plan(shape.name, plan, options.seed) })
 }
 
 fn unknown(name: &str) -> Error {

@@ -5,10 +5,14 @@ mod design;
 mod optimal;
 mod planned;
 mod simulate;
+mod virtual_recordings;
 
 pub use check::{CheckFacts, CheckedExperiment};
 pub use design::{DesignFacts, DesignedExperiment, PredictedRun};
 pub use optimal::{DemandForm, OPTIMAL, OptimalExcitation, OptimalFacts, OptimalOptions};
 pub(crate) use planned::refused;
 pub use planned::{Given, PlanDoubt, Planned, settings};
+pub use rig::bench_parameters::BenchParameters;
+pub use rig::experiment::ExperimentPlan;
 pub use simulate::{SimulatedExperiment, SimulationFacts};
+pub use virtual_recordings::VirtualRecordings;

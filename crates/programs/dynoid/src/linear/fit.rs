@@ -1,8 +1,10 @@
 //! Estimates of linear models, judged on data.
 
-use std::path::PathBuf;
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 
 use dataset::CommonClock;
+use ident::uncertainty::Dynamics;
 use ident::validate::TestData;
 use ident::{
     AnyModel, Arx, ContinuousTransferFunction, Dataset, EstimateRecord, Fit, Focus, FormulaStructure, GreyBox,
@@ -10,7 +12,7 @@ use ident::{
 };
 use page::Page;
 use toolbox_report::data::Purpose;
-use toolbox_report::fit::{Estimated, Verdict};
+use toolbox_report::fit::{EstimateFacts, Estimated, Verdict};
 use toolbox_report::operating_point::{TakenOff, hint};
 use work::Context;
 
@@ -24,6 +26,7 @@ use super::recorded::RecordedFiles;
 use super::sources::which_data;
 use crate::error::Error;
 use crate::files::Files;
+use crate::output::replace_file;
 
 /// A method with its orders.
 #[derive(Debug, Clone)]
@@ -102,6 +105,11 @@ impl FitNeeds {
     pub const PREDICTION: FitNeeds = FitNeeds { sees_through: false, gaps: Gaps::OfInputs };
     /// Of a method that simulates.
     pub const SIMULATION: FitNeeds = FitNeeds { sees_through: true, gaps: Gaps::OfInputs };
+
+    /// The clock of its data where none is asked for.
+    pub fn clock(self) -> CommonClock {
+        if self.sees_through { CommonClock::Fastest } else { CommonClock::Slowest }
+    }
 }
 
 /// Data that judge an estimate.
@@ -134,8 +142,23 @@ impl FitData {
         files: &Files,
         context: &Context,
     ) -> Result<Self, Error> {
-        let clock = if needs.sees_through { CommonClock::Fastest } else { CommonClock::Slowest };
-        let whole = Loaded::take(&options.read(files, context)?, clock, options)?;
+        let whole = Loaded::take(&options.read(files, context)?, needs.clock(), options)?;
+        Self::of(whole, options, judging, needs, files, context)
+    }
+
+    /// As [`FitData::read`], of data that were read with these options on [`FitNeeds::clock`]. Their notes are known
+    /// even where those that judge cannot be read.
+    ///
+    /// # Errors
+    /// Those of [`FitData::read`].
+    pub fn of(
+        whole: Loaded,
+        options: &DataOptions,
+        judging: &Judging,
+        needs: FitNeeds,
+        files: &Files,
+        context: &Context,
+    ) -> Result<Self, Error> {
         let (estimation, unseen) = match judging {
             Judging::Own => (whole, None),
             Judging::Split(share) => whole.split(*share).map(|(first, rest)| (first, Some(rest)))?,
@@ -254,6 +277,28 @@ impl LinearFit {
         self.hint.as_deref()
     }
 
+    /// Natural frequencies of the poles of a continuous model, Hz, the slowest first.
+    ///
+    /// # Errors
+    /// A model without poles that can be computed.
+    pub fn natural_frequencies_hz(&self) -> Result<Vec<f64>, Error> {
+        let failed = |source| Error::identify("the response", source);
+        let system = self.fit().model.system().map_err(failed)?;
+        let poles = system.poles().map_err(|source| failed(source.into()))?;
+        let mut all: Vec<f64> = poles.iter().map(|pole| pole.norm() / TAU).collect();
+        all.sort_by(f64::total_cmp);
+        Ok(all)
+    }
+
+    /// Tells whether a pole is where an integrator has it.
+    pub fn integrates(&self) -> bool {
+        let Ok(system) = self.fit().model.system() else { return false };
+        let Ok(poles) = system.poles() else { return false };
+        let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let place = if system.sample_time_s().is_some() { 1.0 } else { 0.0 };
+        poles.iter().any(|p| (p - place).norm() <= 1e-9 * largest)
+    }
+
     /// The text of the model's file.
     ///
     /// # Errors
@@ -268,8 +313,16 @@ impl LinearFit {
     }
 
     /// The estimate in numbers.
-    pub fn facts(&self) -> serde_json::Value {
-        self.estimated.json(&self.notes)
+    pub fn facts(&self) -> EstimateFacts {
+        self.estimated.facts(self.notes.iter().map(|note| note.text().to_owned()).collect())
+    }
+
+    /// Writes the model's file, which [`crate::check_model_file`] has checked before the work.
+    ///
+    /// # Errors
+    /// A file that must stay, and a place where nothing can be written.
+    pub fn write(&self, path: &Path, files: &Files) -> Result<(), Error> {
+        replace_file(path, self.model_file()?.as_bytes(), files)
     }
 }
 

@@ -7,13 +7,15 @@ pub enum Note {
     Done(String),
     /// It may be wrong with them.
     Warning(String),
+    /// A model is not stable, so that its simulation on them shows nothing; its predictions can be compared.
+    RunsAway(String),
 }
 
 impl Note {
     /// Its text.
     pub fn text(&self) -> &str {
         match self {
-            Note::Done(text) | Note::Warning(text) => text,
+            Note::Done(text) | Note::Warning(text) | Note::RunsAway(text) => text,
         }
     }
 
@@ -23,6 +25,7 @@ impl Note {
         match self {
             Note::Done(text) => Note::Done(text + more),
             Note::Warning(text) => Note::Warning(text + more),
+            Note::RunsAway(text) => Note::RunsAway(text + more),
         }
     }
 }

@@ -29,7 +29,7 @@ fn regress_examples_run() {
 #[test]
 fn exact_the_cookbook_prints_the_examples() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for name in ["study", "verdict", "fit", "export"] {
+    for name in ["study", "verdict", "fit", "export", "convert"] {
         let example = std::fs::read_to_string(root.join(format!("examples/{name}.rs"))).unwrap();
         let code = &example[example.find("\nuse ").unwrap() + 1..];
         let page = std::fs::read_to_string(root.join(format!("../../../docs/src/cookbook/{name}.md"))).unwrap();

@@ -5,5 +5,6 @@
 mod can;
 mod cancellation;
 mod examples;
+mod facts;
 mod files;
 mod session;

@@ -2,20 +2,28 @@
 
 use std::f64::consts::TAU;
 
+use numerics::null::{infinite_if_null, nan_if_null};
+
 /// Information criteria of a model: the smaller, the better. They compare models fitted to the same samples.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Criteria {
     /// Akaike's final prediction error `V (1 + d/N) / (1 − d/N)`: the loss to expect on new data. Infinite for `d ≥ N`.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub fpe: f64,
     /// Akaike's information criterion `N ln V + 2 d + N p (ln 2π + 1)`.
+    #[serde(deserialize_with = "nan_if_null")]
     pub aic: f64,
     /// The same, corrected for few samples: `AIC + 2 d (d + 1) / (N − d − 1)`. Infinite for `d + 1 ≥ N`.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub aicc: f64,
     /// Akaike's criterion per sample: `ln V + 2 d/N`.
+    #[serde(deserialize_with = "nan_if_null")]
     pub naic: f64,
     /// The Bayesian information criterion `N ln V + N p (ln 2π + 1) + d ln N`.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bic: f64,
     /// Rissanen's minimum description length `V (1 + d ln N / N)`.
+    #[serde(deserialize_with = "nan_if_null")]
     pub mdl: f64,
 }
 

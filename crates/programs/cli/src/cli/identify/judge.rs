@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use dynoid::linear::MeetOptions;
 use dynoid::linear::operating_point::MeetingTrend;
+use dynoid::replay::{ReplayOptions, ReplayedStretch};
 use ident::TrendShape;
+use rig::ControlMode;
 
 use super::data::{ResultArguments, Window};
 use crate::cli::number;
@@ -26,6 +29,40 @@ pub(crate) struct MeetArguments {
     pub(crate) detrend: MeetDetrend,
 }
 
+impl MeetArguments {
+    /// The same for the library.
+    pub(crate) fn options(&self) -> MeetOptions {
+        MeetOptions {
+            recordings: self.on.clone(),
+            from_s: self.window.from_s,
+            to_s: self.window.to_s,
+            sample_time_s: self.sample_time_s,
+            trend: self.detrend.off(),
+        }
+    }
+
+    /// Tells whether the operating point of the model is subtracted.
+    pub(crate) fn is_at_operating_point(&self) -> bool {
+        self.detrend == MeetDetrend::Model
+    }
+
+    /// The same for replays on bench models, of the `unasked` stretch where none is asked for.
+    pub(crate) fn replay_options(&self, bench: &BenchArguments, unasked: ReplayedStretch) -> ReplayOptions {
+        let Window { from_s, to_s } = self.window;
+        let asked = (from_s.is_some() || to_s.is_some())
+            .then(|| ReplayedStretch::Between(from_s.unwrap_or(f64::NEG_INFINITY), to_s.unwrap_or(f64::INFINITY)));
+        ReplayOptions {
+            recordings: self.on.clone(),
+            stretch: asked.unwrap_or(unasked),
+            bench: bench.bench.clone(),
+            mode: bench.mode.map(|mode| match mode {
+                Mode::Nt => ControlMode::Nt,
+                Mode::Tn => ControlMode::Tn,
+            }),
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MeetDetrend {
     /// The levels subtracted before the fit, so that levels are judged too: those of the same recording if the model
@@ -41,7 +78,7 @@ pub(crate) enum MeetDetrend {
 
 impl MeetDetrend {
     /// The same for the library.
-    pub(crate) fn off(self) -> MeetingTrend {
+    fn off(self) -> MeetingTrend {
         match self {
             MeetDetrend::Model => MeetingTrend::Model,
             MeetDetrend::Mean => MeetingTrend::Own(TrendShape::Mean),

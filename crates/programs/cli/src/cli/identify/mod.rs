@@ -19,8 +19,8 @@ pub(crate) use fit::{
 };
 pub(crate) use greybox::GreyBoxArguments;
 pub(crate) use judge::{
-    BenchArguments, CompareArguments, MeetArguments, MeetDetrend, Mode, PredictArguments, ResidualsArguments,
-    RunArguments, SimulateModelArguments,
+    BenchArguments, CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments,
+    SimulateModelArguments,
 };
 pub(crate) use show::{CurveArguments, ModelArguments};
 

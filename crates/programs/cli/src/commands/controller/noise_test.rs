@@ -55,7 +55,8 @@ fn recorded(
 ) -> Result<Experiment, CliError> {
     let given = GivenRecordings { bench: bench.to_owned(), recordings: arguments.recording.iter().cloned().collect() };
     let mut all: Vec<Experiment> = Vec::new();
-    experiments::each(&given, &arguments.result, "reading", terminal, |_, experiment| {
+    let recordings = experiments::find(&given, &arguments.result, terminal)?;
+    experiments::each(&recordings, "reading", terminal, |experiment| {
         let has_speeds = [Role::DynoSpeed, Role::DynoSpeedDemand].iter().all(|r| experiment.signal(*r).is_some());
         if experiment.label.mode == ControlMode::Nt && has_speeds {
             all.push(experiment);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use dynoid::experiments::{SimulatedExperiment, SimulationFacts};
-use dynoid::{FileFormat, Files, Mark, check_file, paths};
+use dynoid::{FileFormat, Files, Mark, check_file, paths, write_recording};
 use recording::Recording;
 use rig::ExperimentLabel;
 use serde::Serialize;
@@ -79,11 +79,9 @@ fn check_places(arguments: &SimulateArguments, files: &Files) -> Result<(), CliE
 }
 
 fn write(recording: &mut Recording, path: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
-    let format = FileFormat::of_output(path)?;
-    // Of what text has no place for, the comment alone is there, and it says nothing that the file's name does not.
-    let renamed = format.fit(recording).into_iter().filter(|note| !note.starts_with("text has no place"));
-    renamed.for_each(|note| terminal.warning(&note));
-    Ok(format.write(recording, path, &terminal.files())?)
+    let renamed = write_recording(recording, path, &terminal.files())?;
+    renamed.iter().for_each(|note| terminal.warning(note));
+    Ok(())
 }
 
 /// A study knows a recording by its name.

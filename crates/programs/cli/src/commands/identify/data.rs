@@ -54,5 +54,6 @@ pub(super) fn say_one(note: &Note, terminal: &mut Terminal) {
     match note {
         Note::Done(text) => terminal.note(text),
         Note::Warning(text) => terminal.warning(text),
+        Note::RunsAway(text) => terminal.warning(&format!("{text}; --horizon compares predictions")),
     }
 }

@@ -1,10 +1,8 @@
 //! `dynoid fit greybox`: structures of formulas.
 
-use std::path::Path;
-
-use dynoid::{Files, paths::with_slashes};
-use ident::uncertainty::Dynamics;
-use ident::{AnyModel, FormulaStructure, GreyBox, GreyNoise, InitialState, Structure};
+use dynoid::linear::{LinearFit, structure};
+use dynoid::{Error, Files, paths::with_slashes};
+use ident::{FormulaStructure, GreyBox, InitialState};
 
 use crate::cli::identify::{Detrend, FitCommand, GreyBoxArguments};
 use crate::error::CliError;
@@ -30,27 +28,13 @@ fn check_channels(structure: &FormulaStructure, arguments: &GreyBoxArguments) ->
         ("outputs (rows of C)", parts.c.len(), "--output", data.outputs.len()),
     ];
     match counts.into_iter().find(|(_, has, _, named)| has != named && *named > 0) {
-        Some((what, has, option, named)) => Err(CliError::StructureFile {
+        Some((what, has, option, named)) => Err(Error::StructureFile {
             path: arguments.structure.clone(),
             reason: format!("it is of {has} {what}, but the number named with {option} is {named}"),
-        }),
+        }
+        .into()),
         None => Ok(()),
     }
-}
-
-/// Tells whether a structure has white noise on its outputs alone, so that outputs may be missing.
-pub(super) fn is_output_error(structure: &FormulaStructure) -> bool {
-    let values: Vec<f64> = structure.parameters().iter().map(|p| p.value).collect();
-    matches!(structure.noise(&values), GreyNoise::OutputError)
-}
-
-fn structure(path: &Path, files: &Files) -> Result<FormulaStructure, CliError> {
-    let wrong = |error: toml::de::Error| CliError::StructureFile {
-        path: path.to_owned(),
-        reason: error.to_string().trim_end().to_owned(),
-    };
-    toml::from_str(&files.read_text(path, "a structure in TOML as `dynoid fit greybox --help` shows it")?)
-        .map_err(wrong)
 }
 
 /// The estimator of a structure.
@@ -72,12 +56,12 @@ pub(super) fn method(arguments: &GreyBoxArguments) -> String {
 }
 
 /// Where the trend that was taken off contradicts what is asked for.
-pub(super) fn warnings(arguments: &GreyBoxArguments, model: &AnyModel) -> Vec<&'static str> {
+pub(super) fn warnings(arguments: &GreyBoxArguments, found: &LinearFit) -> Vec<&'static str> {
     if arguments.fit.data.detrend == Detrend::None {
         return Vec::new();
     }
     let mut all = Vec::new();
-    if integrates(model) {
+    if found.integrates() {
         all.push("the structure integrates, but a trend was taken off, and its integral with it; give --detrend none");
     }
     if arguments.from_rest {
@@ -86,13 +70,4 @@ pub(super) fn warnings(arguments: &GreyBoxArguments, model: &AnyModel) -> Vec<&'
         );
     }
     all
-}
-
-/// Tells whether a pole is where an integrator has it.
-fn integrates(model: &AnyModel) -> bool {
-    let Ok(system) = model.system() else { return false };
-    let Ok(poles) = system.poles() else { return false };
-    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let place = if system.sample_time_s().is_some() { 1.0 } else { 0.0 };
-    poles.iter().any(|p| (p - place).norm() <= 1e-9 * largest)
 }

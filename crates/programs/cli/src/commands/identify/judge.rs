@@ -1,48 +1,43 @@
 //! `dynoid model compare`, `residuals`, `simulate`, `predict`: models on recordings.
 
-use dynoid::FileFormat;
-use dynoid::linear::operating_point::taken_off;
-use dynoid::linear::{Loaded, Note, RecordedFiles, which_data};
-use ident::InitialState;
-use ident::uncertainty::Dynamics;
-use ident::validate::{ResidualTest, judge};
-use ident::{Dataset, ModelDocument};
-use toolbox_report::compare::{self, Met};
-use toolbox_report::operating_point::hint;
-use toolbox_report::residuals::{self, REGION};
-use toolbox_report::response::Responded;
-use toolbox_report::words::growing_pole;
+use std::num::NonZeroUsize;
+
+use dynoid::linear::{
+    ComparedModels, ModelResponse, NamedModel, ResponseOptions, TestedResiduals, check_recordings_file,
+};
+use dynoid::replay::{BenchModelFile, BenchReplays, ReplayedStretch};
+use dynoid::{Error, FileFormat, Models};
 
 use super::data::say;
-use super::{bench_replay, model_file, recorded};
 use crate::cli::identify::{
     BenchArguments, CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments,
     SimulateModelArguments,
 };
-use crate::commands::result::{check_plot, show, show_with};
+use crate::commands::result::{Sorted, check_plot, show, show_with};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 /// `dynoid model compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &terminal.files())?;
-    if arguments.horizon == Some(0) {
-        return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
-    }
-    if let Some(models) = bench_replay::Named::all(&arguments.models, &terminal.files())? {
-        return bench_replay::compare(&models, arguments, terminal);
-    }
+    let horizon = arguments.horizon.map(horizon).transpose()?;
+    let models = match terminal.files().models(&arguments.models)? {
+        Models::Bench(models) => return compare_benches(&models, arguments, terminal),
+        Models::Linear(models) => models,
+    };
     no_bench_options(&arguments.bench)?;
-    let all = meetings(arguments, terminal)?;
-    show(&arguments.result, || compare::page(&all), || compare::json(&all), terminal)?;
-    for met in &all {
-        if let Err(reason) = &met.judged {
-            terminal.warning(&format!("{}: no comparison: {reason}", met.model));
-        }
+    let (files, mut notes) = (terminal.files(), Vec::new());
+    let options = arguments.meet.options();
+    let found = ComparedModels::of(&models, &options, horizon, &files, terminal.work(), &mut notes);
+    say(&notes, &mut Vec::new(), terminal);
+    let found = found?;
+    show(&arguments.result, || found.page(), || Sorted(found.facts()), terminal)?;
+    for (model, reason) in found.failures() {
+        terminal.warning(&format!("{model}: no comparison: {reason}"));
     }
     // One model that cannot be compared leaves the others their comparison.
-    match all.iter().find_map(|met| met.judged.as_ref().err()) {
-        Some(reason) if all.iter().all(|met| met.judged.is_err()) => {
+    match found.failures().next() {
+        Some((_, reason)) if found.failures().count() == found.all().len() => {
             Err(CliError::identify("the comparison", reason.clone()))
         }
         Some(_) => Ok(Outcome::SomeUnreadable),
@@ -50,102 +45,21 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
     }
 }
 
-/// Every model on the recordings, which are read once.
-fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec<Met>, CliError> {
-    let documents: Vec<ModelDocument> =
-        arguments.models.iter().map(|path| terminal.files().linear_model(path)).collect::<Result<_, _>>()?;
-    let (mut files, mut said, mut all): (Option<RecordedFiles>, _, _) = (None, Vec::new(), Vec::new());
-    for (path, document) in arguments.models.iter().zip(&documents) {
-        let row_time_s = model_file::row_time_s(document, &arguments.meet);
-        let read = match files.take() {
-            Some(read) if read.serves(row_time_s) => read,
-            _ => {
-                let (files, channels) = (terminal.files(), model_file::channels(&documents));
-                RecordedFiles::read(&arguments.meet.on, &channels, Some(row_time_s), &files, terminal.work())?
-            }
-        };
-        let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
-        files = Some(read);
-        say(&notes, &mut said, terminal);
-        say(&beyond(arguments.horizon, &data), &mut said, terminal);
-        let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        let name = dynoid::model_name(path);
-        if arguments.horizon.is_none()
-            && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
-        {
-            let pole = growing_pole(&mode);
-            let text =
-                format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
-            say(&[Note::Warning(text)], &mut said, terminal);
-        } else if let Ok(judged) = &judged
-            && let Some(hint) = hint(document, &data, &judged.response, taken_off(arguments.meet.detrend.off()))
-        {
-            say(&[Note::Warning(format!("{name}: {hint}"))], &mut said, terminal);
-        }
-        all.push(Met { model: name, data, judged });
+fn compare_benches(
+    models: &[BenchModelFile],
+    arguments: &CompareArguments,
+    terminal: &mut Terminal,
+) -> Result<Outcome, CliError> {
+    if arguments.horizon.is_some() {
+        return Err(of_linear_models("--horizon"));
     }
-    Ok(all)
-}
-
-/// That a horizon reaches beyond every recording.
-fn beyond(horizon: Option<usize>, data: &Dataset) -> Vec<Note> {
-    let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
-    let said = |horizon: usize| {
-        Note::Warning(format!("no recording has more than {longest} samples: {horizon} samples ahead is a simulation"))
-    };
-    horizon.filter(|horizon| *horizon >= longest).map(said).into_iter().collect()
-}
-
-/// The recordings that one model meets.
-fn recordings(
-    document: &ModelDocument,
-    arguments: &MeetArguments,
-    terminal: &Terminal,
-) -> Result<RecordedFiles, CliError> {
-    let names = model_file::channels(std::slice::from_ref(document));
-    let row_time_s = model_file::row_time_s(document, arguments);
-    Ok(RecordedFiles::read(&arguments.on, &names, Some(row_time_s), &terminal.files(), terminal.work())?)
-}
-
-/// `dynoid model residuals`
-pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result, &terminal.files())?;
-    let document = terminal.files().linear_model(&arguments.model)?;
-    let files = recordings(&document, &arguments.meet, terminal)?;
-    let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
-    say(&notes, &mut Vec::new(), terminal);
-    if arguments.lags == 0 || arguments.lags > data.samples() / 4 {
-        let what = format!(
-            "--lags {}: give at least 1, and at most a quarter of the {} samples",
-            arguments.lags,
-            data.samples()
-        );
-        return Err(CliError::Usage { what });
-    }
-    let failed = |source| CliError::identify("the residual test", source);
-    let predicted = judge(&document.model, &data, Some(1), &InitialState::Estimated).map_err(failed)?;
-    let hint = hint(&document, &data, &predicted.response, taken_off(arguments.meet.detrend.off()));
-    hint.iter().for_each(|hint| terminal.warning(hint));
-    let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
-    let report = match &document.estimate {
-        Some(estimate) => document.fit().and_then(|fit| test.run(&fit, &data, which_data(&sources, &estimate.sources))),
-        None => test.run_known(&document.model, &data),
-    };
-    let report = report.map_err(failed)?;
-    show(&arguments.result, || residuals::page(&report, &data), || residuals::json(&report, &data), terminal)?;
+    let all = replays(models, &arguments.meet, &arguments.bench, ReplayedStretch::AsStudy, terminal)?;
+    show(&arguments.result, || all.page("Bench models compared"), || Sorted(all.facts()), terminal)?;
     Ok(Outcome::Done)
 }
 
-/// `dynoid model simulate`
-pub(crate) fn simulate(arguments: &SimulateModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let SimulateModelArguments { run: of_run, bench } = arguments;
-    if let Some(model) =
-        bench_replay::Named::all(std::slice::from_ref(&of_run.model), &terminal.files())?.and_then(|mut all| all.pop())
-    {
-        return bench_replay::simulate(model, of_run, bench, terminal);
-    }
-    no_bench_options(bench)?;
-    run(of_run, "simulated", None, terminal)
+fn of_linear_models(option: &str) -> CliError {
+    CliError::Usage { what: format!("{option} belongs to linear models; leave it out with a bench model") }
 }
 
 /// Refuses options of bench models where the models are linear.
@@ -156,46 +70,102 @@ fn no_bench_options(given: &BenchArguments) -> Result<(), CliError> {
     }
 }
 
+fn horizon(samples: usize) -> Result<NonZeroUsize, CliError> {
+    let nothing = || CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() };
+    NonZeroUsize::new(samples).ok_or_else(nothing)
+}
+
+/// Every recording on every bench model; of each the `unasked` stretch where none is asked for.
+fn replays(
+    models: &[BenchModelFile],
+    meet: &MeetArguments,
+    bench: &BenchArguments,
+    unasked: ReplayedStretch,
+    terminal: &mut Terminal,
+) -> Result<BenchReplays, CliError> {
+    if meet.sample_time_s.is_some() {
+        return Err(of_linear_models("--sample-time"));
+    }
+    if !meet.is_at_operating_point() {
+        return Err(of_linear_models("--detrend"));
+    }
+    let (options, files, mut notes) = (meet.replay_options(bench, unasked), terminal.files(), Vec::new());
+    let found = BenchReplays::of(models, &options, &files, terminal.work(), &mut notes);
+    notes.iter().for_each(|note| terminal.warning(note.text()));
+    Ok(found?)
+}
+
+/// `dynoid model residuals`
+pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let files = terminal.files();
+    check_plot(&arguments.result, &files)?;
+    let (document, options, mut notes) = (files.linear_model(&arguments.model)?, arguments.meet.options(), Vec::new());
+    let found = TestedResiduals::of(&document, &options, arguments.lags, &files, terminal.work(), &mut notes);
+    say(&notes, &mut Vec::new(), terminal);
+    let found = found?;
+    show(&arguments.result, || found.page(), || Sorted(found.facts()), terminal)?;
+    Ok(Outcome::Done)
+}
+
+/// `dynoid model simulate`
+pub(crate) fn simulate(arguments: &SimulateModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let SimulateModelArguments { run, bench } = arguments;
+    if let Models::Bench(models) = terminal.files().models(std::slice::from_ref(&run.model))? {
+        return simulate_bench(&models, run, bench, terminal);
+    }
+    no_bench_options(bench)?;
+    respond(run, None, terminal)
+}
+
+fn simulate_bench(
+    models: &[BenchModelFile],
+    arguments: &RunArguments,
+    bench: &BenchArguments,
+    terminal: &mut Terminal,
+) -> Result<Outcome, CliError> {
+    let RunArguments { meet, out, result, .. } = arguments;
+    check_plot(result, &terminal.files())?;
+    if arguments.from_rest {
+        return Err(of_linear_models("--from-rest"));
+    }
+    check_out(arguments, terminal)?;
+    let all = replays(models, meet, bench, ReplayedStretch::Whole, terminal)?;
+    if let Some(path) = out {
+        FileFormat::of_output(path)?.write(&all.recording(), path, &terminal.files())?;
+    }
+    show_with(result, &[out], || all.page("Bench model simulated"), || Sorted(all.facts()), terminal)?;
+    Ok(Outcome::Done)
+}
+
 /// `dynoid model predict`
 pub(crate) fn predict(arguments: &PredictArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    if arguments.horizon == 0 {
-        return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
-    }
-    run(&arguments.run, "predicted", Some(arguments.horizon), terminal)
+    respond(&arguments.run, Some(horizon(arguments.horizon)?), terminal)
 }
 
 /// Responses to recordings: so many samples ahead, or simulated where there is no horizon.
-fn run(
+fn respond(
     arguments: &RunArguments,
-    what: &str,
-    horizon: Option<usize>,
+    horizon: Option<NonZeroUsize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result, &terminal.files())?;
+    let files = terminal.files();
+    check_plot(&arguments.result, &files)?;
+    check_out(arguments, terminal)?;
+    let model = NamedModel::read(&arguments.model, &files)?;
+    let (options, mut notes) = (arguments.meet.options(), Vec::new());
+    let response = ResponseOptions { horizon, from_rest: arguments.from_rest };
+    let found = ModelResponse::of(model, &options, response, &files, terminal.work(), &mut notes);
+    say(&notes, &mut Vec::new(), terminal);
+    let found = found?;
     if let Some(path) = &arguments.out {
-        recorded::check_output(path, arguments.meet.on.len(), &terminal.files())?;
+        FileFormat::of_output(path)?.write(&found.recording()?, path, &files)?;
     }
-    let document = terminal.files().linear_model(&arguments.model)?;
-    let files = recordings(&document, &arguments.meet, terminal)?;
-    let loaded = match horizon {
-        Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
-        None => model_file::meet_inputs(&document, &files, &arguments.meet)?,
-    };
-    let mut said = Vec::new();
-    say(&loaded.notes, &mut said, terminal);
-    say(&beyond(horizon, &loaded.data), &mut said, terminal);
-    let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
-    let failed = |source| CliError::identify("the response", source);
-    let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
-    let response = &judged.response;
-    let hint = hint(&document, &loaded.data, response, taken_off(arguments.meet.detrend.off()));
-    hint.iter().for_each(|hint| terminal.warning(hint));
-    if let Some(path) = &arguments.out {
-        let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
-        FileFormat::of_output(path)?.write(&recording, path, &terminal.files())?;
-    }
-    let model = dynoid::model_name(&arguments.model);
-    let found = Responded { model: &model, what, outputs: &document.outputs, data: &loaded.data, judged: &judged };
-    show_with(&arguments.result, &[&arguments.out], || found.page(), || found.json(), terminal)?;
+    show_with(&arguments.result, &[&arguments.out], || found.page(), || Sorted(found.facts()), terminal)?;
     Ok(Outcome::Done)
+}
+
+/// Checks before any work that the response can be written.
+fn check_out(arguments: &RunArguments, terminal: &Terminal) -> Result<(), Error> {
+    let check = |path: &_| check_recordings_file(path, arguments.meet.on.len(), &terminal.files());
+    arguments.out.as_ref().map_or(Ok(()), |path| check(path.as_path()))
 }

@@ -1,6 +1,5 @@
 //! Identification of linear models from any recording: the library `ident` at the command line.
 
-mod bench_replay;
 pub(crate) mod convert;
 mod data;
 pub(crate) mod explore;
@@ -8,5 +7,3 @@ pub(crate) mod fit;
 mod greybox;
 pub(crate) mod judge;
 pub(crate) mod model;
-pub(super) mod model_file;
-mod recorded;

@@ -1,10 +1,10 @@
 //! `dynoid model bode`, `step`, `poles`: what models are like.
 
-use dynoid::{Error, Files};
+use dynoid::Files;
+use dynoid::linear::models_in;
 use ident::IdentError;
 use toolbox_report::models::{self, Curves, Detail, Model};
 
-use super::model_file::{self, NamedModel};
 use crate::cli::identify::{CurveArguments, ModelArguments};
 use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
@@ -42,15 +42,7 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
 /// The models, once it is clear that the result can be written.
 fn read(arguments: &ModelArguments, files: &Files) -> Result<Vec<Model>, CliError> {
     check_plot(&arguments.result, files)?;
-    let mut all = Vec::new();
-    for path in &arguments.models {
-        let wrong = |error: IdentError| Error::ModelFile { path: path.clone(), reason: error.to_string() };
-        for NamedModel { name, document, margins } in model_file::read_all(path, files)? {
-            let models = Model::with_noise(&name, document, arguments.noise).map_err(wrong)?;
-            all.extend(models.into_iter().map(|model| model.with_margins(margins)));
-        }
-    }
-    Ok(all)
+    Ok(models_in(&arguments.models, arguments.noise, files)?)
 }
 
 fn failed(source: IdentError) -> CliError {

@@ -4,14 +4,14 @@ mod estimate;
 mod method;
 mod orders;
 
-use dynoid::linear::{FitData, FitNeeds, Gaps, Judging, LinearFit};
-use dynoid::{Error, Files, check_model_file, replace_file};
+use dynoid::linear::{FitData, FitNeeds, Gaps, Judging, LinearFit, Loaded};
+use dynoid::{Error, Files, check_model_file};
 use ident::{FormulaStructure, IdentError, StructureError};
 
 use super::data::say;
 use super::greybox;
 use crate::cli::identify::{FitArguments, FitCommand};
-use crate::commands::result::{check_plot, show_with};
+use crate::commands::result::{Sorted, check_plot, show_with};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -22,19 +22,22 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     let structure = greybox::structure_of(command, &terminal.files())?;
     let needs = needs(command, structure.as_ref());
     let (options, judging) = (common.data.options(), judging(common));
-    let data = FitData::read(&options, &judging, needs, &terminal.files(), terminal.work())?;
-    say(data.notes(), &mut Vec::new(), terminal);
+    let whole = Loaded::take(&options.read(&terminal.files(), terminal.work())?, needs.clock(), &options)?;
+    let mut said = Vec::new();
+    say(&whole.notes, &mut said, terminal);
+    let data = FitData::of(whole, &options, &judging, needs, &terminal.files(), terminal.work())?;
+    say(data.notes(), &mut said, terminal);
     orders::check_delays(command, data.estimation())?;
     let method = estimate::method(command, structure, data.estimation())?;
     let found = LinearFit::of(data, &method, &method::wanted(command), terminal.work());
     let found = found.map_err(|error| refused(error, command))?;
     if let FitCommand::Greybox(arguments) = command {
-        greybox::warnings(arguments, &found.fit().model).iter().for_each(|text| terminal.warning(text));
+        greybox::warnings(arguments, &found).iter().for_each(|text| terminal.warning(text));
     }
     if let Some(path) = &common.out {
-        replace_file(path, found.model_file()?.as_bytes(), &terminal.files())?;
+        found.write(path, &terminal.files())?;
     }
-    show_with(&common.result, &[&common.out], || found.page(), || found.facts(), terminal)?;
+    show_with(&common.result, &[&common.out], || found.page(), || Sorted(found.facts()), terminal)?;
     found.verdict().failures().iter().for_each(|text| terminal.warning(text));
     found.hint().iter().for_each(|text| terminal.warning(text));
     Ok(if found.verdict().explains_little() { Outcome::ExplainsLittle } else { Outcome::Done })
@@ -70,7 +73,7 @@ fn sees_through_missing_outputs(command: &FitCommand, structure: Option<&Formula
     match command {
         FitCommand::Oe(_) | FitCommand::Tf(_) | FitCommand::Process(_) => true,
         FitCommand::Poly(a) => [a.na, a.nc, a.nd].iter().all(|order| order.unwrap_or(0) == 0),
-        FitCommand::Greybox(_) => structure.is_some_and(greybox::is_output_error),
+        FitCommand::Greybox(_) => structure.is_some_and(|structure| FitNeeds::of_structure(structure).sees_through),
         _ => false,
     }
 }

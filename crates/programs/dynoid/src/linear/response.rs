@@ -3,14 +3,17 @@
 use std::path::Path;
 
 use dataset::instant_s;
-use dynoid::linear::Loaded;
-use dynoid::{FileFormat, Files, Mark, check_file};
 use faer::Mat;
 use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
 use recording::{Channel, Format, Raster, Recording};
 
-use crate::error::CliError;
+use super::loaded::Loaded;
+use crate::error::Error;
+use crate::files::Files;
+use crate::formats::FileFormat;
+use crate::mark::Mark;
+use crate::output::check_file;
 
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
 pub(super) fn recording_of(
@@ -63,17 +66,16 @@ fn whole(
     Ok(Some((start_s, all)))
 }
 
-/// Checks that a file can be written, and that its ending says a format that has room for these recordings: text has it
-/// for one.
-pub(super) fn check_output(path: &Path, recordings: usize, files: &Files) -> Result<(), CliError> {
+/// Checks that recordings can be written to a file, and that its ending says a format that has room for so many: text
+/// has it for one.
+///
+/// # Errors
+/// Another ending, several recordings as text, and a file that must stay.
+pub fn check_recordings_file(path: &Path, recordings: usize, files: &Files) -> Result<(), Error> {
     match FileFormat::of_output(path)? {
-        format if format.is_text() && recordings > 1 => Err(CliError::Usage {
-            what: format!(
-                "{}: .{} holds one recording, and {recordings} are given; write .mf4, or one after the other",
-                path.display(),
-                format.ending()
-            ),
-        }),
-        _ => Ok(check_file(path, &Mark::of_run(files), files)?),
+        format if format.is_text() && recordings > 1 => {
+            Err(Error::OneRecordingFile { path: path.to_owned(), ending: format.ending(), count: recordings })
+        }
+        _ => check_file(path, &Mark::of_run(files), files),
     }
 }

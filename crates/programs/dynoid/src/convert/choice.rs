@@ -1,10 +1,11 @@
 //! Which channels are taken from which of several recordings.
 
-use dynoid::Files;
 use recording::{Catalogue, Finding, Selection, names};
 
 use super::targets::Target;
-use crate::error::CliError;
+use crate::error::Error;
+use crate::files::Files;
+use crate::read;
 
 /// The channels that are taken from a recording.
 pub(super) struct Choice {
@@ -15,8 +16,8 @@ pub(super) struct Choice {
 }
 
 /// The channels to be taken from each recording: every pattern has to fit in one at least.
-pub(super) fn choices(targets: &[Target], patterns: &[String], files: &Files) -> Result<Vec<Choice>, CliError> {
-    let whole = || Choice { selection: Some(dynoid::selection(patterns)), without: None };
+pub(super) fn choices(targets: &[Target], patterns: &[String], files: &Files) -> Result<Vec<Choice>, Error> {
+    let whole = || Choice { selection: Some(read::selection(patterns)), without: None };
     if patterns.is_empty() || targets.len() < 2 {
         return Ok(targets.iter().map(|_| whole()).collect());
     }
@@ -25,24 +26,19 @@ pub(super) fn choices(targets: &[Target], patterns: &[String], files: &Files) ->
         targets.iter().map(|target| files.catalogue(&target.input).ok().map(named)).collect();
     let known = || listed.iter().flatten().flatten().map(String::as_str);
     let fits = |pattern: &str, names: &[String]| {
-        let selection = dynoid::selection(&[pattern.to_owned()]);
+        let selection = read::selection(&[pattern.to_owned()]);
         names.iter().any(|name| selection.takes(name))
     };
     let is_anywhere = |pattern: &&String| listed.iter().any(|names| names.as_ref().is_none_or(|n| fits(pattern, n)));
     if let Some(nowhere) = patterns.iter().find(|pattern| !is_anywhere(pattern)) {
-        let closest = names::closest(nowhere, known(), 3).iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>();
-        let closest = match closest.join(", ") {
-            none if none.is_empty() => String::new(),
-            some => format!("; the closest are {some}"),
-        };
-        let what = format!("--channels {nowhere}: no recording has such a channel{closest}");
-        return Err(CliError::Usage { what });
+        let closest = names::closest(nowhere, known(), 3);
+        return Err(Error::NoSuchChannel { pattern: nowhere.clone(), closest });
     }
     let choice = |names: &Option<Vec<String>>| {
         let Some(names) = names else { return whole() };
         let (here, missing): (Vec<String>, Vec<String>) = patterns.iter().cloned().partition(|p| fits(p, names));
         Choice {
-            selection: (!here.is_empty()).then(|| dynoid::selection(&here)),
+            selection: (!here.is_empty()).then(|| read::selection(&here)),
             without: (!missing.is_empty()).then(|| format!("it has no channel {}", missing.join(", "))),
         }
     };
