@@ -282,9 +282,8 @@ impl LinearFit {
     /// # Errors
     /// A model without poles that can be computed.
     pub fn natural_frequencies_hz(&self) -> Result<Vec<f64>, Error> {
-        let failed = |source| Error::identify("the response", source);
-        let system = self.fit().model.system().map_err(failed)?;
-        let poles = system.poles().map_err(|source| failed(source.into()))?;
+        let poles = self.fit().model.system().and_then(|system| system.poles());
+        let poles = poles.map_err(|source| Error::identify("the response", source.into()))?;
         let mut all: Vec<f64> = poles.iter().map(|pole| pole.norm() / TAU).collect();
         all.sort_by(f64::total_cmp);
         Ok(all)
