@@ -31,6 +31,7 @@ mod lag;
 mod limit;
 mod recordings;
 mod terms;
+mod variance;
 
 pub use analysis::{
     Controller, ControllerRecording, FeedForwardFound, FeedForwardRecording, LimitRecording, SpeedControl,

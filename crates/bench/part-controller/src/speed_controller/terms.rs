@@ -1,13 +1,13 @@
 //! Search for more in a speed controller than PI, delay and straight feed-forward. One term at a time is added to the
 //! inverted controller, and its estimate tested against zero.
 //!
-//! A test is Wald's, with the covariance that is robust to coloured residuals: t, or for several coefficients
-//! Hotelling's T², on the degrees of freedom of its batches. Several terms on the same data are corrected by Holm, so
-//! that the level is that of finding anything where there is nothing.
+//! A test is Wald's, with a covariance that is robust to coloured residuals: t, or for several coefficients F, on the
+//! degrees of freedom of the stretches that tell the term. A step of N_d* tells a feed-forward for a second, so these are
+//! few. Several terms on the same data are corrected by Holm, so that the level is that of finding anything where there
+//! is nothing.
 //!
 //! # Source
-//! Holm, *A simple sequentially rejective multiple test procedure*, 1979; Hotelling, *The generalization of Student's
-//! ratio*, 1931.
+//! Holm, *A simple sequentially rejective multiple test procedure*, 1979.
 
 use faer::Mat;
 use ident::Minimum;
@@ -25,6 +25,7 @@ use super::data::{Data, ident_error};
 use super::feed_forward::check_moves;
 use super::fit::{BATCHES, SpeedControllerFit, run};
 use super::inverse::{self, COUNT};
+use super::variance::variance_towards;
 
 /// Probability of finding any term where there is none.
 pub const LEVEL: f64 = 0.01;
@@ -331,7 +332,8 @@ fn test(term: Term, base: &Minimum, fit: Option<&(Data, Minimum)>) -> TermTest {
     };
     let Some((data, fit)) = fit else { return undecided };
     let tested = tested(term, fit);
-    let Ok((covariance, freedom)) = at_least_white(fit, BATCHES) else { return undecided };
+    let Ok((variance, freedom)) = variance_towards(fit, BATCHES, &tested) else { return undecided };
+    let covariance = faer::Scale(variance) * &fit.unscaled_covariance;
     let p_value = one_sided(term, &fit.parameters, joint_p_value(fit, &covariance, freedom, &tested));
     let all_short = tested.iter().all(|j| is_short(data, fit, &covariance, freedom, *j));
     if tested.iter().any(|j| fit.at_bound[*j]) || !(all_short || p_value < LEVEL) {
@@ -361,15 +363,14 @@ fn one_sided(term: Term, theta: &[f64], p_value: f64) -> f64 {
     }
 }
 
-/// Probability of estimates as far from zero where all of `tested` are zero: T² = θᵀ P⁻¹ θ on n degrees of freedom, of
-/// which T² (n − m + 1)/(n m) is F with m and n − m + 1.
+/// Probability of estimates as far from zero where all of `tested` are zero: θᵀ P⁻¹ θ/m is F with m degrees of freedom
+/// and those of the variance.
 fn joint_p_value(fit: &Minimum, covariance: &Mat<f64>, freedom: f64, tested: &[usize]) -> f64 {
     let m = tested.len();
     let block = Mat::from_fn(m, m, |a, b| covariance[(tested[a], tested[b])]);
     let theta = Mat::from_fn(m, 1, |a, _| fit.parameters[tested[a]]);
     let statistic = (theta.transpose() * linalg::solve(block.as_ref(), theta.as_ref()))[(0, 0)];
-    let (count, rest) = (m as f64, freedom - m as f64 + 1.0);
-    let p_value = f_tail(statistic * rest / (freedom * count), count, rest);
+    let p_value = f_tail(statistic / m as f64, m as f64, freedom);
     if p_value.is_finite() { p_value } else { 1.0 }
 }
 

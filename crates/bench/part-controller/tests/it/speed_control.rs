@@ -220,14 +220,15 @@ fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {
     let benches = 64;
     let found = benches::on_both_processors(benches, |seed| {
         let (parameters, speed_rpm, hidden) = benches::drawn(seed);
-        let record = |plan: &ExperimentPlan| match &hidden {
-            Some(hidden) => hidden.rewrite(&recorded(&parameters, plan, seed)),
+        // Every recording has noise of its own.
+        let record = |plan: &ExperimentPlan, noise_seed: u64| match &hidden {
+            Some(hidden) => Hidden { noise_seed, ..hidden.clone() }.rewrite(&recorded(&parameters, plan, seed)),
             None => recorded(&parameters, plan, seed),
         };
-        let bs = record(&ExperimentPlan::bs_t_nt(speed_rpm, 12.0));
+        let bs = record(&ExperimentPlan::bs_t_nt(speed_rpm, 12.0), 1000 + 2 * seed);
         let fit = estimate(&bs, Some(LIMIT_NM)).unwrap();
         let beside = structure(&bs, &fit, Some(LIMIT_NM)).unwrap();
-        let moved = record(&ExperimentPlan::levels_n_nt(1200.0, 20.0));
+        let moved = record(&ExperimentPlan::levels_n_nt(1200.0, 20.0), 1001 + 2 * seed);
         let lags = estimate_feed_forward(&moved, None, &fit, Some(LIMIT_NM)).unwrap().lags;
         let bent = feed_forward_terms(&moved, &fit, lags, Some(LIMIT_NM)).unwrap();
         let verdicts = |rounds: &[part_controller::speed_controller::Round]| -> Vec<(Term, f64, Verdict)> {

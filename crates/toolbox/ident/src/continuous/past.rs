@@ -19,9 +19,8 @@ const REFUTED: f64 = 0.999;
 /// An input rests at first where its first step is at most this part of its range.
 const RESTING: f64 = 0.05;
 
-/// An input with at least so many moves goes without the first rows, if these are at most this part of the record.
+/// Inputs that each move at least so often behind the first rows go without these.
 const MANY_MOVES: f64 = 20.0;
-const FEW_ROWS: f64 = 0.05;
 
 /// Part of an input's scatter behind the first rows below which it counts as nothing.
 const UNMOVED: f64 = 0.01;
@@ -70,11 +69,10 @@ pub(crate) fn begun<C: ContinuousChannel>(
 }
 
 /// Returns true if all inputs rest at the first samples, or do not move behind the first rows, so that nothing else can
-/// be assumed. Where inputs move all the time the first rows are spared, and nothing has to be assumed.
+/// be assumed. Where inputs move often behind them the first rows are spared, and nothing has to be assumed: an input
+/// that is held for some samples between moves looks at rest wherever a record begins, as behind a gap.
 fn may_rest(data: &Dataset, first: usize) -> bool {
-    let rows = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
-    let can_be_spared = first as f64 <= FEW_ROWS * rows as f64;
-    if can_be_spared && (0..data.inputs()).all(|k| moves(data, k) >= MANY_MOVES) {
+    if (0..data.inputs()).all(|k| moves(data, k, first) >= MANY_MOVES) {
         return false;
     }
     (0..data.inputs()).all(|k| {
@@ -87,10 +85,11 @@ fn may_rest(data: &Dataset, first: usize) -> bool {
     })
 }
 
-/// As many moves of equal size have the mean of squares over the square of the mean that the moves of an input have.
-fn moves(data: &Dataset, input: usize) -> f64 {
-    let steps =
-        data.experiments().iter().flat_map(|e| e.input(input).windows(2)).map(|pair| (pair[1] - pair[0]).powi(2));
+/// As many moves of equal size have the mean of squares over the square of the mean that the moves of an input have
+/// behind the first rows.
+fn moves(data: &Dataset, input: usize, first: usize) -> f64 {
+    let behind = data.experiments().iter().flat_map(|e| e.input(input).get(first..).unwrap_or(&[]).windows(2));
+    let steps = behind.map(|pair| (pair[1] - pair[0]).powi(2));
     let (sum, squares) = steps.fold((0.0, 0.0), |(sum, squares), step| (sum + step, squares + step * step));
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }

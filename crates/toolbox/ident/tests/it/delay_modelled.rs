@@ -300,6 +300,19 @@ fn regress_initial_states_of_many_stretches_are_no_dynamics() {
     assert!(model.poles == 1 && low <= 2.0 && 2.0 <= high && high - low < 0.2, "{model:?}");
 }
 
+/// An input that is held for some samples looks at rest behind every gap, although it moved just before.
+#[test]
+fn regress_held_inputs_are_not_taken_to_have_rested_before_a_gap() {
+    let holds = |seed: &u64| {
+        let found =
+            ModelledDelay::default().estimate(&with_gaps(&lags_in_noise(*seed, 3000, &[6.0, 2.5]), 60)).unwrap();
+        let (low, high) = found.claimed().unwrap().intervals[0];
+        println!("{seed}: {low} {high}");
+        low <= 2.4 && 2.4 <= high
+    };
+    assert_eq!((0..3).filter(holds).count(), 3);
+}
+
 /// Of 30 claims of 95 %, and of 30 models whose errors are tested at 99 %, so many fewer are a matter of chance.
 #[test]
 #[ignore = "slow"]

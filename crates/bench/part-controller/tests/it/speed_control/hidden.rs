@@ -32,6 +32,8 @@ pub(super) struct Hidden {
     pub(super) law: AntiWindup,
     /// Of the logged speed, white.
     pub(super) noise_rad_s: f64,
+    /// Seed of that noise.
+    pub(super) noise_seed: u64,
     /// T_d* is logged in multiples of this.
     pub(super) demand_step_nm: f64,
 }
@@ -52,6 +54,7 @@ impl Default for Hidden {
             limit_nm: f64::INFINITY,
             law: AntiWindup::None,
             noise_rad_s: 0.003,
+            noise_seed: 77,
             demand_step_nm: 0.01,
         }
     }
@@ -103,7 +106,7 @@ impl Hidden {
         let mut logged = experiment.clone();
         let clock = &experiment.signals[&Role::DynoSpeed];
         let reference = &experiment.signals[&Role::DynoSpeedDemand].samples;
-        let mut random = Random::new(77);
+        let mut random = Random::new(self.noise_seed);
         let noisy = speed.iter().map(|w| w + self.noise_rad_s * random.normal()).collect();
         let demand = self.demand_nm(speed, reference, first_nm);
         logged.signals.insert(Role::DynoTorqueDemand, clock.with_samples(demand));
