@@ -2,8 +2,10 @@
 //! known of the class.
 //!
 //! T_e,m = α + β T + γ ω², complex, with the class's variances as the prior of α, β and γ: what the recordings do not
-//! show stays as wide as that. Where ignition angles set the torque, the charge does not change with it: such a
-//! recording has a slope κ of its own below its largest torque. The crank's angle begins anywhere in each recording.
+//! show stays as wide as that. T is the torque for which the cylinders are charged. Within a recording the mean torque
+//! also varies with the ignition angles, from cycle to cycle, and by its own errors, while the charge stays. So a
+//! recording has a slope κ of its own, as far as its torque varies in one of these ways, and an error of its T.
+//! The crank's angle begins anywhere in each recording.
 //! The angle δ by which a recording is turned against the others is the one of the greatest evidence, in which it
 //! stands as Σ_m Re(e^{−imδ} c_m) alone. Where another cylinder at the place of the first would be nearly as probable,
 //! only the multiples of the firing order count.
@@ -42,12 +44,15 @@ const SHOWN: f64 = 0.1;
 
 /// Root mean square of κ over that of β. A late ignition leaves the charge and moves the burning: slider-cranks with
 /// Wiebe's burning give 0.3 to 0.5 where the burning is as much weaker, and up to 1.4 where it is as much later.
-const BY_IGNITION: f64 = 0.8;
+const WITHOUT_CHARGE: f64 = 0.8;
+/// How far the torque of the charge is from the largest that was seen, over that, where ignition angles set the torque:
+/// a window is a mean over several demands, and control units keep a reserve.
+const RESERVE: f64 = 0.1;
 
-/// The regressors of a recording: those of α, β and γ, the errors of both encoders, and κ.
-const OF_RECORDING: usize = 6;
+/// The regressors of a recording: those of α, β and γ, the errors of both encoders, κ, and the error of T.
+const OF_RECORDING: usize = 7;
 /// Those that a recording has for itself.
-const OF_ITSELF: [usize; 3] = [3, 4, 5];
+const OF_ITSELF: [usize; 4] = [3, 4, 5, 6];
 
 /// Sums of a regression on N regressors, each over the standard deviation of its part in the class.
 #[derive(Debug, Clone, Copy)]
@@ -202,20 +207,64 @@ impl OfClass {
     }
 }
 
+/// The torque for which the cylinders are charged in a recording.
+struct Charge {
+    /// Of all windows in which the mean torque varies while the charge stays, Nm.
+    torque_nm: f64,
+    /// Part of a torque's distance from it that is no charge.
+    share: f64,
+    /// Standard deviation of all torques alike, Nm.
+    doubt_nm: f64,
+}
+
+impl Charge {
+    /// Where ignition angles set the torque, the charge is for the largest. Elsewhere it follows the torque, as far as
+    /// that varies more than `doubt_nm` and more slowly than from window to window: the part of the rest in the
+    /// variance is by how much it falsifies a slope over the torque.
+    fn of(windows: &[Seen], is_by_ignition: bool, doubt_nm: f64) -> Self {
+        let torques: Vec<f64> = windows.iter().map(|window| window.torque_nm).collect();
+        if is_by_ignition {
+            let largest_nm = torques.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            return Charge { torque_nm: largest_nm, share: 1.0, doubt_nm: doubt_nm.hypot(RESERVE * largest_nm) };
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let torque_nm = mean(&torques);
+        let variance = mean(&torques.iter().map(|torque| (torque - torque_nm).powi(2)).collect::<Vec<_>>());
+        // Windows overlap by a half: the next but one shares nothing.
+        let apart: Vec<f64> = torques.windows(3).map(|three| 0.5 * (three[2] - three[0]).powi(2)).collect();
+        let no_charge = mean(&apart) + doubt_nm * doubt_nm;
+        let share = if no_charge < variance { no_charge / variance } else { 1.0 };
+        Charge { torque_nm, share, doubt_nm }
+    }
+
+    fn missing_nm(&self, torque_nm: f64) -> f64 {
+        self.share * (self.torque_nm - torque_nm)
+    }
+}
+
 impl Recording {
-    /// `windows` have a value for each of the first harmonics or none. Ignition angles may set their torque.
-    pub(super) fn of(file: &str, windows: &[Seen], places: &[usize], class: &Class, is_by_ignition: bool) -> Self {
+    /// `windows` have a value for each of the first harmonics or none. Ignition angles may set their torque. The mean
+    /// torque of a recording has a standard deviation of `doubt_nm`.
+    pub(super) fn of(
+        file: &str,
+        windows: &[Seen],
+        places: &[usize],
+        class: &Class,
+        is_by_ignition: bool,
+        doubt_nm: f64,
+    ) -> Self {
         let mut sums = vec![Sums::<OF_RECORDING>::default(); class.0.len()];
-        let largest_nm = windows.iter().map(|window| window.torque_nm).fold(f64::NEG_INFINITY, f64::max);
+        let charge = Charge::of(windows, is_by_ignition, doubt_nm);
         for window in windows {
-            let missing_nm = if is_by_ignition { largest_nm - window.torque_nm } else { 0.0 };
+            let missing_nm = charge.missing_nm(window.torque_nm);
             for (place, wave) in places.iter().zip(&window.waves) {
                 let Some(wave) = wave else { continue };
                 let of_class = &class.0[*place];
                 let [of_none, of_torque, of_speed] = of_class.regressors(window.torque_nm, window.speed_rad_s);
                 let [engine, dyno] = wave.of_encoders_nm.map(|one| one / SQRT_2);
-                let by_ignition = BY_IGNITION * of_class.scales[1] * missing_nm;
-                let all = [of_none, of_torque, of_speed, engine, dyno, by_ignition];
+                let of_slope = of_class.scales[1];
+                let (own_slope, own_error) = (WITHOUT_CHARGE * of_slope * missing_nm, of_slope * charge.doubt_nm);
+                let all = [of_none, of_torque, of_speed, engine, dyno, own_slope, own_error];
                 sums[*place].add(all, wave.torque_nm, wave.variance);
             }
         }

@@ -71,7 +71,9 @@ pub fn engine_pulses(
     for (experiment, look) in all.iter().zip(looks) {
         match look {
             Ok(windows) => {
-                let recording = Recording::of(&experiment.file, &windows, &places, &class, is_by_ignition(experiment));
+                let is_by_ignition = is_by_ignition(experiment);
+                let doubt_nm = friction.deviation_nm(mean_of(&windows, |seen| seen.speed_rad_s));
+                let recording = Recording::of(&experiment.file, &windows, &places, &class, is_by_ignition, doubt_nm);
                 seen.push((recording, windows));
             }
             Err(error) => reasons.push(Reason::from(error)),
@@ -83,8 +85,7 @@ pub fn engine_pulses(
     // Of the others, windows are noise.
     let with_pulses = || recordings.iter().zip(&seen).filter(|(one, _)| joined.recordings.contains(&one.file));
     let windows: Vec<&Seen> = with_pulses().flat_map(|(_, windows)| windows).collect();
-    let mean = |of: fn(&Seen) -> f64| windows.iter().copied().map(of).sum::<f64>() / windows.len().max(1) as f64;
-    let at = (mean(|seen| seen.torque_nm), mean(|seen| seen.speed_rad_s));
+    let at = (mean_of(windows.iter().copied(), |seen| seen.torque_nm), mean_of(windows, |seen| seen.speed_rad_s));
     let harmonics = joined.pulses(&prior, &values, friction.deviation_nm(at.1), at);
     if !harmonics.get(cylinders - 1).is_some_and(|firing| firing.is_estimated) {
         return Err(reasons);
@@ -95,6 +96,12 @@ pub fn engine_pulses(
     let cycle_variation =
         variation(of_charge, cylinders - 1, &harmonics[cylinders - 1]).unwrap_or(prior.cycle_variation);
     Ok(EnginePulses { cycle_variation, recordings: joined.recordings, harmonics, ..prior })
+}
+
+/// The mean over windows; zero of none.
+fn mean_of<'a>(windows: impl IntoIterator<Item = &'a Seen>, of: fn(&Seen) -> f64) -> f64 {
+    let (sum, count) = windows.into_iter().fold((0.0, 0_u32), |(sum, count), seen| (sum + of(seen), count + 1));
+    sum / f64::from(count.max(1))
 }
 
 /// The largest air-gap torque that was recorded, Nm.

@@ -120,11 +120,12 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// frequencies.
     fn integrates(&self) -> Result<bool, IdentError> {
         let system = self.model.system()?;
-        if !system.has_pole_at_rest()? {
+        let clock_s = system.sample_time_s();
+        let poles = lti::settled(&system.poles()?, clock_s);
+        if !poles.iter().any(|(_, is_at_rest)| *is_at_rest) {
             return Ok(false);
         }
-        let clock_s = system.sample_time_s();
-        let moving = lti::settled(&system.poles()?, clock_s).into_iter().filter(|(_, is_at_rest)| !is_at_rest);
+        let moving = poles.into_iter().filter(|(_, is_at_rest)| !is_at_rest);
         let rates = moving.map(|(pole, _)| lti::Mode::new(pole, clock_s).natural_frequency_rad_s);
         let slowest = rates.filter(|rate| rate.is_finite()).fold(f64::INFINITY, f64::min);
         let omega = SLOW * if slowest.is_finite() { slowest } else { clock_s.map_or(1.0, f64::recip) };

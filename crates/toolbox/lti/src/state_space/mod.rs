@@ -2,14 +2,15 @@
 
 mod connect;
 mod discretise;
+mod resolvent;
 mod zeros;
 
 use faer::{Mat, MatRef};
-use numerics::linalg;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use connect::{check_same_clock, is_algebraic_loop};
 pub use discretise::FirstOrderHold;
+use resolvent::{Resolvent, full_solution};
 
 use crate::Complex64;
 use crate::error::{LtiError, check_sample_time, check_shape};
@@ -207,28 +208,21 @@ impl StateSpace {
     /// pole.
     #[must_use]
     pub fn evaluate(&self, point: Complex64) -> Mat<Complex64> {
-        let n = self.states();
-        let complex = |v: f64| Complex64::new(v, 0.0);
-        let mut gain = Mat::from_fn(self.outputs(), self.inputs(), |i, j| complex(self.d[(i, j)]));
-        if n == 0 {
-            return gain;
-        }
-        let resolvent =
-            Mat::from_fn(n, n, |i, j| if i == j { point - self.a[(i, j)] } else { complex(-self.a[(i, j)]) });
-        let b = Mat::from_fn(n, self.inputs(), |i, j| complex(self.b[(i, j)]));
-        let x = linalg::complex_solve(resolvent.as_ref(), b.as_ref());
-        for i in 0..self.outputs() {
-            for j in 0..self.inputs() {
-                gain[(i, j)] += (0..n).map(|k| x[(k, j)] * self.c[(i, k)]).sum::<Complex64>();
-            }
-        }
-        gain
+        self.gain_of(&full_solution(self.a(), self.b(), point))
     }
 
     /// The gains at angular frequencies in rad/s, one matrix (outputs × inputs) each, at `jω` or `e^{jωT}`.
     #[must_use]
     pub fn gains(&self, omega_rad_s: &[f64]) -> Vec<Mat<Complex64>> {
-        work::checked(omega_rad_s).map(|w| self.evaluate(frequency_point(*w, self.sample_time_s))).collect()
+        let resolvent = Resolvent::new(self.a(), self.b());
+        let gain = |omega: &f64| self.gain_of(&resolvent.at(frequency_point(*omega, self.sample_time_s)));
+        work::checked(omega_rad_s).map(gain).collect()
+    }
+
+    /// `D + C X`.
+    fn gain_of(&self, x: &Mat<Complex64>) -> Mat<Complex64> {
+        let way = |i: usize, j: usize| along(self.c.row(i).iter(), x.col(j).iter());
+        Mat::from_fn(self.outputs(), self.inputs(), |i, j| way(i, j) + self.d[(i, j)])
     }
 
     /// The frequency response from one input to one output.
@@ -241,8 +235,14 @@ impl StateSpace {
         input: usize,
         omega_rad_s: &[f64],
     ) -> Result<FrequencyResponse, LtiError> {
-        let channel = self.channel(output, input)?;
-        let response = channel.gains(omega_rad_s).iter().map(|gain| gain[(0, 0)]).collect();
+        check_index("output", output, self.outputs())?;
+        check_index("input", input, self.inputs())?;
+        let resolvent = Resolvent::new(self.a(), self.b().submatrix(0, input, self.states(), 1));
+        let gain = |omega: &f64| {
+            let x = resolvent.at(frequency_point(*omega, self.sample_time_s));
+            along(self.c.row(output).iter(), x.col(0).iter()) + self.d[(output, input)]
+        };
+        let response = work::checked(omega_rad_s).map(gain).collect();
         FrequencyResponse::new(omega_rad_s.to_vec(), response)
     }
 
@@ -269,6 +269,11 @@ impl StateSpace {
             (inputs, outputs) => Err(LtiError::NotSiso { inputs, outputs }),
         }
     }
+}
+
+/// `c x`.
+fn along<'a>(c: impl Iterator<Item = &'a f64>, x: impl Iterator<Item = &'a Complex64>) -> Complex64 {
+    c.zip(x).map(|(c, x)| x * c).sum()
 }
 
 pub(crate) fn check_index(what: &'static str, index: usize, count: usize) -> Result<(), LtiError> {
