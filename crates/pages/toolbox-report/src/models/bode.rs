@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ident::IdentError;
 use ident::uncertainty::{Dynamics, Feature};
-use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
+use lti::{LtiError, Margins, Mode, StateSpace, common_frequency_grid};
 use page::Axis;
 use page::decimal::{digits, with_range};
 use signal::Complex64;
@@ -31,8 +31,9 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
         // All on one grid, so that curves can be compared point by point, each up to where it ends.
         let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
         let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
+        let growing = model.growing_mode()?;
         for (output, input) in channels(model) {
-            curves.push(curve(model, number, output, input, &omega, level)?);
+            curves.push(curve(model, number, growing.as_ref(), output, input, &omega, level)?);
         }
     }
     Ok(Curves { models, curves, x: Axis::frequency(), level })
@@ -41,6 +42,7 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
 fn curve(
     model: &Model,
     number: usize,
+    growing: Option<&Mode>,
     output: usize,
     input: usize,
     omega: &[f64],
@@ -58,7 +60,7 @@ fn curve(
             Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
             Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
         ],
-        summary: summary(model, output, input, omega, &response.response, level)?,
+        summary: summary(model, growing, output, input, omega, &response.response, level)?,
     })
 }
 
@@ -68,6 +70,7 @@ fn decibel(gain: f64) -> f64 {
 
 fn summary(
     model: &Model,
+    growing: Option<&Mode>,
     output: usize,
     input: usize,
     omega: &[f64],
@@ -78,10 +81,9 @@ fn summary(
     let in_hertz = |name: &str, f: &Feature| {
         Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
     };
-    let growing = model.growing_mode()?;
     let largest = response.iter().map(|gain| gain.norm()).fold(0.0, f64::max);
     let at_rest = features.dc_gain()?.map(|gain| (cleaned(gain.value, largest), gain.interval(level)));
-    let mut facts = match &growing {
+    let mut facts = match growing {
         Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
         None => vec![gain_at_rest(model, at_rest, output, input)],
     };
