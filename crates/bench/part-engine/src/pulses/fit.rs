@@ -433,3 +433,36 @@ fn climb(of: &impl Fn(f64) -> f64, start: f64, step: f64) -> f64 {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Charge, RESERVE, Seen};
+
+    fn charge(torques_nm: impl Iterator<Item = f64>, is_by_ignition: bool) -> Charge {
+        let window = |torque_nm| Seen { torque_nm, speed_rad_s: 150.0, waves: Vec::new() };
+        Charge::of(&torques_nm.map(window).collect::<Vec<_>>(), is_by_ignition, 1.0)
+    }
+
+    #[test]
+    fn exact_a_torque_that_scatters_or_stays_within_its_doubt_shows_no_charge() {
+        let scatters = charge((0..60).map(|k| 60.0 + 5.0 * (1.7 * f64::from(k * k)).sin()), false);
+        assert!(scatters.share > 0.8, "{}", scatters.share);
+        let creeps = charge((0..60).map(|k| 60.0 + 0.02 * f64::from(k)), false);
+        assert!((creeps.share - 1.0).abs() < 1e-12, "{}", creeps.share);
+    }
+
+    #[test]
+    fn exact_a_torque_that_changes_slowly_is_that_of_the_charge() {
+        let rises = charge((0..=80).map(|k| 20.0 + f64::from(k)), false);
+        // Two of a step of 1 Nm and the doubt of 1 Nm, over (81² − 1)/12.
+        assert!((rises.share - (2.0 + 1.0) / (6560.0 / 12.0)).abs() < 1e-12, "{}", rises.share);
+        assert!((rises.missing_nm(40.0) - rises.share * 20.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn exact_ignition_angles_leave_the_charge_of_the_largest_torque_or_more() {
+        let set = charge([35.0, 50.0, 40.0].into_iter(), true);
+        assert!((set.missing_nm(35.0) - 15.0).abs() < 1e-12);
+        assert!((set.doubt_nm - 1.0_f64.hypot(RESERVE * 50.0)).abs() < 1e-12);
+    }
+}
