@@ -9,7 +9,7 @@ use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::ExperimentPlan;
 use rig::results::{Estimate, Outcome, Parameter, Part, Quantity, Reason};
 use rig::{BenchFile, Finding, Role, Severity};
-use study::{Campaign, Prepared, Source, Study, StudyError, run};
+use study::{Campaign, Prepared, Source, Study, StudyError, run, torque_scale};
 use virtual_bench::simulate;
 
 use bench_testkit::benches::{bench_file, default_bench, in_parallel};
@@ -79,6 +79,21 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
         wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014,
         "{wrong:?}"
     );
+}
+
+/// Torques that are all 2 % too large, beside a right J_d, are as right torques beside a J_d that is stated 2 % too small.
+#[test]
+fn stat_j_d_shows_the_scale_of_all_torques() {
+    for (scale, is_doubted) in [(1.0, false), (1.02, false), (0.98, false), (1.04, true), (1.1, true), (0.9, true)] {
+        let bench = bench_file(&(0.6 / scale).to_string(), "0.28", "400 Nm", BENCH_A);
+        let study = studied(&bench, sources(|file| file.starts_with("White")));
+        let found = torque_scale(&study).unwrap();
+        assert!((found.factor - scale).abs() < 0.003, "{scale}: {found:?}");
+        assert!((found.half_width - 0.0196).abs() < 0.001, "{scale}: {found:?}");
+        let doubts =
+            |found: &Finding| matches!(found, Finding::ImplausibleInertia { inertia: Quantity::DynoInertia, .. });
+        assert_eq!(study.diagnostics.iter().any(|found| doubts(&found.finding)), is_doubted, "{scale}");
+    }
 }
 
 #[test]
