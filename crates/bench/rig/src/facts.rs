@@ -37,8 +37,11 @@ const ENGINE_INERTIA_PERCENT: f64 = 2.0;
 
 /// Standard errors of the difference beyond which a stated inertia and what recordings show contradict each other.
 const CONTRADICTED: f64 = 3.0;
-/// A difference of a stated inertia from what a recording shows is worth a warning beyond so many standard errors, ...
-const DOUBTED_STANDARD_ERRORS: f64 = 5.0;
+/// A difference of a stated J_d from what a recording shows is worth a warning beyond so many standard errors: J_d is
+/// all that shows the scale of the torques. One that is stated rightly is doubted once in a hundred times.
+const DYNO_DOUBTED_STANDARD_ERRORS: f64 = 2.6;
+/// The same of J_e, ...
+const ENGINE_DOUBTED_STANDARD_ERRORS: f64 = 5.0;
 /// ... and beyond this share of the inertia.
 const DOUBTED_SHARE: f64 = 0.01;
 
@@ -51,22 +54,28 @@ pub struct StatedInertia {
     pub uncertainty_percent: f64,
     /// True where the bench file states that uncertainty.
     pub is_uncertainty_stated: bool,
+    doubted_standard_errors: f64,
 }
 
 impl StatedInertia {
     /// J_d; without a stated uncertainty it has one of 1 %.
     pub fn of_dynamometer(kg_m2: f64, uncertainty_percent: Option<f64>) -> Self {
-        StatedInertia::new(kg_m2, uncertainty_percent, DYNO_INERTIA_PERCENT)
+        StatedInertia {
+            kg_m2,
+            uncertainty_percent: uncertainty_percent.unwrap_or(DYNO_INERTIA_PERCENT),
+            is_uncertainty_stated: uncertainty_percent.is_some(),
+            doubted_standard_errors: DYNO_DOUBTED_STANDARD_ERRORS,
+        }
     }
 
     /// J_e; without a stated uncertainty it has one of 2 %.
     pub fn of_engine(kg_m2: f64, uncertainty_percent: Option<f64>) -> Self {
-        StatedInertia::new(kg_m2, uncertainty_percent, ENGINE_INERTIA_PERCENT)
-    }
-
-    fn new(kg_m2: f64, stated: Option<f64>, usual_percent: f64) -> Self {
-        let uncertainty_percent = stated.unwrap_or(usual_percent);
-        StatedInertia { kg_m2, uncertainty_percent, is_uncertainty_stated: stated.is_some() }
+        StatedInertia {
+            kg_m2,
+            uncertainty_percent: uncertainty_percent.unwrap_or(ENGINE_INERTIA_PERCENT),
+            is_uncertainty_stated: uncertainty_percent.is_some(),
+            doubted_standard_errors: ENGINE_DOUBTED_STANDARD_ERRORS,
+        }
     }
 
     /// Its standard uncertainty, kg m².
@@ -79,7 +88,8 @@ impl StatedInertia {
     pub fn contradicted_by(&self, seen: f64, error: f64) -> Option<f64> {
         let apart = (seen - self.kg_m2).abs();
         let spread = error.hypot(self.standard_uncertainty_kg_m2());
-        (apart > DOUBTED_STANDARD_ERRORS * spread && apart > DOUBTED_SHARE * self.kg_m2).then_some(apart / self.kg_m2)
+        (apart > self.doubted_standard_errors * spread && apart > DOUBTED_SHARE * self.kg_m2)
+            .then_some(apart / self.kg_m2)
     }
 
     /// With what recordings show of it: value and standard uncertainty, kg m². Where the two contradict each other,

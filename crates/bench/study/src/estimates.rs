@@ -214,7 +214,10 @@ fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, shaft: &mut Shaft
                 if found.quantity == Quantity::DynoInertia {
                     moved.push((other.file.as_str(), found.clone()));
                 }
-                findings.doubt(&other.file, Severity::Note, no_check(found));
+                match other_scale(&shaft.estimate, &estimate) {
+                    Some(scale) => findings.doubt(&other.file, Severity::Warning, scale),
+                    None => findings.doubt(&other.file, Severity::Note, no_check(found)),
+                }
             }
             None => shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone())),
         }
@@ -238,6 +241,23 @@ fn impossible(estimate: &Estimate, stated: StatedInertia) -> Option<&Parameter> 
     let is_moved = |j: &&Parameter| (j.value - stated.kg_m2).abs() > MOVED * stated.standard_uncertainty_kg_m2();
     let moved = || estimate.parameter(Quantity::DynoInertia).filter(is_moved);
     late(estimate).next().map(|(_, skew)| skew).or_else(moved)
+}
+
+/// That the torques of a recording have another scale than those of the shaft's own: J_d and K differ by one factor.
+fn other_scale(own: &Estimate, other: &Estimate) -> Option<Finding> {
+    let [(inertia, theirs), (stiffness, their_stiffness)] = [
+        (own.parameter(Quantity::DynoInertia)?, other.parameter(Quantity::DynoInertia)?),
+        (own.parameter(Quantity::Stiffness)?, other.parameter(Quantity::Stiffness)?),
+    ];
+    let error = |of: &Parameter| of.standard_error / of.value;
+    let all = [inertia, theirs, stiffness, their_stiffness].map(error);
+    let between = (their_stiffness.value / stiffness.value) / (theirs.value / inertia.value) - 1.0;
+    let is_one_factor = between.abs() < APART * all.iter().map(|error| error * error).sum::<f64>().sqrt();
+    (is_one_factor && contradict(inertia, theirs)).then_some(Finding::RoutesDisagree {
+        quantity: Quantity::DynoInertia,
+        first: (inertia.value, inertia.standard_error),
+        second: (theirs.value, theirs.standard_error),
+    })
 }
 
 fn no_check(found: &Parameter) -> Finding {

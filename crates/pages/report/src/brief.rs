@@ -98,7 +98,10 @@ fn estimates(study: &Study) -> Blocks {
     }
     match table.is_empty() {
         true => Blocks::default(),
-        false => vec![Block::heading("Estimates, with 95 % intervals"), Block::Table(table)].into(),
+        false => {
+            let heading = Block::heading("Estimates, with 95 % intervals");
+            vec![heading, Block::Table(table), Block::note(wording::torque_scale(study))].into()
+        }
     }
 }
 

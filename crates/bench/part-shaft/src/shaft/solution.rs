@@ -124,7 +124,9 @@ impl Solution {
     pub(super) fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
         check_moved(inputs)?;
         let recorded = Dated::as_recorded(inputs);
-        let first = Self::dated(inputs, stretch, unknowns, recorded)?;
+        // From a stated J_d that is wrong, a search free of it may end beside a wrong skew.
+        let near = if unknowns == Unknowns::ShaftAndInertia { Unknowns::Shaft } else { unknowns };
+        let first = Self::dated(inputs, stretch, near, recorded)?;
         match unknowns {
             Unknowns::ShaftWithoutTiming => Ok(first),
             _ => {

@@ -9,7 +9,7 @@ use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::ExperimentPlan;
 use rig::results::{Estimate, Outcome, Parameter, Part, Quantity, Reason};
 use rig::{BenchFile, Finding, Role, Severity};
-use study::{Campaign, Prepared, Source, Study, StudyError, run};
+use study::{Campaign, Prepared, Source, Study, StudyError, run, torque_scale};
 use virtual_bench::simulate;
 
 use bench_testkit::benches::{bench_file, default_bench, in_parallel};
@@ -103,6 +103,21 @@ fn stat_run_outs_put_friction_into_the_model() {
         assert!((torque - 1.5 - 0.02 * speed).abs() < half && half < 1.0, "{speed}: {torque} ± {half}");
     }
     assert_eq!(found.recordings, ["NoShaft_N_NT.mf4"]);
+}
+
+/// Torques that are all 2 % too large, beside a right J_d, are as right torques beside a J_d that is stated 2 % too small.
+#[test]
+fn stat_j_d_shows_the_scale_of_all_torques() {
+    for (scale, is_doubted) in [(1.0, false), (1.02, false), (0.98, false), (1.04, true), (1.1, true), (0.9, true)] {
+        let bench = bench_file(&(0.6 / scale).to_string(), "0.28", "400 Nm", BENCH_A);
+        let study = studied(&bench, sources(|file| file.starts_with("White")));
+        let found = torque_scale(&study).unwrap();
+        assert!((found.factor - scale).abs() < 0.003, "{scale}: {found:?}");
+        assert!((found.half_width - 0.0196).abs() < 0.001, "{scale}: {found:?}");
+        let doubts =
+            |found: &Finding| matches!(found, Finding::ImplausibleInertia { inertia: Quantity::DynoInertia, .. });
+        assert_eq!(study.diagnostics.iter().any(|found| doubts(&found.finding)), is_doubted, "{scale}");
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub(super) fn limits_and_assumptions(study: &Study) -> Blocks {
     let items = [
         limits(bench),
         shaft.to_owned(),
-        "Torques are as T_d,calc has them: an error of its scale is the same error of K and B.".to_owned(),
+        wording::torque_scale(study),
         format!("{}; {}.", inertia("J_d", bench.dynamometer_inertia()), inertia("J_e", bench.engine_inertia())),
         "Friction of the dynamometer is no part of the model.".to_owned(),
     ];

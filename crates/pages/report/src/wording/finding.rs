@@ -343,6 +343,9 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::PulsesFoldToRest { .. } => {
             "The error of K may be several times its interval (on virtual benches twice, which is 0.1 %). Record at a speed 5 % higher or lower."
         }
+        Finding::RoutesDisagree { quantity: Quantity::DynoInertia, .. } => {
+            "Compare the scale of this recording’s torques with that of the others: J_d and K differ by one factor."
+        }
         Finding::RoutesDisagree { .. } => {
             "Find out which method is disturbed before you use the value; the true value may lie outside both intervals."
         }

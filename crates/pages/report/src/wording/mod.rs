@@ -9,6 +9,7 @@ mod experiment;
 mod finding;
 pub mod number;
 mod reason;
+mod scale;
 mod verdict;
 
 pub use assumption::{assumption, engine_pulses, limited, model_parameter, peak, quantity, safety};
@@ -16,6 +17,7 @@ pub use choice::{choice, sought};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark, twice_estimated};
 pub use reason::{listed, missing, need, needs, reason_of, reasons};
+pub use scale::torque_scale;
 pub use verdict::{MODEL_WORDS, asks, found, headline, outcome};
 
 use rig::facts::BenchVariant;

@@ -9,7 +9,7 @@ use rig::results::{Parameter, Part, Reason};
 use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
 use study::verdict::Rule;
-use study::{ModelComparison, RecordingSummary, verdict};
+use study::{ModelComparison, RecordingSummary, TorqueScale, torque_scale, verdict};
 
 /// A study in short, for programs.
 #[derive(Serialize)]
@@ -17,6 +17,8 @@ pub(crate) struct Short<'a> {
     bench: &'a str,
     verdict: ShortVerdict,
     estimates: Vec<ShortEstimate<'a>>,
+    /// By which factor all torques may be wrong; none where nothing shows it.
+    torque_scale: Option<TorqueScale>,
     not_estimated: Vec<ShortNeed>,
     findings: Vec<ShortFinding>,
     recordings: Vec<ShortRecording<'a>>,
@@ -103,6 +105,7 @@ pub(crate) fn short(written: &WrittenStudy) -> Short<'_> {
             rules: verdict.rules.iter().map(rule).collect(),
         },
         estimates: key_numbers(study).into_iter().map(estimate).collect(),
+        torque_scale: torque_scale(study),
         not_estimated: study.not_estimated().into_iter().map(need).collect(),
         findings: study.diagnostics.iter().map(short_finding).collect(),
         recordings: study.recordings.iter().map(short_recording).collect(),
