@@ -201,6 +201,5 @@ fn prop_swapped_numbers_of_a_model_file_end_in_a_result_or_a_refusal() {
             }
         }
     }
-    println!("{read} swaps were read");
     assert!(read > 0);
 }
