@@ -3,7 +3,7 @@
 use ident::distributions::normal_quantile;
 use ident::validate::{Independence, JointTest, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
-use numerics::null::{infinite_if_null, nan_if_null};
+use numerics::null::nan_if_null;
 use page::decimal::probability;
 use page::{Abscissa, Axis, Block, Figure, Finding, Layer, Page, Panel, Prose, Style, Tone, rounded};
 use serde::{Deserialize, Serialize};
@@ -113,8 +113,8 @@ pub struct WhitenessFacts {
     /// Autocorrelations from lag 0 on.
     #[serde(deserialize_with = "nan_if_null")]
     pub auto: Vec<f64>,
-    /// Their regions; infinite at lags without pairs.
-    #[serde(deserialize_with = "infinite_if_null")]
+    /// Their regions; none at lags without pairs.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bounds: Vec<f64>,
 }
 
@@ -130,8 +130,8 @@ pub struct IndependenceFacts {
     /// Correlations, those of negative lags first.
     #[serde(deserialize_with = "nan_if_null")]
     pub cross: Vec<f64>,
-    /// Their regions; infinite at lags without pairs.
-    #[serde(deserialize_with = "infinite_if_null")]
+    /// Their regions; none at lags without pairs.
+    #[serde(deserialize_with = "nan_if_null")]
     pub bounds: Vec<f64>,
 }
 

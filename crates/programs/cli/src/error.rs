@@ -11,7 +11,7 @@ use page::decimal::significant;
 use toolbox_report::convert::ConvertError;
 use toolbox_report::words::pair;
 
-use crate::summary::shown;
+use crate::path::shown;
 
 /// The command line is wrong.
 const USAGE: u8 = 2;

@@ -9,6 +9,7 @@
 mod cli;
 mod commands;
 mod error;
+mod path;
 mod summary;
 mod terminal;
 

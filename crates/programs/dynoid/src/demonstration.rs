@@ -48,8 +48,8 @@ impl Demonstration {
         Ok(Demonstration { out, seed, plans, parameters, files: files.clone() })
     }
 
-    /// Simulates the bench, and writes its recordings, the page [`EFFECTS`] and the bench file. Returns the place of the
-    /// bench file, whose study [`Demonstration::rows`] compares with the truth.
+    /// Simulates the bench, and writes its recordings, the page [`EFFECTS`] and the bench file. Returns the place of
+    /// the bench file, whose study [`Demonstration::rows`] compares with the truth.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -70,8 +70,8 @@ impl Demonstration {
         rows(study, &self.parameters)
     }
 
-    /// Simulates the experiments on all cores; returns the recordings' bytes in their order. Every experiment has a seed
-    /// of its own, counted from that of the demonstration.
+    /// Simulates the experiments on all cores; returns the recordings' bytes in their order. Every experiment has a
+    /// seed of its own, counted from that of the demonstration.
     fn recordings(&self, context: &Context) -> Result<Vec<Vec<u8>>, Error> {
         let seeded: Vec<(&Planned, u64)> = self.plans.iter().zip(self.seed..).collect();
         let record = |(planned, seed): &(&Planned, u64)| {

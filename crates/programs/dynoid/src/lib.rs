@@ -4,9 +4,9 @@
 //! is a bench with its recordings, and gives what they show; a [`StudyFolder`] takes the report. A [`KnownBench`] is a
 //! bench on which tests ([`can`]) and [`experiments`] are tried. [`linear`] has models of any channels, and [`Export`]
 //! makes files of other programs from models. [`convert`] brings recordings into another format. [`replay`] runs bench
-//! models on recordings, and [`linear`] compares, tests and simulates linear ones on them. [`BenchRecordings`] are looked
-//! at one by one. A [`Demonstration`] is a bench whose every parameter is known. Long work takes a [`work::Context`], by
-//! which a program follows and ends it.
+//! models on recordings, and [`linear`] compares, tests and simulates linear ones on them. [`BenchRecordings`] are
+//! looked at one by one. A [`Demonstration`] is a bench whose every parameter is known. Long work takes a
+//! [`work::Context`], by which a program follows and ends it.
 //!
 //! ```no_run
 //! use dynoid::{Bench, Files, Session, StudyFolder, StudyOptions};
@@ -85,6 +85,7 @@ mod rebuilt;
 mod recordings;
 pub mod replay;
 mod session;
+mod several;
 mod study_file;
 mod written;
 
@@ -98,13 +99,14 @@ pub use find::{InputFile, is_recording, listed, recordings_in};
 pub use formats::{FileFormat, encode_mdf4, encode_table};
 pub use known::{Draws, KnownBench, PulsesFrom};
 pub use mark::{Kind, Mark, is_bench_file};
-pub use models::{MODEL, Model, Models, check_model_file, model_name};
+pub use models::{MODEL, Model, check_model_file, model_name};
 pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
 pub use proposal::{Proposal, ProposalFacts};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};
 pub use rebuilt::{check_recording, write_engine_torque, write_recording, write_shaft_torque};
 pub use recordings::{BenchRecordings, ReadRemarks};
 pub use session::Session;
+pub use several::Models;
 pub use study_file::StudyFile;
 pub use written::{
     DATA, EarlierStudy, FULL_REPORT, FULL_REPORT_PDF, REPORT, REPORT_PDF, SERIES, SUMMARY_PDF, StudyFolder,

@@ -1,6 +1,6 @@
 //! Models from files: a model.json of a bench, the study.json beside one, a model of any channels, an FMU of dynoid.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bench_model::document::{BenchModelDocument, format_of, from_json};
 use ident::{DocumentHeader, ModelDocument};
@@ -8,11 +8,9 @@ use serde::Deserialize;
 
 use crate::error::Error;
 use crate::files::Files;
-use crate::linear::NamedModel;
 use crate::mark::{Kind, Mark};
 use crate::output::check_file;
 use crate::paths;
-use crate::replay::BenchModelFile;
 
 /// The file of the bench model beside a study.
 pub const MODEL: &str = "model.json";
@@ -29,38 +27,7 @@ pub enum Model {
     Linear(Box<ModelDocument>),
 }
 
-/// Models of one kind.
-#[derive(Debug, Clone)]
-pub enum Models {
-    /// Models of benches.
-    Bench(Vec<BenchModelFile>),
-    /// Linear models of any channels.
-    Linear(Vec<NamedModel>),
-}
-
 impl Files {
-    /// The models in files, all of one kind.
-    ///
-    /// # Errors
-    /// Files of both kinds, or one that cannot be read.
-    pub fn models(&self, paths: &[PathBuf]) -> Result<Models, Error> {
-        let (mut benches, mut linear, mut first_linear) = (Vec::new(), Vec::new(), None);
-        for path in paths {
-            match self.model(path)? {
-                Model::Bench(document) => benches.push(BenchModelFile { path: path.clone(), document: *document }),
-                Model::Linear(document) => {
-                    linear.push(NamedModel { name: model_name(path), document: *document });
-                    first_linear = first_linear.or(Some(path));
-                }
-            }
-        }
-        match (benches.first(), first_linear) {
-            (Some(bench), Some(linear)) => Err(Error::TwoKinds { bench: bench.path.clone(), linear: linear.clone() }),
-            (Some(_), None) => Ok(Models::Bench(benches)),
-            (None, _) => Ok(Models::Linear(linear)),
-        }
-    }
-
     /// The model in a file, whichever kind it is.
     ///
     /// # Errors

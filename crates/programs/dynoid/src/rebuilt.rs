@@ -23,7 +23,8 @@ pub fn check_recording(path: &Path, files: &Files) -> Result<(), Error> {
     check_file(path, &Mark::of_run(files), files)
 }
 
-/// Writes a recording that a program made, its format by the ending. Returns notes on names that the format cannot hold.
+/// Writes a recording that a program made, its format by the ending. Returns notes on names that the format cannot
+/// hold.
 ///
 /// # Errors
 /// Another ending, and a file that cannot be written.

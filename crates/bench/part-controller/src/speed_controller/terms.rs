@@ -2,9 +2,9 @@
 //! inverted controller, and its estimate tested against zero.
 //!
 //! A test is Wald's, with a covariance that is robust to coloured residuals: t, or for several coefficients F, on the
-//! degrees of freedom of the stretches that tell the term. A step of N_d* tells a feed-forward for a second, so these are
-//! few. Several terms on the same data are corrected by Holm, so that the level is that of finding anything where there
-//! is nothing.
+//! degrees of freedom of the stretches that show the term. A step of N_d* shows a feed-forward for a second, so these
+//! are few. Several terms on the same data are corrected by Holm, so that the level is that of finding anything where
+//! there is nothing.
 //!
 //! # Source
 //! Holm, *A simple sequentially rejective multiple test procedure*, 1979.

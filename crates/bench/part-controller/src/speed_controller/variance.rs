@@ -1,4 +1,4 @@
-//! The variance that coefficients of a fit have under coloured residuals, where few stretches of the data tell them.
+//! The variance that coefficients of a fit have under coloured residuals, where few stretches of the data show them.
 
 use std::ops::Range;
 
@@ -9,14 +9,15 @@ use numerics::linalg::{self, Cholesky};
 /// Variance of the residuals as far as they bear on some coefficients, and its degrees of freedom: times (JᵀJ)⁻¹, the
 /// covariance of these under coloured residuals. It is no less than that of all residuals.
 ///
-/// The scatter is that of batch sums, as in [`ident::covariance::batched_sandwich`], along the directions in which white residuals move the
-/// coefficients independently; one variance is taken for all of these. Coefficients that only a few batches bear on have
-/// fewer degrees of freedom than there are batches, and residuals of a fit scatter less there than its errors: both
-/// follow from the covariance G that the sums have under white residuals, whose estimate is unbiased with tr G in the
-/// denominator and has (tr G)²/tr G² degrees of freedom.
+/// The scatter is that of batch sums, as in [`ident::covariance::batched_sandwich`], along the directions in which
+/// white residuals move the coefficients independently; one variance is taken for all of these. Coefficients that only
+/// a few batches bear on have fewer degrees of freedom than there are batches, and residuals of a fit scatter less
+/// there than its errors. Both follow from the covariance G that the sums have under white residuals. An estimate of
+/// it is unbiased with tr G in the denominator, and has (tr G)²/tr G² degrees of freedom.
 ///
 /// # Errors
-/// Those of [`ident::covariance::batched_sandwich`]; coefficients that a single batch tells, which has nothing to scatter against.
+/// Those of [`ident::covariance::batched_sandwich`]; coefficients that a single batch shows, which has nothing to
+/// scatter against.
 ///
 /// # Source
 /// Bell & McCaffrey, *Bias reduction in standard errors for linear regression with multi-stage samples*, Survey

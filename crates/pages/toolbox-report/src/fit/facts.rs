@@ -6,7 +6,7 @@ use numerics::null::nan_if_null;
 use serde::{Deserialize, Serialize};
 
 use super::judged::Judged;
-use super::repeated::Repeated;
+use super::repeated::{Repeated, RepeatedFacts};
 use crate::residuals::TestFacts;
 
 /// Numbers of [`super::Estimated`]. What is not known is NaN, and null in JSON.
@@ -76,23 +76,6 @@ pub struct JudgedFacts {
     pub error_predicted: Option<String>,
     /// Judgement by the mean over periods, where inputs repeat.
     pub repeated: Vec<RepeatedFacts>,
-}
-
-/// Judgement of a simulation by the mean over the periods of the inputs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RepeatedFacts {
-    /// Name of the experiment.
-    pub experiment: String,
-    /// Length of a period, s.
-    pub period_s: f64,
-    /// Number of periods.
-    pub periods: usize,
-    /// Fit of each output, %.
-    #[serde(deserialize_with = "nan_if_null")]
-    pub fit_percent_simulated: Vec<f64>,
-    /// Fit that a perfect model would reach, %.
-    #[serde(deserialize_with = "nan_if_null")]
-    pub fit_percent_attainable: Vec<f64>,
 }
 
 impl JudgedFacts {

@@ -20,8 +20,9 @@ use judged::{Judged, is_singular};
 use repeated::Repeated;
 use table::{INTERVAL, Known, estimate, estimates};
 
-pub use facts::{DerivedFacts, EstimateFacts, JudgedFacts, RepeatedFacts};
+pub use facts::{DerivedFacts, EstimateFacts, JudgedFacts};
 pub use judged::Verdict;
+pub use repeated::RepeatedFacts;
 
 /// Estimate with its model, its verdict and the number of its experiments.
 pub struct Estimated {

@@ -7,8 +7,9 @@ use ident::{Dataset, Experiment};
 use page::decimal::{digits, percent};
 use signal::frf::repeated_response;
 
-use super::facts::RepeatedFacts;
 use crate::words::counted;
+use numerics::null::nan_if_null;
+use serde::{Deserialize, Serialize};
 
 /// A period this close to a whole number of samples is one.
 const WHOLE: f64 = 1e-3;
@@ -16,6 +17,23 @@ const WHOLE: f64 = 1e-3;
 const MISSED: f64 = 30.0;
 /// Shortest record in which periods are looked for, samples.
 const FEWEST: usize = 9;
+
+/// Judgement of a simulation by the mean over the periods of the inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RepeatedFacts {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Length of a period, s.
+    pub period_s: f64,
+    /// Number of periods.
+    pub periods: usize,
+    /// Fit of each output, %.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub fit_percent_simulated: Vec<f64>,
+    /// Fit that a perfect model would reach, %.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub fit_percent_attainable: Vec<f64>,
+}
 
 /// One experiment, by the mean over its periods.
 pub(super) struct Repeated {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::cli::export::{ExportArguments, ExportTarget};
 use crate::commands::result::Sorted;
 use crate::error::{CliError, Outcome};
-use crate::summary::shown;
+use crate::path::shown;
 use crate::terminal::Terminal;
 
 /// `dynoid export`

@@ -6,7 +6,7 @@ use dynoid::{Error, Files, Mark, Proposal, check_replaceable};
 
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
-use crate::summary::shown;
+use crate::path::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {

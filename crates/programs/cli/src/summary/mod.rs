@@ -2,14 +2,13 @@
 
 mod short;
 
-use std::path::Path;
-
 use dynoid::{EarlierStudy, WrittenStudy};
 use page::{Align, Block, Page, Table};
 use study::verdict::Level;
 use study::{Study, verdict};
 
 use crate::error::Outcome;
+use crate::path::shown;
 
 pub(crate) use short::{Short, short};
 
@@ -54,11 +53,4 @@ fn places(written: &WrittenStudy) -> [Block; 2] {
         table.row([what.into(), shown(path).into()]);
     }
     [Block::heading("Written"), Block::Table(table)]
-}
-
-/// A path from where the user is, if it lies below.
-pub(crate) fn shown(path: &Path) -> String {
-    let here = std::env::current_dir().ok();
-    let short = here.and_then(|here| path.strip_prefix(here).ok().map(Path::to_owned));
-    short.unwrap_or_else(|| path.to_owned()).display().to_string()
 }

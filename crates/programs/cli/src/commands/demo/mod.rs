@@ -11,7 +11,8 @@ use page::{Block, Page, Prose};
 use crate::cli::bench::DemoArguments;
 use crate::commands::study;
 use crate::error::{CliError, Outcome};
-use crate::summary::{self, shown};
+use crate::path::shown;
+use crate::summary;
 use crate::terminal::Terminal;
 
 const RECORDINGS: &str = "recordings";

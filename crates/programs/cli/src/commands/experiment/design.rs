@@ -13,7 +13,7 @@ use super::planned::{self, WithDoubts};
 use crate::cli::experiment::{DesignArguments, Excite, Form};
 use crate::commands::result::{Sorted, check_plot};
 use crate::error::{self, CliError, Outcome};
-use crate::summary::shown;
+use crate::path::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {

@@ -8,7 +8,7 @@ use study::{NextError, NextExperiments, NextOptions};
 
 use crate::cli::experiment::NextArguments;
 use crate::error::{CliError, Outcome};
-use crate::summary::shown;
+use crate::path::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
