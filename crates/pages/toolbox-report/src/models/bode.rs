@@ -31,18 +31,25 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
         // All on one grid, so that curves can be compared point by point, each up to where it ends.
         let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
         let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
-        let growing = model.growing_mode()?;
+        let whole =
+            Whole { growing: systems[number].growing_mode()?, has_pole_at_rest: systems[number].has_pole_at_rest()? };
         for (output, input) in channels(model) {
-            curves.push(curve(model, number, growing.as_ref(), output, input, &omega, level)?);
+            curves.push(curve(model, number, &whole, output, input, &omega, level)?);
         }
     }
     Ok(Curves { models, curves, x: Axis::frequency(), level })
 }
 
+/// What is known of a model by its poles.
+struct Whole {
+    growing: Option<Mode>,
+    has_pole_at_rest: bool,
+}
+
 fn curve(
     model: &Model,
     number: usize,
-    growing: Option<&Mode>,
+    whole: &Whole,
     output: usize,
     input: usize,
     omega: &[f64],
@@ -60,7 +67,7 @@ fn curve(
             Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
             Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
         ],
-        summary: summary(model, growing, output, input, omega, &response.response, level)?,
+        summary: summary(model, whole, output, input, omega, &response.response, level)?,
     })
 }
 
@@ -70,20 +77,20 @@ fn decibel(gain: f64) -> f64 {
 
 fn summary(
     model: &Model,
-    growing: Option<&Mode>,
+    whole: &Whole,
     output: usize,
     input: usize,
     omega: &[f64],
     response: &[Complex64],
     level: f64,
 ) -> Result<Vec<Fact>, IdentError> {
-    let features = model.features(output, input);
+    let features = model.features(output, input).with_pole_at_rest(whole.has_pole_at_rest);
     let in_hertz = |name: &str, f: &Feature| {
         Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
     };
     let largest = response.iter().map(|gain| gain.norm()).fold(0.0, f64::max);
     let at_rest = features.dc_gain()?.map(|gain| (cleaned(gain.value, largest), gain.interval(level)));
-    let mut facts = match growing {
+    let mut facts = match &whole.growing {
         Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
         None => vec![gain_at_rest(model, at_rest, output, input)],
     };
@@ -93,7 +100,7 @@ fn summary(
         let height = with_range(decibel(gain.value), "dB", interval);
         facts.push(in_hertz("resonance", &resonance.omega_rad_s).noted(height));
     }
-    if growing.is_some() {
+    if whole.growing.is_some() {
         return Ok(facts);
     }
     if let Some(bandwidth) = features.bandwidth_rad_s(omega)? {

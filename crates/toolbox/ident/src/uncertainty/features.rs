@@ -79,19 +79,28 @@ pub struct Features<'a, M> {
     fit: Option<&'a Fit<M>>,
     output: usize,
     input: usize,
+    /// Whether a pole of the model is at rest, where that is known.
+    has_pole_at_rest: Option<bool>,
 }
 
 impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// Those of an estimate, with its uncertainty.
     #[must_use]
     pub fn of_fit(fit: &'a Fit<M>, output: usize, input: usize) -> Self {
-        Features { model: &fit.model, fit: Some(fit), output, input }
+        Features { model: &fit.model, fit: Some(fit), output, input, has_pole_at_rest: None }
     }
 
     /// Those of a model without covariance.
     #[must_use]
     pub fn of_model(model: &'a M, output: usize, input: usize) -> Self {
-        Features { model, fit: None, output, input }
+        Features { model, fit: None, output, input, has_pole_at_rest: None }
+    }
+
+    /// With what is known of the whole model, so that its poles are not computed again for each channel: whether one of
+    /// them is at rest.
+    #[must_use]
+    pub fn with_pole_at_rest(self, has_pole_at_rest: bool) -> Self {
+        Features { has_pole_at_rest: Some(has_pole_at_rest), ..self }
     }
 
     /// Any number that follows smoothly from the model, of either sign.
@@ -119,6 +128,9 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// Returns true if a pole at rest shows between this input and output: the gain then rises without end towards low
     /// frequencies.
     fn integrates(&self) -> Result<bool, IdentError> {
+        if self.has_pole_at_rest == Some(false) {
+            return Ok(false);
+        }
         let system = self.model.system()?;
         let clock_s = system.sample_time_s();
         let poles = lti::settled(&system.poles()?, clock_s);
