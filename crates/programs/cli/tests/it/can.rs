@@ -202,7 +202,7 @@ fn exact_what_limits_refer_to_is_stated() {
 #[test]
 fn regress_a_stated_idle_speed_counts_for_an_experiment_too() {
     let campaign = campaign();
-    let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT", "--set", "duration=20", "--out", "bs.mf4"];
+    let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT", "--set", "duration=21", "--out", "bs.mf4"];
     assert_eq!(campaign.run(&simulate).code, Some(0));
     let judge = ["can", "bench.toml", "BS_T_NT", "--set", "duration=20", "--recorded", "bs.mf4", "--by", "1065.514"];
     let judged = |more: &[&str]| words(&campaign.run(&[&judge[..], more].concat()).stdout);
