@@ -47,7 +47,7 @@ const SHOWN: f64 = 0.1;
 const WITHOUT_CHARGE: f64 = 0.8;
 /// How far the torque of the charge is from the largest that was seen, over that, where ignition angles set the torque:
 /// a window is a mean over several demands, and control units keep a reserve.
-const RESERVE: f64 = 0.1;
+const RESERVE: f64 = 0.05;
 
 /// The regressors of a recording: those of α, β and γ, the errors of both encoders, κ, and the error of T.
 const OF_RECORDING: usize = 7;

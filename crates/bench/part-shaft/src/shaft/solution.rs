@@ -123,20 +123,34 @@ pub(super) struct Solution {
 impl Solution {
     pub(super) fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
         check_moved(inputs)?;
-        let recorded = Dated::as_recorded(inputs);
-        // From a stated J_d that is wrong, a search free of it may end beside a wrong skew.
-        let near = if unknowns == Unknowns::ShaftAndInertia { Unknowns::Shaft } else { unknowns };
-        let first = Self::dated(inputs, stretch, near, recorded)?;
+        let found = Self::from_a_fit_of(unknowns, inputs, stretch, unknowns);
         match unknowns {
-            Unknowns::ShaftWithoutTiming => Ok(first),
-            _ => {
-                let theta = &first.fit.fit.parameters;
-                let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
-                let found = Self::dated(inputs, stretch, unknowns, again)?;
-                let at_limit = EstimateError::AtLimit { file: inputs.file.to_owned(), quantity: Quantity::Stiffness };
-                if found.fit.fit.at_bound[places::K] { Err(at_limit) } else { Ok(found) }
+            // A search that is free of J_d may end where the data do not determine it. It begins again where J_d is
+            // held within what is stated.
+            Unknowns::ShaftAndInertia => {
+                found.or_else(|_| Self::from_a_fit_of(Unknowns::Shaft, inputs, stretch, unknowns))
             }
+            _ => found,
         }
+    }
+
+    /// The fit that begins at one of the signals as they were recorded, dated by it.
+    fn from_a_fit_of(
+        first: Unknowns,
+        inputs: &ShaftInputs<'_>,
+        stretch: &Stretch,
+        unknowns: Unknowns,
+    ) -> Result<Self, EstimateError> {
+        let recorded = Dated::as_recorded(inputs);
+        let first = Self::dated(inputs, stretch, first, recorded)?;
+        if unknowns == Unknowns::ShaftWithoutTiming {
+            return Ok(first);
+        }
+        let theta = &first.fit.fit.parameters;
+        let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
+        let found = Self::dated(inputs, stretch, unknowns, again)?;
+        let at_limit = EstimateError::AtLimit { file: inputs.file.to_owned(), quantity: Quantity::Stiffness };
+        if found.fit.fit.at_bound[places::K] { Err(at_limit) } else { Ok(found) }
     }
 
     pub(super) fn dated(

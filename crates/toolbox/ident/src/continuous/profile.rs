@@ -19,7 +19,7 @@ use fitting::nonlinear::lowest_point;
 /// Steps of a search with a parameter held. It is over where one lowers the cost by less than this part of what an
 /// interval allows, or by next to nothing.
 const STEPS: usize = 40;
-const FLAT: f64 = 1e-6;
+const FLAT: f64 = 1e-3;
 const UNSEEN: f64 = 1e-9;
 
 /// Samples beyond an end in which further minima are looked for.
