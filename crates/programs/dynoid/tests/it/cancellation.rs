@@ -260,8 +260,11 @@ fn prop_cancelled_work_ends_soon_and_disturbs_no_other() {
 #[test]
 #[ignore = "some minutes: 1000 times cancelled"]
 fn stat_cancelled_work_ends_within_a_tenth_of_a_second() {
-    let given = Given::of(2);
-    let all = latencies(&given, &alone(&given), 250);
+    // Most of short work, since each draw takes half as long as the work.
+    let draws = [(Given::of(1), 200), (Given::of(2), 50)];
+    let of = |(given, times): &(Given, usize)| latencies(given, &alone(given), *times);
+    let mut all: Vec<Duration> = draws.iter().flat_map(of).collect();
+    all.sort();
     assert!(all.len() > 900, "{} of 1000 were cancelled", all.len());
     assert!(within(&all, 0.99) < SOON, "{}", summary(&all));
 }
