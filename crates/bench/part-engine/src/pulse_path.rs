@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use part_controller::speed_controller::SpeedControllerFit;
-use part_torque::torque_control::TorqueControlFit;
+use part_torque::torque_control::{OF_MAINS_HZ, TorqueControlFit};
 use rig::results::{Quantity, Shaft};
 use rig::{ControlMode, Experiment, Role};
 use signal::{Complex64, Signal};
@@ -26,6 +26,9 @@ const CLEAR: f64 = 400.0;
 const BESIDE: [f64; 8] = [-20.0, -16.0, -12.0, -8.0, 8.0, 12.0, 16.0, 20.0];
 /// A speed that varies by more than this part of itself is at many frequencies.
 const CONSTANT: f64 = 0.03;
+/// Pulses this near to the ripple of the drive, in parts of what separates two lines of the recording, cannot be
+/// separated from it: the ripple moves N_d too.
+const BESIDE_RIPPLE: f64 = 20.0;
 
 /// Answer of the speed controller to N_d: T_d/ω_d = F(s) (K_p + K_i/s) e^{−sτ}, F being the torque control.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +85,9 @@ fn passed(
     let mean = dyno.mean()?.abs();
     let is_constant = |speed: &Signal| speed.samples.iter().all(|x| (x.abs() - mean).abs() < 5.0 * CONSTANT * mean);
     let highest = SEEN * TAU / (dyno.sample_time_s.max(engine.sample_time_s) * mean);
-    if order == 0.0 || order > highest || !is_constant(&dyno) {
+    let distance_hz = BESIDE_RIPPLE / (dyno.sample_time_s * dyno.samples.len() as f64);
+    let is_ripple = OF_MAINS_HZ.into_iter().any(|hz| (order * mean / TAU - hz).abs() < distance_hz);
+    if order == 0.0 || order > highest || is_ripple || !is_constant(&dyno) {
         return None;
     }
     let value = |quantity| shaft.estimate.parameter(quantity).map(|found| found.value);

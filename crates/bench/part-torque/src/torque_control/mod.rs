@@ -34,6 +34,7 @@ pub use model::{AirGapTorqueModel, ResidualStatistics};
 pub(super) use observed::Observed;
 use observed::check_finite;
 pub(crate) use observed::usable_samples;
+pub use ripple::OF_MAINS_HZ;
 use ripple::folded_to_zero_hz;
 use rippled::{DelayAndLag, RippledModel};
 pub use search::batches;

@@ -19,7 +19,7 @@ const SEPARATION_HZ: f64 = 1.0;
 const FALSE_ALARM: f64 = 0.01;
 /// Where an inverter's ripple is, Hz: at twice and six times the frequency of mains of 50 and 60 Hz (a rectifier's
 /// pulses).
-const OF_MAINS_HZ: [f64; 4] = [100.0, 120.0, 300.0, 360.0];
+pub const OF_MAINS_HZ: [f64; 4] = [100.0, 120.0, 300.0, 360.0];
 /// A line this near to a multiple of the sample rate, in parts of that, cannot be separated from what stands still.
 const STANDS_STILL: f64 = 1e-3;
 

@@ -120,6 +120,19 @@ fn stat_j_d_shows_the_scale_of_all_torques() {
     }
 }
 
+/// At 3000 rpm four cylinders fire at 100 Hz, where the drive has its ripple: that is no filter on a speed.
+#[test]
+fn regress_ripple_of_the_drive_beside_the_pulses_is_no_filter() {
+    let plans = [ExperimentPlan::bs_t_nt(3000.0, 20.0), ExperimentPlan::white_noise_t_tn(1200.0, 20.0)];
+    for seed in 1..4 {
+        let made = |plan: &ExperimentPlan| simulate(&BenchParameters::default(), plan, seed).unwrap();
+        let sources = plans.iter().map(|plan| source(&format!("{}.mf4", plan.label), Ok(made(plan)))).collect();
+        let study = studied(&default_bench(), sources);
+        let is_off = |found: &rig::Diagnostic| matches!(found.finding, Finding::PulsesOffShaft { .. });
+        assert!(!study.diagnostics.iter().any(is_off), "{seed}: {:?}", study.diagnostics);
+    }
+}
+
 #[test]
 fn exact_pulses_that_fold_to_rest_are_noticed() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
