@@ -13,6 +13,8 @@ fn stat_the_demo_finds_what_it_simulated() {
     // Of nine 95 % intervals, some of them of one fit, two or more miss in every tenth demo; three or more in one of a
     // hundred.
     assert!(inside >= 7, "{inside} of 9 intervals contain the truth: {}", ran.stdout);
+    // Nothing is wrong with the bench.
+    assert_eq!(demo["study"]["verdict"]["level"], "good", "{}", demo["study"]["findings"]);
     let files: Vec<_> = std::fs::read_dir(folder.path().join("dynoid-demo/recordings")).unwrap().collect();
     assert_eq!(files.len(), 9);
     let again = dynoid(folder.path(), &["study", "dynoid-demo/bench.toml", "--json"]).study();
