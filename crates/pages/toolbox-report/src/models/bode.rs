@@ -40,7 +40,7 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
     Ok(Curves { models, curves, x: Axis::frequency(), level })
 }
 
-/// What is known of a model by its poles.
+/// Knowledge of a model by its poles.
 struct Whole {
     growing: Option<Mode>,
     has_pole_at_rest: bool,
