@@ -79,7 +79,7 @@ pub struct Features<'a, M> {
     fit: Option<&'a Fit<M>>,
     output: usize,
     input: usize,
-    /// Whether a pole of the model is at rest, where that is known.
+    /// True where a pole of the model is at rest; none where that is not known.
     has_pole_at_rest: Option<bool>,
 }
 

@@ -2,6 +2,7 @@
 
 mod connect;
 mod discretise;
+mod found_poles;
 mod resolvent;
 mod zeros;
 
@@ -10,13 +11,14 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use connect::{check_same_clock, is_algebraic_loop};
 pub use discretise::FirstOrderHold;
+use found_poles::FoundPoles;
 use resolvent::{Resolvent, full_solution};
 
 use crate::Complex64;
 use crate::error::{LtiError, check_sample_time, check_shape};
 use crate::frequency_response::FrequencyResponse;
 use crate::matrix::check_matrix;
-use crate::matrix::{eigenvalues, from_rows, identity, inverse, to_rows};
+use crate::matrix::{from_rows, identity, inverse, to_rows};
 
 /// A linear system in state space, continuous (`ẋ = A x + B u`) or discrete (`x_{k+1} = A x_k + B u_k`), with
 /// `y = C x + D u`.
@@ -41,6 +43,7 @@ pub struct StateSpace {
     c: Mat<f64>,
     d: Mat<f64>,
     sample_time_s: Option<f64>,
+    poles: FoundPoles,
 }
 
 /// How a system is written down: matrices as lists of rows, with the sizes that an empty list would lose.
@@ -107,7 +110,7 @@ impl StateSpace {
         for (what, m) in [("A", &a), ("B", &b), ("C", &c), ("D", &d)] {
             check_matrix(what, m.as_ref())?;
         }
-        Ok(Self { a, b, c, d, sample_time_s })
+        Ok(Self { a, b, c, d, sample_time_s, poles: FoundPoles::default() })
     }
 
     /// A continuous system; see [`StateSpace::new`].
@@ -179,7 +182,7 @@ impl StateSpace {
     /// # Errors
     /// [`LtiError::NoConvergence`].
     pub fn poles(&self) -> Result<Vec<Complex64>, LtiError> {
-        eigenvalues(self.a())
+        self.poles.of(self.a())
     }
 
     /// Returns true if every pole lies strictly inside the stable region: the left half-plane, or the unit circle.
@@ -260,6 +263,7 @@ impl StateSpace {
             c: self.c.submatrix(output, 0, 1, n).to_owned(),
             d: self.d.submatrix(output, input, 1, 1).to_owned(),
             sample_time_s: self.sample_time_s,
+            poles: self.poles.clone(),
         })
     }
 

@@ -28,7 +28,8 @@ const RICHER: f64 = 0.99;
 /// Confidence from which on a model with as many zeros and poles is out of the question.
 const LESS_LIKELY: f64 = 0.95;
 
-/// Confidence from which on a richer model is possible: about that at which Akaike's criterion takes one parameter more.
+/// Confidence from which on a richer model is possible: about that at which Akaike's criterion takes one more
+/// parameter.
 const SUSPECTED: f64 = 0.84;
 
 /// Confidence from which on a simpler model is out of the question.
