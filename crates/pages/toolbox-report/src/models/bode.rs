@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ident::IdentError;
 use ident::uncertainty::{Dynamics, Feature};
-use lti::{LtiError, Margins, Mode, StateSpace, common_frequency_grid};
+use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
 use page::Axis;
 use page::decimal::{digits, with_range};
 use signal::Complex64;
@@ -31,25 +31,16 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
         // All on one grid, so that curves can be compared point by point, each up to where it ends.
         let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
         let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
-        let whole =
-            Whole { growing: systems[number].growing_mode()?, has_pole_at_rest: systems[number].has_pole_at_rest()? };
         for (output, input) in channels(model) {
-            curves.push(curve(model, number, &whole, output, input, &omega, level)?);
+            curves.push(curve(model, number, output, input, &omega, level)?);
         }
     }
     Ok(Curves { models, curves, x: Axis::frequency(), level })
 }
 
-/// Knowledge of a model by its poles.
-struct Whole {
-    growing: Option<Mode>,
-    has_pole_at_rest: bool,
-}
-
 fn curve(
     model: &Model,
     number: usize,
-    whole: &Whole,
     output: usize,
     input: usize,
     omega: &[f64],
@@ -67,7 +58,7 @@ fn curve(
             Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
             Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
         ],
-        summary: summary(model, whole, output, input, omega, &response.response, level)?,
+        summary: summary(model, output, input, omega, &response.response, level)?,
     })
 }
 
@@ -77,20 +68,20 @@ fn decibel(gain: f64) -> f64 {
 
 fn summary(
     model: &Model,
-    whole: &Whole,
     output: usize,
     input: usize,
     omega: &[f64],
     response: &[Complex64],
     level: f64,
 ) -> Result<Vec<Fact>, IdentError> {
-    let features = model.features(output, input).with_pole_at_rest(whole.has_pole_at_rest);
+    let features = model.features(output, input);
     let in_hertz = |name: &str, f: &Feature| {
         Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
     };
+    let growing = model.growing_mode()?;
     let largest = response.iter().map(|gain| gain.norm()).fold(0.0, f64::max);
     let at_rest = features.dc_gain()?.map(|gain| (cleaned(gain.value, largest), gain.interval(level)));
-    let mut facts = match &whole.growing {
+    let mut facts = match &growing {
         Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
         None => vec![gain_at_rest(model, at_rest, output, input)],
     };
@@ -100,7 +91,7 @@ fn summary(
         let height = with_range(decibel(gain.value), "dB", interval);
         facts.push(in_hertz("resonance", &resonance.omega_rad_s).noted(height));
     }
-    if whole.growing.is_some() {
+    if growing.is_some() {
         return Ok(facts);
     }
     if let Some(bandwidth) = features.bandwidth_rad_s(omega)? {

@@ -79,28 +79,19 @@ pub struct Features<'a, M> {
     fit: Option<&'a Fit<M>>,
     output: usize,
     input: usize,
-    /// True where a pole of the model is at rest; none where that is not known.
-    has_pole_at_rest: Option<bool>,
 }
 
 impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// Those of an estimate, with its uncertainty.
     #[must_use]
     pub fn of_fit(fit: &'a Fit<M>, output: usize, input: usize) -> Self {
-        Features { model: &fit.model, fit: Some(fit), output, input, has_pole_at_rest: None }
+        Features { model: &fit.model, fit: Some(fit), output, input }
     }
 
     /// Those of a model without covariance.
     #[must_use]
     pub fn of_model(model: &'a M, output: usize, input: usize) -> Self {
-        Features { model, fit: None, output, input, has_pole_at_rest: None }
-    }
-
-    /// With what is known of the whole model, so that its poles are not computed again for each channel: whether one of
-    /// them is at rest.
-    #[must_use]
-    pub fn with_pole_at_rest(self, has_pole_at_rest: bool) -> Self {
-        Features { has_pole_at_rest: Some(has_pole_at_rest), ..self }
+        Features { model, fit: None, output, input }
     }
 
     /// Any number that follows smoothly from the model, of either sign.
@@ -128,16 +119,12 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// Returns true if a pole at rest shows between this input and output: the gain then rises without end towards low
     /// frequencies.
     fn integrates(&self) -> Result<bool, IdentError> {
-        if self.has_pole_at_rest == Some(false) {
-            return Ok(false);
-        }
         let system = self.model.system()?;
-        let clock_s = system.sample_time_s();
-        let poles = lti::settled(&system.poles()?, clock_s);
-        if !poles.iter().any(|(_, is_at_rest)| *is_at_rest) {
+        if !system.has_pole_at_rest()? {
             return Ok(false);
         }
-        let moving = poles.into_iter().filter(|(_, is_at_rest)| !is_at_rest);
+        let clock_s = system.sample_time_s();
+        let moving = lti::settled(&system.poles()?, clock_s).into_iter().filter(|(_, is_at_rest)| !is_at_rest);
         let rates = moving.map(|(pole, _)| lti::Mode::new(pole, clock_s).natural_frequency_rad_s);
         let slowest = rates.filter(|rate| rate.is_finite()).fold(f64::INFINITY, f64::min);
         let omega = SLOW * if slowest.is_finite() { slowest } else { clock_s.map_or(1.0, f64::recip) };

@@ -1,6 +1,6 @@
 //! Poles that are computed once: with hundreds of states they take longer than all else that is asked of a system.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use faer::MatRef;
 
@@ -8,10 +8,10 @@ use crate::Complex64;
 use crate::error::LtiError;
 use crate::matrix::eigenvalues;
 
-/// The poles of a system, from when they were first asked for. They follow from its matrices, so that systems are equal
-/// whether they are known or not.
+/// The poles of a system, from when they were first asked for. Copies of a system have its state matrix, and share
+/// them. They follow from the matrices, so that systems are equal whether they are known or not.
 #[derive(Debug, Clone, Default)]
-pub(super) struct FoundPoles(OnceLock<Vec<Complex64>>);
+pub(super) struct FoundPoles(Arc<OnceLock<Vec<Complex64>>>);
 
 impl PartialEq for FoundPoles {
     fn eq(&self, _: &Self) -> bool {
