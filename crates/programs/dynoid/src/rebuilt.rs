@@ -72,29 +72,13 @@ fn only<'a, T>(recordings: &'a [T], what: &'static str, out: &Path) -> Result<&'
 }
 
 fn of_engine(file: &str, engine: &RebuiltEngine) -> Recording {
-    let channels = vec![
-        torque("engine_torque", "by a fixed-interval smoother", &engine.smoothed_nm),
-        torque(
-            "engine_torque_standard_deviation",
-            "of noise, masses and shaft; a once-a-turn error of the encoder only as far as the speeds show it",
-            &engine.standard_deviation_nm,
-        ),
-        torque("engine_torque_zero_phase", "by a filter without phase shift", &engine.zero_phase_nm),
-    ];
-    rebuilt(format!("engine torque rebuilt from {file}"), engine.start_s, engine.sample_time_s, channels)
+    let samples_nm = [&engine.smoothed_nm, &engine.standard_deviation_nm, &engine.zero_phase_nm];
+    rebuilt(file, "engine", "of noise, masses and shaft", samples_nm, (engine.start_s, engine.sample_time_s))
 }
 
 fn of_shaft(file: &str, shaft: &RebuiltShaft) -> Recording {
-    let channels = vec![
-        torque("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
-        torque(
-            "shaft_torque_standard_deviation",
-            "of the smoother; a once-a-turn error of the encoder only as far as the speeds show it",
-            &shaft.standard_deviation_nm,
-        ),
-        torque("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),
-    ];
-    rebuilt(format!("shaft torque rebuilt from {file}"), shaft.start_s, shaft.sample_time_s, channels)
+    let samples_nm = [&shaft.smoothed_nm, &shaft.standard_deviation_nm, &shaft.zero_phase_nm];
+    rebuilt(file, "shaft", "of the smoother", samples_nm, (shaft.start_s, shaft.sample_time_s))
 }
 
 fn torque(name: &str, comment: &str, samples_nm: &[f64]) -> Channel {
@@ -107,13 +91,25 @@ fn torque(name: &str, comment: &str, samples_nm: &[f64]) -> Channel {
     }
 }
 
-/// Channels on one clock.
-fn rebuilt(comment: String, start_s: f64, sample_time_s: f64, channels: Vec<Channel>) -> Recording {
-    let count = channels.first().map_or(0, |channel| channel.samples.len());
-    let time_s = (0..count).map(|k| start_s + k as f64 * sample_time_s).collect();
+/// The torque of an engine or a shaft on one clock, from its start and sample time: smoothed, with its standard
+/// deviation, whose `causes` are named, and filtered without phase shift.
+fn rebuilt(
+    file: &str,
+    part: &str,
+    causes: &str,
+    [smoothed_nm, standard_deviation_nm, zero_phase_nm]: [&Vec<f64>; 3],
+    (start_s, sample_time_s): (f64, f64),
+) -> Recording {
+    let doubts = format!("{causes}; a once-a-turn error of the encoder only as far as the speeds show it");
+    let channels = vec![
+        torque(&format!("{part}_torque"), "by a fixed-interval smoother", smoothed_nm),
+        torque(&format!("{part}_torque_standard_deviation"), &doubts, standard_deviation_nm),
+        torque(&format!("{part}_torque_zero_phase"), "by a filter without phase shift", zero_phase_nm),
+    ];
+    let time_s = (0..smoothed_nm.len()).map(|k| start_s + k as f64 * sample_time_s).collect();
     Recording {
         format: Format::Mdf { version: 410 },
-        comment: Some(comment),
+        comment: Some(format!("{part} torque rebuilt from {file}")),
         start_time: None,
         rasters: vec![Raster { time_s, name: None }],
         channels,
