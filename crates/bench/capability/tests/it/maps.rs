@@ -21,7 +21,7 @@ use crate::support::{Bench, bench};
 const SPEED: f64 = 1500.0 * RPM_RAD_S;
 const TORQUE_NM: f64 = 50.0;
 
-fn inputs(bench: &Bench) -> MapInputs<'_> {
+pub(crate) fn inputs(bench: &Bench) -> MapInputs<'_> {
     MapInputs {
         model: &bench.model,
         engine: &bench.engine,

@@ -6,14 +6,13 @@ use capability::map::{MapInputs, SineOf, map};
 use capability::wanted::{self, Wanted};
 use capability::{Bands, Change, CycleDemand, Demand, Easier, LimitOf, Trace, Verdict, can, document, shapes};
 use cycle::{Feedback, builtin, requirement, validate};
-use design::safety::{BenchSpread, FrictionSpread, Prior};
 use rig::bench_file::Limits;
-use rig::engine_pulses::KnownPulses;
 use rig::experiment::catalogue::Settings;
 use rig::experiment::{DEMAND_HOLD_S, Demands};
 use units::RPM_RAD_S;
 use work::Context;
 
+use crate::maps;
 use crate::support::{Bench, bench, map as engine_map};
 use signal::proportion::Proportion;
 
@@ -57,17 +56,7 @@ fn exact_changes_are_read_as_they_were_written() {
 }
 
 fn map_inputs(bench: &Bench) -> MapInputs<'_> {
-    MapInputs {
-        model: &bench.model,
-        engine: &bench.engine,
-        pulses: &KnownPulses::Stated,
-        limits: bench.limits,
-        spread: BenchSpread::Prior(Prior::default()),
-        friction: FrictionSpread::NONE,
-        torque_nm: 50.0,
-        samples: 8,
-        seed: 1,
-    }
+    MapInputs { samples: 8, ..maps::inputs(bench) }
 }
 
 #[test]

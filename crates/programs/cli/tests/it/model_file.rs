@@ -113,6 +113,12 @@ fn use_of(document: &BenchModelDocument) {
     let _ = check(&inputs, &work::Context::new());
 }
 
+fn ends_soon(document: &BenchModelDocument, what: &str) {
+    let since = Instant::now();
+    use_of(document);
+    assert!(since.elapsed() < LONGEST, "{what} took {:?}", since.elapsed());
+}
+
 /// Every number at these places takes these values; returns how many files were read.
 fn walk(places: &[String], values: &[f64]) -> usize {
     let file = valid();
@@ -123,9 +129,7 @@ fn walk(places: &[String], values: &[f64]) -> usize {
             match BenchModelDocument::from_json(&text) {
                 Ok(document) => {
                     read += 1;
-                    let since = Instant::now();
-                    use_of(&document);
-                    assert!(since.elapsed() < LONGEST, "{place} = {value:e} took {:?}", since.elapsed());
+                    ends_soon(&document, &format!("{place} = {value:e}"));
                 }
                 Err(error) => {
                     let words = error.to_string();
@@ -169,9 +173,7 @@ fn regress_a_long_gate_of_the_encoder_ends_soon() {
     for gate_s in [0.095, 0.13] {
         let text = with(&valid(), &[("/model/encoder_gate_s", gate_s)]).to_string();
         let document = BenchModelDocument::from_json(&text).unwrap();
-        let since = Instant::now();
-        use_of(&document);
-        assert!(since.elapsed() < LONGEST, "{gate_s} s: {:?}", since.elapsed());
+        ends_soon(&document, &format!("{gate_s} s"));
     }
 }
 
@@ -189,9 +191,7 @@ fn prop_swapped_numbers_of_a_model_file_end_in_a_result_or_a_refusal() {
             match BenchModelDocument::from_json(&text) {
                 Ok(document) => {
                     read += 1;
-                    let since = Instant::now();
-                    use_of(&document);
-                    assert!(since.elapsed() < LONGEST, "{one} and {other}: {:?}", since.elapsed());
+                    ends_soon(&document, &format!("{one} and {other}"));
                 }
                 // Both places have the number of the other, in the model and in the list.
                 Err(error) => {
