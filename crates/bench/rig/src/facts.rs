@@ -60,22 +60,17 @@ pub struct StatedInertia {
 impl StatedInertia {
     /// J_d; without a stated uncertainty it has one of 1 %.
     pub fn of_dynamometer(kg_m2: f64, uncertainty_percent: Option<f64>) -> Self {
-        StatedInertia {
-            kg_m2,
-            uncertainty_percent: uncertainty_percent.unwrap_or(DYNO_INERTIA_PERCENT),
-            is_uncertainty_stated: uncertainty_percent.is_some(),
-            doubted_standard_errors: DYNO_DOUBTED_STANDARD_ERRORS,
-        }
+        StatedInertia::new(kg_m2, uncertainty_percent, DYNO_INERTIA_PERCENT, DYNO_DOUBTED_STANDARD_ERRORS)
     }
 
     /// J_e; without a stated uncertainty it has one of 2 %.
     pub fn of_engine(kg_m2: f64, uncertainty_percent: Option<f64>) -> Self {
-        StatedInertia {
-            kg_m2,
-            uncertainty_percent: uncertainty_percent.unwrap_or(ENGINE_INERTIA_PERCENT),
-            is_uncertainty_stated: uncertainty_percent.is_some(),
-            doubted_standard_errors: ENGINE_DOUBTED_STANDARD_ERRORS,
-        }
+        StatedInertia::new(kg_m2, uncertainty_percent, ENGINE_INERTIA_PERCENT, ENGINE_DOUBTED_STANDARD_ERRORS)
+    }
+
+    fn new(kg_m2: f64, stated: Option<f64>, usual_percent: f64, doubted_standard_errors: f64) -> Self {
+        let uncertainty_percent = stated.unwrap_or(usual_percent);
+        StatedInertia { kg_m2, uncertainty_percent, is_uncertainty_stated: stated.is_some(), doubted_standard_errors }
     }
 
     /// Its standard uncertainty, kg m².

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use report::wording;
-use rig::{BenchFile, Experiment, Severity};
+use rig::{BenchFile, Diagnostic, Experiment, Severity};
 use study::experiment_of;
 use work::Context;
 
@@ -18,6 +18,15 @@ pub struct BenchRecordings {
     path: PathBuf,
     bench: BenchFile,
     files: Vec<InputFile>,
+}
+
+/// Reason where no diagnostic says why a recording cannot be used.
+pub(crate) const NOTHING_USABLE: &str = "nothing in it can be used";
+
+/// Remark on the worst of the reasons why a recording cannot be used.
+pub(crate) fn worst(reasons: &[Diagnostic]) -> Option<String> {
+    let worst = reasons.iter().find(|reason| reason.severity == Severity::Error).or(reasons.first());
+    worst.map(wording::remark)
 }
 
 /// Remarks on recordings that were read.
@@ -79,9 +88,8 @@ impl BenchRecordings {
                     work(experiment);
                 }
                 Err(diagnostics) => {
-                    let worst = diagnostics.iter().find(|d| d.severity == Severity::Error).or(diagnostics.first());
-                    let nothing = || format!("{}: nothing in it can be used", file.name);
-                    remarks.refused.push(worst.map_or_else(nothing, wording::remark));
+                    let nothing = || format!("{}: {NOTHING_USABLE}", file.name);
+                    remarks.refused.push(worst(&diagnostics).unwrap_or_else(nothing));
                 }
             }
         }

@@ -23,6 +23,7 @@ use crate::bench::Bench;
 use crate::error::Error;
 use crate::files::Files;
 use crate::linear::Note;
+use crate::recordings::{NOTHING_USABLE, worst};
 use crate::{paths, read};
 
 /// A bench model of a file.
@@ -161,8 +162,7 @@ impl ReplayedStretch {
 }
 
 fn not_replayed(reasons: &[Diagnostic]) -> Error {
-    let worst = reasons.iter().find(|reason| reason.severity == Severity::Error).or(reasons.first());
-    Error::NotReplayed { reason: worst.map_or_else(|| "nothing in it can be used".to_owned(), wording::remark) }
+    Error::NotReplayed { reason: worst(reasons).unwrap_or_else(|| NOTHING_USABLE.to_owned()) }
 }
 
 fn replayed(
