@@ -1,5 +1,7 @@
 //! Covariances that survive coloured residuals, and the covariance of functions of the parameters.
 
+use std::ops::Range;
+
 use faer::Mat;
 
 use crate::{IdentError, Minimum};
@@ -23,19 +25,29 @@ pub fn batched_sandwich(fit: &Minimum, batches: usize) -> Result<(Mat<f64>, f64)
 }
 
 fn batched_middle(fit: &Minimum, batches: usize) -> Result<Mat<f64>, IdentError> {
+    let n = fit.jacobian.ncols();
+    let mut sums = Mat::<f64>::zeros(batches, n);
+    for (batch, rows) in batches_of_rows(fit, batches)?.enumerate() {
+        for j in 0..n {
+            sums[(batch, j)] = rows.clone().map(|i| fit.jacobian[(i, j)] * fit.residuals[i]).sum();
+        }
+    }
+    Ok(middle_of_batches(&sums))
+}
+
+/// The rows of a fit in so many consecutive batches, equally long but for the last.
+///
+/// # Errors
+/// [`IdentError::TooFewSamples`] where a batch has no more rows than there are parameters, or where there are less than
+/// two.
+pub fn batches_of_rows(fit: &Minimum, batches: usize) -> Result<impl Iterator<Item = Range<usize>>, IdentError> {
     let (rows, n) = fit.jacobian.shape();
     let length = rows / batches.max(1);
     if batches < 2 || length <= n {
         return Err(IdentError::TooFewSamples { samples: rows, parameters: n * batches.max(2) });
     }
-    let mut sums = Mat::<f64>::zeros(batches, n);
-    for batch in 0..batches {
-        let end = if batch + 1 == batches { rows } else { (batch + 1) * length };
-        for j in 0..n {
-            sums[(batch, j)] = (batch * length..end).map(|i| fit.jacobian[(i, j)] * fit.residuals[i]).sum();
-        }
-    }
-    Ok(middle_of_batches(&sums))
+    let end = move |batch: usize| if batch + 1 == batches { rows } else { (batch + 1) * length };
+    Ok((0..batches).map(move |batch| batch * length..end(batch)))
 }
 
 /// The middle of the sandwich from the sums of J_tᵀε_t, one row a batch.

@@ -1,8 +1,7 @@
 //! The variance that coefficients of a fit have under coloured residuals, where few stretches of the data show them.
 
-use std::ops::Range;
-
 use faer::Mat;
+use ident::covariance::batches_of_rows;
 use ident::{IdentError, Minimum};
 use numerics::linalg::{self, Cholesky};
 
@@ -28,7 +27,7 @@ pub(super) fn variance_towards(
     coefficients: &[usize],
 ) -> Result<(f64, f64), IdentError> {
     let (rows, n) = fit.jacobian.shape();
-    let (m, stretches) = (coefficients.len(), stretches(rows, n, batches)?);
+    let (m, stretches) = (coefficients.len(), batches_of_rows(fit, batches)?);
     let too_few = IdentError::TooFewSamples { samples: rows, parameters: n * batches };
     let chosen = Mat::from_fn(n, m, |i, k| fit.unscaled_covariance[(i, coefficients[k])]);
     let block = Mat::from_fn(m, m, |k, l| chosen[(coefficients[k], l)]);
@@ -54,14 +53,4 @@ pub(super) fn variance_towards(
         return Err(too_few);
     }
     Ok(((sums.squared_norm_l2() / trace).max(fit.noise_variance()), freedom))
-}
-
-/// Consecutive stretches of so many rows, equally long but for the last.
-fn stretches(rows: usize, parameters: usize, batches: usize) -> Result<impl Iterator<Item = Range<usize>>, IdentError> {
-    let length = rows / batches.max(1);
-    if batches < 2 || length <= parameters {
-        return Err(IdentError::TooFewSamples { samples: rows, parameters: parameters * batches.max(2) });
-    }
-    let end = move |batch: usize| if batch + 1 == batches { rows } else { (batch + 1) * length };
-    Ok((0..batches).map(move |batch| batch * length..end(batch)))
 }
