@@ -70,6 +70,7 @@ pub mod paths;
 mod patterns;
 mod proposal;
 mod read;
+pub mod schemas;
 mod session;
 mod study_file;
 mod written;

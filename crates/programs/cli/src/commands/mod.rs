@@ -17,6 +17,7 @@ pub(crate) mod lines;
 mod rebuilt;
 pub(crate) mod report;
 mod result;
+pub(crate) mod schema;
 pub(crate) mod shaft;
 pub(crate) mod shell;
 pub(crate) mod study;

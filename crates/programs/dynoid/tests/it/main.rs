@@ -6,4 +6,5 @@ mod can;
 mod cancellation;
 mod examples;
 mod files;
+mod schemas;
 mod session;
