@@ -13,6 +13,7 @@ mod layers;
 mod profile;
 mod python;
 mod release;
+mod schemas;
 mod skipped;
 mod steps;
 mod wording;
@@ -26,6 +27,7 @@ const USAGE: &str = "usage: cargo xtask <task>
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
   fmu      build the runtime of the FMUs for every platform into crates/bench/export/runtime/binaries
+  schemas  write docs/schemas from the types of the results
   layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
            --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
   wording  count the worst patterns of wording against the ceilings in xtask/wording.json
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         "deep" => deep::run(arguments.next().as_deref()),
         "fmu" => fmu::build(),
         "release" => release::make(&arguments.collect::<Vec<_>>()),
+        "schemas" => schemas::write(),
         "layers" => match arguments.next().as_deref() {
             Some("--graph") => layers::graph(arguments.next().as_deref()),
             _ => layers::check(),

@@ -10,6 +10,7 @@ use crate::drive_ripple::RippleLine;
 
 /// Disturbances of a bench; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Disturbances {
     /// Standard deviation of the noise of N_d from sample to sample, rad/s.
     pub speed_noise_rad_s: f64,

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// One line of the drive's ripple, v cos φ + w sin φ + T (p cos φ + q sin φ), φ = 2πf(t − t_ref), on the torque T.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RippleLine {
     /// f, Hz.
     pub frequency_hz: f64,
@@ -27,6 +28,7 @@ impl RippleLine {
 
 /// How recordings show the torque of the drive: what their own T_d needs beside the model.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordedTorque {
     /// The delay from T_d* to T_d,calc as both are stamped, s; the skew of T_d,calc is in it.
     pub delay_s: f64,

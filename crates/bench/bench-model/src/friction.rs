@@ -11,6 +11,7 @@ const STANDSTILL_RAD_S: f64 = 0.5;
 ///
 /// A part may be below zero, where run-outs show the sum better than its parts. The sum never drives.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynoFriction {
     /// c_0, Nm.
     pub coulomb_nm: f64,
@@ -23,6 +24,7 @@ pub struct DynoFriction {
 
 /// Friction beside the line, at speeds that no run-out has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beside {
     /// Its standard deviation over the speed.
     pub unseen: Unseen,

@@ -15,6 +15,7 @@ const MAP_EDGE: f64 = 0.02;
 
 /// One such thing: no bench drawn can show that the test goes well there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "of", rename_all = "snake_case")]
 pub enum Beyond {
     /// Speeds outside of the engine's map.

@@ -34,6 +34,7 @@ const PHASE_MARGIN_DEG: f64 = 30.0;
 
 /// A change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Change {
     /// The whole test takes this many times as long.

@@ -14,6 +14,7 @@ const LEAST: f64 = 0.05;
 
 /// A number that is not known exactly, and with which the answer changes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Doubt {
     /// Which one.
     pub of: Uncertain,
@@ -32,6 +33,7 @@ pub struct Doubt {
 
 /// A number that is not known exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Uncertain {
     /// One of the bench model.

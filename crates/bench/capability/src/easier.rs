@@ -31,6 +31,7 @@ const AT_ONCE: usize = 8;
 
 /// A change with which the answer is yes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Easier {
     /// The change.
     pub change: Change,

@@ -13,6 +13,7 @@ pub(crate) const TORQUE_CHANGE_S: f64 = 0.01;
 
 /// A quantity with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LimitOf {
     /// Largest |T_shaft|, Nm.

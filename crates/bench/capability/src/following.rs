@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// How engines differ in it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FollowingSpread {
     /// Standard deviation of the gain about 1.
     #[serde(deserialize_with = "nan_if_null")]

@@ -30,6 +30,7 @@ pub(crate) struct Gradient {
 
 /// The largest gradients at one speed and torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GradientPlace {
     /// The speed, rad/s.
     #[serde(deserialize_with = "nan_if_null")]

@@ -36,6 +36,7 @@ const BANDWIDTH_STEPS: u32 = 400;
 
 /// Demand that the sine is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SineOf {
     /// N_d* in speed control (NT).
@@ -69,6 +70,7 @@ pub struct MapInputs<'a> {
 
 /// One place of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
     /// Largest amplitude that 95 %, 50 % and 5 % of the benches can do, rad/s or Nm; infinite where no limit is stated.
     #[serde(deserialize_with = "infinite_if_null")]
@@ -80,6 +82,7 @@ pub struct Place {
 
 /// Largest amplitudes over frequency and speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CapabilityMap {
     /// Of what.
     pub of: SineOf,
@@ -98,6 +101,7 @@ pub struct CapabilityMap {
 /// Up to which frequency a demand is followed, Hz: what 95 %, 50 % and 5 % of the benches reach, infinite beyond 300
 /// Hz.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bandwidths {
     /// Within ±10 % of the amplitude.
     #[serde(deserialize_with = "infinite_if_null")]

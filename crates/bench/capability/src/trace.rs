@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Demands and what came of them, on one clock.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trace {
     /// Time of the first value on the clock of the test, s.
     #[serde(deserialize_with = "nan_if_null")]

@@ -22,6 +22,7 @@ const NO: f64 = 0.5;
 
 /// The answer in a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// 95 % of the benches keep everything.
@@ -38,6 +39,7 @@ pub enum Answer {
 
 /// One limit of the bench.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LimitVerdict {
     /// Of what.
     pub of: LimitOf,
@@ -54,6 +56,7 @@ pub struct LimitVerdict {
 
 /// One number of a requirement set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StatisticVerdict {
     /// Of which signal.
     pub signal: Signal,
@@ -71,6 +74,7 @@ pub struct StatisticVerdict {
 
 /// One requirement set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SetVerdict {
     /// Its name.
     pub name: String,
@@ -84,6 +88,7 @@ pub struct SetVerdict {
 
 /// One requirement of one's own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OwnVerdict {
     /// The requirement.
     pub own: Own,
@@ -101,6 +106,7 @@ pub struct OwnVerdict {
 
 /// Where 90 % of the benches are.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bands {
     /// Times, s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -118,6 +124,7 @@ pub struct Bands {
 /// JSON has no curves: what is read has none in `nominal` and `bands`. A number that is null is not known, or infinite
 /// where a bench may not be stable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// In a word.
     pub answer: Answer,
@@ -147,6 +154,7 @@ pub struct Verdict {
 
 /// A number on every bench drawn; null in JSON is read as infinite, as on a bench that is not stable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct Spread(#[serde(deserialize_with = "infinite_if_null")] Vec<f64>);
 

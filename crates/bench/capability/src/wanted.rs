@@ -27,6 +27,7 @@ const ENOUGH: f64 = 0.95;
 /// # Ok::<(), capability::CapabilityError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Wanted {
     /// A sine about the mean.
@@ -50,6 +51,7 @@ pub enum Wanted {
 
 /// Answer of the benches at one speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WantedPlace {
     /// The speed, rad/s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -65,6 +67,7 @@ pub struct WantedPlace {
 
 /// The answer to a wish.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WantedAnswer {
     /// The wish.
     pub wanted: Wanted,

@@ -16,6 +16,7 @@ const IDLE_SHARE: f64 = 1e-6;
 
 /// Part that a row with a choice leaves out beside power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Omitted {
     /// The row is not used.
@@ -28,6 +29,7 @@ pub enum Omitted {
 
 /// One choice among the rows of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Omission {
     /// Least demand, negative reference torque: torque and power are left out.
     pub motoring: bool,

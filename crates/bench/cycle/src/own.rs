@@ -34,6 +34,7 @@ const BEYOND_STEP: f64 = 0.05;
 /// # Ok::<(), cycle::CycleError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Own {
     /// |error| is at most this for a share of the time.
@@ -90,6 +91,7 @@ pub enum Own {
 
 /// Where a requirement looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Sensor {
     /// The speed that follows the demand.

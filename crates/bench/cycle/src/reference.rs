@@ -19,6 +19,7 @@ pub struct Reference {
 
 /// Values that limits in per cent refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scales {
     /// Warm idle speed, rad/s.
     pub idle_rad_s: f64,

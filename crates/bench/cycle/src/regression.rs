@@ -8,6 +8,7 @@ const ROUNDS: usize = 3;
 
 /// y = a_1 r + a_0, with what is left over.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Regression {
     /// Points.
     pub points: usize,

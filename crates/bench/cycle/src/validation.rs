@@ -18,6 +18,7 @@ const STANDSTILL: f64 = 1e-3;
 
 /// One number against its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Checked {
     /// Of which signal.
     pub signal: Signal,
@@ -39,6 +40,7 @@ pub struct Checked {
 
 /// How a run of a cycle is judged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validation {
     /// True if every limit is kept.
     pub passes: bool,

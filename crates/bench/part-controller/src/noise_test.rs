@@ -57,6 +57,7 @@ pub const PUBLISHED: [PublishedRow; 3] = [
 
 /// Noise on the speed that the controller sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Noise {
     /// None.
@@ -69,6 +70,7 @@ pub enum Noise {
 
 /// How the controller is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Estimator {
     /// T_d* from N_d, as the thesis does.
@@ -79,6 +81,7 @@ pub enum Estimator {
 
 /// Options of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NoiseTestOptions {
     /// K_p, Nm/rpm.
     #[serde(deserialize_with = "nan_if_null")]
@@ -125,6 +128,7 @@ impl Default for NoiseTestOptions {
 
 /// The result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NoiseTest {
     /// The recording whose speeds were used.
     pub file: String,
@@ -139,6 +143,7 @@ pub struct NoiseTest {
 
 /// One kind of noise, estimated one way.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Case {
     /// The noise.
     pub noise: Noise,
@@ -155,6 +160,7 @@ pub struct Case {
 
 /// One parameter over all draws, SI; written in the unit people read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "WrittenSummary"))]
 #[serde(into = "WrittenSummary", from = "ReadSummary")]
 pub struct Summary {
     /// Which.
@@ -177,6 +183,7 @@ pub struct Summary {
 
 /// A summary as people read it, and as JSON has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WrittenSummary {
     /// The parameter, by which a summary is read again.
     pub key: Quantity,

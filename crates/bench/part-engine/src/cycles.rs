@@ -28,6 +28,7 @@ const HIGHEST: f64 = 2.0;
 
 /// The engine's torque over the cycles of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cycles {
     /// All whole cycles.
     pub cycles: Vec<Cycle>,
@@ -44,6 +45,7 @@ pub struct Cycles {
 
 /// The torque over the crank's angle, from a trough of the firing order on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Profile {
     /// Between angles, °.
     #[serde(deserialize_with = "nan_if_null")]
@@ -58,6 +60,7 @@ pub struct Profile {
 
 /// One cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cycle {
     /// Start, s of the clock of N_d.
     #[serde(deserialize_with = "nan_if_null")]
@@ -75,6 +78,7 @@ pub struct Cycle {
 
 /// The cylinders, in the order in which they fire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cylinders {
     /// Each one.
     pub cylinders: Vec<Cylinder>,
@@ -88,6 +92,7 @@ pub struct Cylinders {
 /// The part of the cylinders' difference that comes back with every turn, as a once-a-turn error of the engine's
 /// encoder does.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CylindersOnceATurn {
     /// Its root mean square over the cylinders, Nm.
     #[serde(deserialize_with = "nan_if_null")]
@@ -102,6 +107,7 @@ pub struct CylindersOnceATurn {
 
 /// A cylinder over all cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cylinder {
     /// Mean torque over its part of the cycle less the cycle's, Nm.
     #[serde(deserialize_with = "nan_if_null")]
@@ -128,6 +134,7 @@ impl Cylinder {
 
 /// An order of the crankshaft in T_e: a cosine of the crank's angle that every cycle has alike.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Order {
     /// Order.
     #[serde(deserialize_with = "nan_if_null")]

@@ -33,6 +33,7 @@ pub use self::source::{InertiaSource, TwoMasses};
 
 /// Findings of recordings on the engine's torque.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EngineTorque {
     /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
     #[serde(serialize_with = "write_found", deserialize_with = "read_found")]
@@ -43,6 +44,7 @@ pub struct EngineTorque {
 
 /// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EngineRecording {
     /// The file.
     pub file: String,

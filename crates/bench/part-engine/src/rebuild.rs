@@ -43,6 +43,7 @@ const ENGINE: usize = 2;
 
 /// The engine's torque of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RebuiltEngine {
     /// Instant of the first value, s of the clock of N_d.
     #[serde(deserialize_with = "nan_if_null")]

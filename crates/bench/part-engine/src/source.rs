@@ -25,6 +25,7 @@ pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 1;
 
 /// Where J_e comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum InertiaSource {
     /// Estimated from this recording.
@@ -38,6 +39,7 @@ type Found = (String, Estimate);
 
 /// Two masses with a shaft between them. SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TwoMasses {
     /// The recording that the shaft is from.
     pub shaft_from: String,

@@ -37,6 +37,7 @@ const DRIVES_PART: f64 = 0.05;
 
 /// Whence J_d.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "from", rename_all = "snake_case")]
 pub enum Inertia {
     /// The recordings: T_d changed the speed.
@@ -59,6 +60,7 @@ pub enum Inertia {
 
 /// Why the recordings do not show J_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Undetermined {
     /// No torque was recorded.
@@ -71,6 +73,7 @@ pub enum Undetermined {
 
 /// A choice of terms and what it leaves unexplained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Its terms.
     pub terms: Vec<Term>,
@@ -85,6 +88,7 @@ pub struct Candidate {
 
 /// Friction and inertia of a dynamometer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Friction {
     /// J_d and whence.
     pub inertia: Inertia,

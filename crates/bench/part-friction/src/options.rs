@@ -19,6 +19,7 @@ pub(super) const SHIFTED_S: f64 = 1e-7;
 
 /// A term of T_fric(ω).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// T_0, the same whatever the direction: separated from the others where both directions are seen.
@@ -95,6 +96,7 @@ impl FrictionOptions {
 
 /// Sources of T_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueUsed {
     /// T_d* through the torque control that the recording shows.
@@ -107,6 +109,7 @@ pub enum TorqueUsed {
 
 /// T_fric at a speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CurvePoint {
     /// ω_d, rad/s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -121,6 +124,7 @@ pub struct CurvePoint {
 
 /// A speed that was measured beside that of the model, for a figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunOut {
     /// Where.
     pub stretch: Stretch,

@@ -10,6 +10,7 @@ use crate::words::InWords;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
     /// Worth knowing; nothing to do.
@@ -32,6 +33,7 @@ impl Severity {
 
 /// Where a finding was made; what does not apply is `None`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
     /// File, as the user knows it.
     pub file: Option<String>,
@@ -43,6 +45,7 @@ pub struct Place {
 
 /// One doubt about the data or a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Diagnostic {
     /// How much it matters.
     pub severity: Severity,
@@ -54,6 +57,7 @@ pub struct Diagnostic {
 
 /// Units that a torque with a wrong gain may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LikelyUnit {
     /// Per cent of the drive's torque limit.
@@ -66,6 +70,7 @@ pub enum LikelyUnit {
 
 /// Content of a recording that its label excludes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "seen", rename_all = "snake_case")]
 pub enum SeenInstead {
     /// T_d* answers to every change of N_d: the dynamometer controls speed.
@@ -85,6 +90,7 @@ pub enum SeenInstead {
 
 /// Why a recording could not be replayed on a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum NotReplayed {
     /// The recording or the model lacks something.
@@ -102,6 +108,7 @@ pub enum NotReplayed {
 
 /// Kinds of findings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Finding {
     /// The recording could not be decoded.
@@ -358,6 +365,7 @@ pub enum Finding {
     /// The inertia in the bench file does not fit the measured torque and acceleration.
     ImplausibleInertia {
         /// Which: J_d or J_e.
+        #[cfg_attr(feature = "schema", schemars(with = "crate::quantity::Symbol<'static>"))]
         #[serde(flatten, serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         inertia: Quantity,
         /// Value in the bench file, kg m².
@@ -370,6 +378,7 @@ pub enum Finding {
     /// A recording would give the bench an inertia or a skew that it cannot have, so that its K and B check nothing.
     NoCheckOfShaft {
         /// Which: J_d or a skew.
+        #[cfg_attr(feature = "schema", schemars(with = "crate::quantity::Symbol<'static>"))]
         #[serde(flatten, serialize_with = "write_symbol", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// Value from the recording alone, SI.
@@ -442,6 +451,7 @@ pub enum Finding {
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
         /// Quantity that was estimated twice.
+        #[cfg_attr(feature = "schema", schemars(with = "crate::quantity::SymbolAsQuantity"))]
         #[serde(flatten, serialize_with = "write_quantity", deserialize_with = "read_symbol")]
         quantity: Quantity,
         /// First value and standard error, SI.

@@ -27,6 +27,7 @@ type Covariance = [[f64; 2]; 2];
 
 /// Friction that run-outs show, T_fric = c_0 sgn ω + c_1 ω.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EstimatedFriction {
     /// c_0, Nm.
     pub coulomb_nm: f64,
@@ -90,6 +91,7 @@ impl EstimatedFriction {
 
 /// Friction that is expected on any day: c_0 and c_1 with their covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExpectedFriction {
     /// c_0, Nm, and c_1, Nm s/rad.
     pub parts: [f64; 2],
@@ -173,6 +175,7 @@ impl ExpectedFriction {
 /// # Source
 /// Glans & Kärnell 2018, (4.1), with terms that are not below zero.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unseen {
     /// Lowest and highest speed of the run-outs, rad/s.
     pub speeds_rad_s: (f64, f64),

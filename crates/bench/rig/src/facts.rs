@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Facts that the bench file states.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchFacts {
     /// The bench's name.
     pub name: String,
@@ -123,6 +124,7 @@ impl BenchFacts {
 
 /// How torque is measured at the bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum BenchVariant {
     /// DTB: T_d measured by a load cell, shaft torque computed, two masses.
@@ -133,6 +135,7 @@ pub enum BenchVariant {
 
 /// The engine's firing, as the bench file states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Engine {
     /// Cylinders.
     pub cylinders: u32,

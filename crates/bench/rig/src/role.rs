@@ -6,6 +6,7 @@ use units::{Quantity, Unit, UnitError, parse_unit, parse_unit_of};
 /// Quantity that a channel measures, whatever its name in the recording. Inside the crate every role is in SI: speeds
 /// in rad/s, torques in Nm, throttle as a fraction of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
     /// N_d, measured speed of the dynamometer.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An error of the program, or the words that a document keeps of one. Two that say the same are equal.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "String", bound = ""))]
 pub enum InWords<E> {
     /// The error itself.
     Known(E),

@@ -30,6 +30,7 @@ const COUNT: u64 = 8;
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
 /// [`crate::document`] has its form in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analyses {
     /// Recorded signals, as they were recorded.
     pub courses: Vec<RecordedCourse>,

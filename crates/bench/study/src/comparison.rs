@@ -37,6 +37,7 @@ const CERTAIN: f64 = 1e-12;
 
 /// A part of the bench that is tested as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ComparedPart {
     /// Inertias, stiffness and damping.
@@ -51,6 +52,7 @@ pub enum ComparedPart {
 
 /// Two models, compared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelComparison {
     /// The parts that both models have.
     pub parts: Vec<PartComparison>,
@@ -66,6 +68,7 @@ pub struct ModelComparison {
 
 /// Changes beside the bench itself that may explain that two models differ.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SourceChanges {
     /// Recordings that only the first model comes from.
     pub only_first: Vec<String>,
@@ -79,6 +82,7 @@ pub struct SourceChanges {
 
 /// One part, compared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartComparison {
     /// Which part.
     pub part: ComparedPart,
@@ -90,6 +94,7 @@ pub struct PartComparison {
 
 /// Wald's test that two sets of parameters are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WaldTest {
     /// δᵀ (P₁ + P₂)⁻¹ δ over the number of parameters.
     #[serde(deserialize_with = "nan_if_null")]
@@ -109,6 +114,7 @@ pub struct WaldTest {
 
 /// One parameter in both models, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterComparison {
     /// Which parameter.
     pub parameter: ModelParameter,

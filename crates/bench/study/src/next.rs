@@ -100,6 +100,7 @@ pub enum NextError {
 
 /// Gains from further experiments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextExperiments {
     /// Present knowledge: results of the whole model, and parameters of its parts.
     pub now: Vec<Parameter>,
@@ -114,6 +115,7 @@ pub struct NextExperiments {
 
 /// An experiment, and what would be known after it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Its label.
     pub label: ExperimentLabel,
@@ -136,6 +138,7 @@ pub struct Candidate {
 
 /// Gain from an experiment in one number, SI; written in the unit people read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "WrittenGain"))]
 #[serde(into = "WrittenGain", try_from = "ReadGain")]
 pub struct Gain {
     /// The number.
@@ -152,6 +155,7 @@ pub struct Gain {
 
 /// A gain as JSON has it.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WrittenGain {
     key: Quantity,
     #[serde(flatten)]

@@ -24,6 +24,7 @@ const AT_A_STEP: [Role; 6] = [
 
 /// The signals of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordedCourse {
     /// The file.
     pub file: String,
@@ -35,6 +36,7 @@ pub struct RecordedCourse {
 
 /// The largest step of T_d* in a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepResponse {
     /// The file.
     pub file: String,

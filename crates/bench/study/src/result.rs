@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything learnt from one campaign. [`crate::document`] has its form in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
     /// Where it came from.
     pub provenance: Provenance,
@@ -27,21 +28,27 @@ pub struct Study {
     /// Which recording each part is from, and why.
     pub choices: Vec<Choice>,
     /// Delay of each torque signal.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<Timing>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub timing: Outcome<Timing>,
     /// PI with delay.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<SpeedController>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub speed_controller: Outcome<SpeedController>,
     /// Feed-forward of the speed controller.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<FeedForward>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub feed_forward: Outcome<FeedForward>,
     /// Torque control, closed loop from T_d* to T_d.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<TorqueControl>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub torque_control: Outcome<TorqueControl>,
     /// Stiffness and damping, with gate and skew.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<Shaft>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub shaft: Outcome<Shaft>,
     /// The assembled model's analysis.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::ReadStatus<WholeModel>"))]
     #[serde(serialize_with = "write_status", deserialize_with = "read_status")]
     pub whole: Outcome<WholeModel>,
     /// The assembled model itself, in SI, for those who compute with it.
@@ -60,6 +67,7 @@ pub struct Study {
 
 /// Where a study came from: enough to repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Provenance {
     /// Version of dynoid.
     pub version: String,
@@ -78,6 +86,7 @@ pub struct Provenance {
 
 /// One recording as the study saw it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingSummary {
     /// File, as the user knows it.
     pub file: String,

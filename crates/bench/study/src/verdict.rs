@@ -56,6 +56,7 @@ pub struct Rule {
 
 /// The rules, each with what it found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "rule", rename_all = "snake_case")]
 pub enum Found {
     /// Every part is estimated; shaft, torque control and whole model must be.
@@ -94,6 +95,7 @@ pub enum Found {
 
 /// Half of a 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HalfWidth {
     /// Of which quantity.
     pub quantity: Quantity,
@@ -104,6 +106,7 @@ pub struct HalfWidth {
 
 /// Fit of a part on the stretch that was held out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldOutFit {
     /// The part.
     pub part: Part,
@@ -114,6 +117,7 @@ pub struct HeldOutFit {
 
 /// Fits of the signals of all replays of recordings that no part was estimated from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReplayFits {
     /// Signals.
     pub signals: usize,
@@ -131,6 +135,7 @@ pub struct ReplayFits {
 
 /// A part or a quantity that a finding puts in doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Doubted {
     /// A part that did not converge, or whose residuals depend on its input.

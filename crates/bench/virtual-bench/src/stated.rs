@@ -17,6 +17,7 @@ const ASSUMED_DAMPING_RATIO: f64 = 0.1;
 
 /// Something about a bench that nobody stated, so that a default takes the place of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Assumption {
     /// K and B of the shaft.

@@ -66,6 +66,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             ExperimentCommand::Simulate(arguments) => experiment::simulate::run(arguments, terminal),
             ExperimentCommand::Next(arguments) => experiment::next::run(arguments, terminal),
         },
+        Command::Schema(arguments) => commands::schema::run(arguments, terminal),
         Command::Shell { command } => match command {
             ShellCommand::Completions(arguments) => commands::shell::completions(arguments, terminal),
             ShellCommand::Manual(arguments) => commands::shell::manual(arguments, terminal),

@@ -31,6 +31,7 @@ const SAME_INERTIA: f64 = 1e-3;
 
 /// Source of the engine's firing pulses.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "from")]
 pub enum PulsesFrom<'a> {
     /// The bench file.

@@ -84,6 +84,7 @@ mod read;
 mod rebuilt;
 mod recordings;
 pub mod replay;
+pub mod schemas;
 mod session;
 mod several;
 mod study_file;

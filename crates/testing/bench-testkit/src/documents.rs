@@ -8,6 +8,8 @@ use rig::facts::{BenchFacts, BenchVariant};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::schemas::assert_valid_by_format;
+
 /// A model as a study writes it: with the covariance of its shaft and its speed controller, and a range of validity.
 pub fn of_model(model: BenchModel) -> BenchModelDocument {
     let shaft = PartCovariance {
@@ -58,10 +60,11 @@ fn provenance() -> Provenance {
     }
 }
 
-/// Holds a result to what its document promises: it is read and written again as it was written, another version is
+/// Holds a result to what its document promises: it has the form of its schema, it is read and written again as it was written, another version is
 /// refused, and the error on a damaged number names its place. Returns the result that is read.
 pub fn read_back<T: Serialize + DeserializeOwned + Debug>(format: &ResultFormat<T>, result: &T) -> T {
     let text = format.json(result).unwrap();
+    assert_valid_by_format(&serde_json::from_str(&text).unwrap());
     let read = format.read(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
     assert_eq!(format.json(&read).unwrap(), text);
     let other = text.replacen("\"format_version\":1", "\"format_version\":99", 1);

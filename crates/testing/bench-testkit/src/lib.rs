@@ -8,4 +8,5 @@ pub mod documents;
 pub mod models;
 pub mod recordings;
 pub mod runs;
+pub mod schemas;
 pub mod torque_bench;

@@ -17,6 +17,7 @@ pub struct FrequencyResponse {
 
 /// How a response is written down: complex numbers as two series.
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     omega_rad_s: Vec<f64>,
     real: Vec<f64>,

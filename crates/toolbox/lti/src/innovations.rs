@@ -18,6 +18,7 @@ use crate::state_space::StateSpace;
 /// # Source
 /// Ljung, *System Identification*, 2nd ed., 1999, (4.91).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Parts"))]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct Innovations {
     system: StateSpace,
@@ -26,6 +27,7 @@ pub struct Innovations {
 }
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     system: StateSpace,
     k: Vec<Vec<f64>>,

@@ -30,11 +30,13 @@ const MOST_LAGS: usize = 3;
 /// # Source
 /// Åström, K. J. and Hägglund, T. (2006), *Advanced PID Control*, ch. 2.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Parts"))]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct ProcessModel(Parts);
 
 /// The numbers, and what is read before it is checked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     gain: f64,
     pair: Option<ProcessPair>,
@@ -46,6 +48,7 @@ struct Parts {
 
 /// Two poles as `1 + 2ζ T_w s + (T_w s)²`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ProcessPair {
     /// `T_w`, one over the natural frequency, in seconds.
     pub time_constant_s: f64,

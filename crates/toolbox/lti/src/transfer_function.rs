@@ -23,6 +23,7 @@ use crate::state_space::{StateSpace, check_same_clock, frequency_point, is_algeb
 /// # Ok::<(), lti::LtiError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Parts"))]
 #[serde(try_from = "Parts")]
 pub struct TransferFunction {
     num: Vec<f64>,
@@ -33,6 +34,7 @@ pub struct TransferFunction {
 
 /// Fields as read, before they are checked.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     num: Vec<f64>,
     den: Vec<f64>,

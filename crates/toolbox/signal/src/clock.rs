@@ -23,6 +23,7 @@ const ANOTHER_PHASE: f64 = 0.25;
 
 /// A stretch without samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gap {
     /// Indices of the samples on either side: the gap lies between `between.start` and `between.end`.
     pub between: Range<usize>,

@@ -10,6 +10,7 @@ const TAIL: f64 = 0.025;
 
 /// A probability, from how often something happened.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proportion {
     /// How often it happened.
     pub count: usize,

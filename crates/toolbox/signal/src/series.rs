@@ -18,6 +18,7 @@ pub(crate) const TIME_TOLERANCE_SAMPLES: f64 = 1e-6;
 /// # Ok::<(), signal::SignalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Signal {
     /// Instant of the first sample, in seconds.
     pub start_s: f64,

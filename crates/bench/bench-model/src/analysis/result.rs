@@ -9,6 +9,7 @@ use crate::model::ModelParameter;
 
 /// Analysis of the assembled model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WholeModel {
     /// Resonance of T_d → T_shaft in torque control, Hz.
     pub resonance_hz: Parameter,
@@ -34,8 +35,10 @@ pub struct WholeModel {
 
 /// Influence of all parameters on a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Influence {
     /// The result.
+    #[cfg_attr(feature = "schema", schemars(with = "rig::results::WrittenQuantity"))]
     #[serde(flatten, serialize_with = "write_notation", deserialize_with = "read_notation")]
     pub quantity: Quantity,
     /// The parameters that move it.
@@ -44,6 +47,7 @@ pub struct Influence {
 
 /// Influence of one parameter on a result.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterInfluence {
     /// The parameter.
     pub parameter: ModelParameter,
@@ -58,6 +62,7 @@ pub struct ParameterInfluence {
 
 /// Stability margins of the speed loop.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Margins {
     /// Gain margin, dB.
     #[serde(deserialize_with = "nan_if_null")]
@@ -72,6 +77,7 @@ pub struct Margins {
 
 /// One Bode curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BodeCurve {
     /// Input, e.g. `T_d`.
     pub input: String,
@@ -98,6 +104,7 @@ pub struct BodeCurve {
 
 /// Gain measured at one sine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SinePoint {
     /// Frequency, Hz.
     pub frequency_hz: f64,

@@ -6,6 +6,7 @@ use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
 
 /// One number of the model, in SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DescribedParameter {
     /// Which number.
     pub parameter: ModelParameter,

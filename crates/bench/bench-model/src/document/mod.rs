@@ -36,6 +36,7 @@ const VERSION: u64 = 1;
 
 /// A bench model, and everything that is known about it. Serialised, this is the bench model file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchModelDocument {
     format: String,
     version: u64,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where a model comes from: enough to make it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Provenance {
     /// Version of dynoid that made it.
     pub dynoid_version: String,
@@ -24,6 +25,7 @@ pub struct Provenance {
 
 /// A bench file by name and content.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchFileOrigin {
     /// Its name.
     pub name: String,
@@ -33,6 +35,7 @@ pub struct BenchFileOrigin {
 
 /// A recording that something was estimated from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct UsedRecording {
     /// File, as the user knows it.
     pub file: String,
@@ -47,6 +50,7 @@ pub struct UsedRecording {
 
 /// Verdict of a study on its model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyVerdict {
     /// `good`, `reservations` or `insufficient`.
     pub level: String,
@@ -58,6 +62,7 @@ pub struct StudyVerdict {
 
 /// A part that was not estimated.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NotEstimated {
     /// Which part.
     pub part: Part,

@@ -90,6 +90,12 @@ impl<T> ResultFormat<T> {
     pub const fn format(&self) -> &'static str {
         self.format
     }
+
+    /// The number of the `format_version` field.
+    #[must_use]
+    pub const fn version(&self) -> u32 {
+        self.version
+    }
 }
 
 impl<T: Serialize> ResultFormat<T> {

@@ -8,6 +8,7 @@ pub type Range = (f64, f64);
 /// The range of the recordings that a model was estimated from; null where they do not show it. Outside of it the model
 /// is an extrapolation that no recording has tested.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validity {
     /// N_d, rad/s.
     #[serde(default)]

@@ -9,6 +9,7 @@ use crate::disturbances::Disturbances;
 
 /// A model with its uncertainty, as a study keeps it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AssembledModel {
     /// The model.
     pub model: BenchModel,

@@ -24,6 +24,7 @@ pub(crate) const INSTANT: f64 = 1e-9;
 
 /// Two masses and a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mechanics {
     /// J_d, kg m².
     pub dyno_inertia_kg_m2: f64,
@@ -39,6 +40,7 @@ pub struct Mechanics {
 /// runs: every `sample_time_s`, on the encoder's reading, its output held. The output of an update takes effect τ
 /// later.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PiController {
     /// K_p, Nm s/rad.
     pub proportional_nm_s_per_rad: f64,
@@ -56,6 +58,7 @@ pub struct PiController {
 /// Feed-forward k ω_d* + k_a dω_d*/dt (6.7 and the acceleration term). The constant m is part of the integrator's
 /// initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedForwardGains {
     /// k, Nm s/rad.
     pub speed_nm_s_per_rad: f64,
@@ -67,6 +70,7 @@ pub struct FeedForwardGains {
 
 /// Torque control: T_d = e^{−s d} a/(s + a) T_d*.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueControlModel {
     /// d, s.
     pub delay_s: f64,
@@ -77,6 +81,7 @@ pub struct TorqueControlModel {
 /// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no torque control) or
 /// torque demand (no torque control) cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchModel {
     /// Inertias and shaft.
     pub mechanics: Mechanics,

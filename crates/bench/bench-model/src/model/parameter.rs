@@ -9,6 +9,7 @@ use super::BenchModel;
 
 /// One number of a [`BenchModel`], in SI: those of the [`Quantity`]s that make up the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ModelParameter {
     /// J_d, kg m².

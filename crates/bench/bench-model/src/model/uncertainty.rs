@@ -19,6 +19,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Covariance of the parameters of one part of the model, SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartCovariance {
     /// Parameters, in the covariance's order.
     pub parameters: Vec<ModelParameter>,
@@ -79,6 +80,7 @@ pub enum UncertaintyError {
 /// Uncertainty of a [`BenchModel`]: parts estimated from different data, hence independent; the covariance of all
 /// parameters is block diagonal. A parameter in no part is taken as exact, as an inertia stated without uncertainty is.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Vec<PartCovariance>"))]
 #[serde(into = "Vec<PartCovariance>", try_from = "Vec<PartCovariance>")]
 pub struct ModelUncertainty {
     parts: Vec<(Vec<ModelParameter>, Mat<f64>, f64)>,

@@ -8,6 +8,7 @@ use crate::simulate::Response;
 
 /// Of what a peak is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PeakOf {
     /// |N_d|, rad/s.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A recording replayed on the assembled model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Replay {
     /// The recording's file and label.
     pub stretch: Stretch,

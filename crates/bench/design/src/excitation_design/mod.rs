@@ -75,6 +75,7 @@ const WEAKEST: f64 = 1e-6;
 
 /// A parameter of interest as the experiment would leave it, on the nominal model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PredictedParameter {
     /// Which.
     pub parameter: ModelParameter,
@@ -98,6 +99,7 @@ impl PredictedParameter {
 
 /// A demand with what it will do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DesignedExcitation {
     /// The demand over the whole experiment, operating point included.
     pub waveform: Waveform,
@@ -136,6 +138,7 @@ impl DesignedExcitation {
 
 /// A line of the best spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpectralLine {
     /// Hz.
     pub frequency_hz: f64,
@@ -145,6 +148,7 @@ pub struct SpectralLine {
 
 /// Findings of [`design`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExcitationDesign {
     /// The best spectrum with phases that keep peaks low.
     pub multisine: DesignedExcitation,

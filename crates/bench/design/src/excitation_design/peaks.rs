@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Quantities that may be limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LimitedQuantity {
     /// T_shaft.
@@ -18,6 +19,7 @@ pub enum LimitedQuantity {
 
 /// Largest deviations from the operating point.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Peaks {
     /// Of T_shaft, Nm.
     pub shaft_torque_nm: f64,

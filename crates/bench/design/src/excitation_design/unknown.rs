@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A number the experiment has to determine, or to be right in spite of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Unknown {
     /// A parameter of the model.

@@ -10,6 +10,7 @@ use super::verdict::Safety;
 
 /// One quantity over all benches drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Checked {
     /// The quantity.
     pub of: Quantity,

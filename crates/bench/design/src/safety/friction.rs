@@ -10,6 +10,7 @@ use signal::distributions::normal_quantile;
 
 /// Whence friction is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FrictionFrom {
     /// The bench file.
@@ -22,6 +23,7 @@ pub enum FrictionFrom {
 
 /// How friction differs between the benches drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FrictionSpread {
     /// Whence it is known.
     pub from: FrictionFrom,

@@ -64,6 +64,7 @@ pub struct SafetyInputs<'a> {
 
 /// Effect of retarded ignition on the exhaust: a hint, no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ThermalHint {
     /// How long the ignition efficiency lies below 0.8, s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -75,6 +76,7 @@ pub struct ThermalHint {
 
 /// The result of a safety check.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SafetyCheck {
     /// Every quantity that the plan has.
     pub checked: Vec<Checked>,

@@ -14,6 +14,7 @@ pub const SPEED_CHANGE_S: f64 = 0.05;
 
 /// A number of a run that matters for safety.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Largest |T_shaft|, Nm.

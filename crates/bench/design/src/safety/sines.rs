@@ -22,6 +22,7 @@ const LOWERED: f64 = 0.93;
 
 /// A sine of T_d* in a sine test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SafeSine {
     /// Its frequency, Hz.
     #[serde(deserialize_with = "nan_if_null")]
@@ -38,6 +39,7 @@ pub struct SafeSine {
 
 /// Proposal in place of a sine test as planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proposal {
     /// Every sine, in the order of the test.
     pub sines: Vec<SafeSine>,

@@ -41,6 +41,7 @@ pub enum BenchSpread<'a> {
 /// and nominal · (1 + r): log-normal with the nominal value as median and σ = ln(1 + r)/1.96. They vary independently,
 /// and with the engine's inertia the stiffness so that the resonance is what was drawn for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Prior {
     /// Of √(K(1/J_d + 1/J_e)), in torque control.
     #[serde(deserialize_with = "nan_if_null")]

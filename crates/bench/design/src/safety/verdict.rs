@@ -8,6 +8,7 @@ pub const ALLOWED: f64 = 0.05;
 
 /// A verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Safety {
     /// Every limit stated is reached with a probability below 5 %, and so is the upper end of its 95 % interval.

@@ -16,6 +16,7 @@ use super::terms::{FeedForwardTerms, Structure, feed_forward_terms, structure};
 
 /// Findings of recordings on the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpeedControl {
     /// PI and delay, one entry a recording with constant N_d*, the longest first.
     pub controllers: Vec<ControllerRecording>,
@@ -27,6 +28,7 @@ pub struct SpeedControl {
 
 /// Findings of one recording with constant N_d*.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ControllerRecording {
     /// The file.
     pub file: String,
@@ -39,6 +41,7 @@ pub struct ControllerRecording {
 
 /// PI without and with delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Controller {
     /// K_p, K_i, τ, I_0 and, where the data show it, the encoder's gate T_g.
     pub with_delay: Estimate,
@@ -57,6 +60,7 @@ pub struct Controller {
 
 /// Findings of one recording with moving N_d*.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedForwardRecording {
     /// The file.
     pub file: String,
@@ -69,6 +73,7 @@ pub struct FeedForwardRecording {
 
 /// A straight feed-forward, and tests for what bends it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedForwardFound {
     /// k and k_a, with the PI alone beside them.
     pub straight: FeedForward,
@@ -79,6 +84,7 @@ pub struct FeedForwardFound {
 
 /// The limit of T_d* in one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LimitRecording {
     /// The file.
     pub file: String,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// PI as the controller computes it: T_d*(k) = T_d*(k − 1) + b_0 e(k) + b_1 e(k − 1), e the speed error delayed by τ.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Discrete {
     /// Sample time T of the controller, s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -18,6 +19,7 @@ pub struct Discrete {
 
 /// How a controller integrates the speed error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum IntegrationRule {
     /// I(k + 1) = I(k) + K_i T e(k): forward Euler, and the exact form of (6.5) under a held input.

@@ -48,6 +48,7 @@ const TRACKING_TIMES: usize = 121;
 
 /// Behaviour of the integrator while T_d* is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum AntiWindup {
     /// It runs on.
@@ -66,6 +67,7 @@ pub enum AntiWindup {
 
 /// A law against the data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawTest {
     /// The law.
     pub law: AntiWindup,
@@ -82,6 +84,7 @@ pub struct LawTest {
 
 /// Findings of a recording on the limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Limit {
     /// T_d* never rests at its highest magnitude.
@@ -96,6 +99,7 @@ pub enum Limit {
 
 /// Episodes at the limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LimitReached {
     /// The limit, Nm.
     #[serde(deserialize_with = "nan_if_null")]

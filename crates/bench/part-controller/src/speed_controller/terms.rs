@@ -43,6 +43,7 @@ const KNOTS: usize = 7;
 
 /// A term that may be added to PI and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// A first-order filter on the measured speed.
@@ -63,6 +64,7 @@ pub enum Term {
 
 /// Verdict of the data on a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It is there.
@@ -77,6 +79,7 @@ pub enum Verdict {
 
 /// A term against zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TermTest {
     /// The term.
     pub term: Term,
@@ -97,6 +100,7 @@ pub struct TermTest {
 
 /// PI and delay, and what was found beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Structure {
     /// Probability of finding anything where there is nothing.
     #[serde(deserialize_with = "nan_if_null")]
@@ -114,6 +118,7 @@ pub struct Structure {
 
 /// One round of tests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Round {
     /// Terms already taken in.
     pub beside: Vec<Term>,
@@ -125,6 +130,7 @@ pub struct Round {
 
 /// The feed-forward beyond a straight line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedForwardTerms {
     /// Probability of finding anything where there is nothing.
     #[serde(deserialize_with = "nan_if_null")]
@@ -139,6 +145,7 @@ pub struct FeedForwardTerms {
 
 /// The static feed-forward at one speed, less that at the lowest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MapPoint {
     /// N_d*, rad/s.
     #[serde(deserialize_with = "nan_if_null")]

@@ -14,6 +14,7 @@ const MOST: usize = 200;
 
 /// The spectrum of a moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShortSpectrum {
     /// Its middle, s.
     #[serde(deserialize_with = "nan_if_null")]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where a line, or a broad peak, comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "cause", rename_all = "snake_case")]
 pub enum Cause {
     /// A multiple of the engine's speed.

@@ -23,6 +23,7 @@ pub(super) const CHANGES: f64 = 0.03;
 
 /// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingLines {
     /// The file.
     pub file: String,
@@ -36,6 +37,7 @@ pub struct RecordingLines {
 
 /// Findings of a part of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartLines {
     /// From, s of the recording's clock.
     #[serde(deserialize_with = "nan_if_null")]
@@ -58,6 +60,7 @@ pub struct PartLines {
 
 /// A signal's spectrum and its lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SignalLines {
     /// Which.
     pub role: Role,
@@ -80,6 +83,7 @@ pub struct SignalLines {
 
 /// A line, or a broad peak.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Line {
     /// Where it shows, Hz.
     #[serde(deserialize_with = "nan_if_null")]

@@ -28,6 +28,7 @@ const ONE_LINE: f64 = 0.1;
 
 /// A signal over the speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OverSpeed {
     /// Which.
     pub role: Role,
@@ -49,6 +50,7 @@ pub struct OverSpeed {
 
 /// An order over the speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OrderCurve {
     /// The multiple of the engine's speed.
     #[serde(deserialize_with = "nan_if_null")]
@@ -61,6 +63,7 @@ pub struct OrderCurve {
 
 /// An order at a class of speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CurvePoint {
     /// Mean speed, rad/s.
     #[serde(deserialize_with = "nan_if_null")]

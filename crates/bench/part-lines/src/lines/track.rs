@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// An order over time, and with it over speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OrderTrack {
     /// The multiple of the engine's speed.
     #[serde(deserialize_with = "nan_if_null")]
@@ -15,6 +16,7 @@ pub struct OrderTrack {
 
 /// An order in one window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrackPoint {
     /// The window's middle, s.
     #[serde(deserialize_with = "nan_if_null")]

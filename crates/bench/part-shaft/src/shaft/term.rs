@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A term beyond the simple shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
     /// K (1 + iη) in place of K: damping that does not grow with frequency.
@@ -22,6 +23,7 @@ pub enum Term {
 
 /// Weights with which stiffness or damping may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Weight {
     /// T_shaft less its mean, per 100 Nm.

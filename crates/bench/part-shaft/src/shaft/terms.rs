@@ -75,6 +75,7 @@ impl Term {
 
 /// Terms beyond the simple shaft, held against one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
     /// Mean of |error|²/σ² of the simple shaft: one where it and the noise levels are right.
     #[serde(deserialize_with = "nan_if_null")]
@@ -85,6 +86,7 @@ pub struct Beyond {
 
 /// A term held against the data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TermTest {
     /// The term.
     pub term: Term,

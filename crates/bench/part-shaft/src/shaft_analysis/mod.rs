@@ -34,6 +34,7 @@ const MISFIT: f64 = 2.0;
 
 /// Findings of recordings on the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaftAnalysis {
     /// One entry a recording with a shaft.
     pub recordings: Vec<ShaftRecording>,

@@ -12,6 +12,7 @@ use crate::shaft_routes::state_space::StateSpaceRoute;
 
 /// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaftRecording {
     /// The file.
     pub file: String,
@@ -40,6 +41,7 @@ pub struct ShaftRecording {
 
 /// Two springs with a mass between them, thesis §3.3.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DualMass {
     /// K and B of the shaft, J_2, K_2 and B_2 of the flywheel, timing.
     pub estimate: Estimate,
@@ -51,6 +53,7 @@ pub struct DualMass {
 /// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all
 /// are.
 #[derive(Debug, Clone, PartialEq, Serialize, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Routes {
     /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).
     #[serde(serialize_with = "write_if_sought", deserialize_with = "read_if_sought")]
@@ -67,6 +70,7 @@ pub struct Routes {
 
 /// The shaft from a band of frequencies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Band {
     /// From and to, Hz.
     #[serde(deserialize_with = "nan_if_null")]

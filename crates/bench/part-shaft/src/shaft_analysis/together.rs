@@ -33,6 +33,7 @@ const MANY: f64 = 1e6;
 
 /// K and B of several recordings together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Together {
     /// K, Nm/rad.
     pub stiffness: CommonValue,
@@ -53,6 +54,7 @@ pub struct Together {
 
 /// A value common to several recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonValue {
     /// It.
     pub parameter: Parameter,

@@ -80,6 +80,7 @@ pub enum EngineControl {
 
 /// The structure of the black box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlackBoxOrders {
     /// Coefficients of F; B has two more.
     pub dynamics: usize,
@@ -92,6 +93,7 @@ pub struct BlackBoxOrders {
 
 /// Why not to take a black box's parameters for the bench's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum BlackBoxDoubt {
     /// The coefficients are not those of a two-mass system.
@@ -104,6 +106,7 @@ pub enum BlackBoxDoubt {
 
 /// A bench's parameters by a black box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlackBoxRoute {
     /// J_d, J_e, K, B.
     pub estimate: Estimate,

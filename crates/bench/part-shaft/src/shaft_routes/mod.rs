@@ -20,6 +20,7 @@ use crate::shaft::ShaftInputs;
 
 /// When the signals were taken, each with its standard uncertainty, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// δ_e: by how much N_e is dated later than N_d.
     #[serde(deserialize_with = "nan_if_null")]

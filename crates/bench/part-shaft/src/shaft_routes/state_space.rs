@@ -62,6 +62,7 @@ const NOISE_STEP_HZ: f64 = 0.1;
 
 /// Treatment of the skews.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Skews {
     /// They are those given, within their uncertainties.
@@ -72,6 +73,7 @@ pub enum Skews {
 
 /// The shaft by its state space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StateSpaceRoute {
     /// K and B, J_d where it is uncertain, δ_e and δ_T where they are not exactly known.
     pub estimate: Estimate,

@@ -28,6 +28,7 @@ pub const ASKED_HZ: f64 = 10.0;
 
 /// Kind of noise that a black box models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
     /// A y = B u + e.
@@ -38,6 +39,7 @@ pub enum Family {
 
 /// A family, what drives it, and its orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Structure {
     /// ARX or output error.
     pub family: Family,
@@ -53,6 +55,7 @@ pub struct Structure {
 
 /// How a black box follows T_d* once its loop is closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Closed {
     /// It settles.
@@ -65,6 +68,7 @@ pub enum Closed {
 
 /// A structure and its worth on data it was not estimated from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scanned {
     /// The structure.
     pub structure: Structure,
@@ -83,6 +87,7 @@ pub struct Scanned {
 
 /// A coefficient of a black box's polynomials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coefficient {
     /// As the polynomials name it.
     pub symbol: String,
@@ -99,6 +104,7 @@ pub struct Coefficient {
 
 /// Why a structure was chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ChosenBy {
     /// Best fit on data it was not estimated from.
@@ -109,6 +115,7 @@ pub enum ChosenBy {
 
 /// A pole or zero with its region.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Root {
     /// Real part.
     #[serde(deserialize_with = "nan_if_null")]
@@ -123,6 +130,7 @@ pub struct Root {
 
 /// A black box that was chosen, estimated from all but the held-out part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlackBox {
     /// Its structure.
     pub structure: Structure,
@@ -148,6 +156,7 @@ pub struct BlackBox {
 
 /// Numerator and denominator in powers of q⁻¹, the denominator's first coefficient one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Way {
     num: Vec<f64>,
     den: Vec<f64>,

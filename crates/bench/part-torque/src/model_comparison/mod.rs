@@ -45,6 +45,7 @@ const MOVED: [(Excited, ControlMode); 2] =
 
 /// Findings of recordings on the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelComparison {
     /// One entry a recording that was used: at most one that the dynamometer moved and one that the engine moved.
     pub recordings: Vec<ComparedRecording>,
@@ -61,6 +62,7 @@ pub struct ModelComparison {
 
 /// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ComparedRecording {
     /// Mover of T_d*.
     pub excited: Excited,
@@ -105,6 +107,7 @@ pub struct ComparedRecording {
 
 /// A model that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Model {
     /// T_d*, a time ago.
@@ -120,6 +123,7 @@ pub enum Model {
 
 /// A model against the bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Its errors are smaller.
@@ -134,6 +138,7 @@ pub enum Verdict {
 
 /// A model on the held-out part of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judgement {
     /// The model.
     pub model: Model,
@@ -158,6 +163,7 @@ pub struct Judgement {
 /// The beginning of the held-out part of a recording, as it was and as models have it: the bar, delay and lag, and of
 /// the black boxes of each recording that which errs least there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// Mover of T_d*.
     pub judged_on: Excited,

@@ -19,6 +19,7 @@ impl Default for OrdersTried {
 
 /// Input of a black box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Input {
     /// T_d*, as in (6.8).

@@ -8,6 +8,7 @@ use crate::torque_control::batches;
 
 /// A test of squared errors in pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairedTest {
     /// Mean of the bar's squared error less the model's, Nm²: positive where the model is better.
     #[serde(deserialize_with = "nan_if_null")]

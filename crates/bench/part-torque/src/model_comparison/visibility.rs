@@ -34,6 +34,7 @@ const SEED: u64 = 1;
 
 /// Power of recordings of other rates and demands to show more than delay and lag.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Visibility {
     /// Delay and lag that it is computed at, s and rad/s.
     #[serde(deserialize_with = "nan_if_null")]
@@ -58,6 +59,7 @@ pub struct Visibility {
 /// Power of a recording of one rate and one hold. Errors shrink with the root of the recording's length, and with the
 /// demand's standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VisibilityCase {
     /// Rate of T_d,calc, Hz.
     #[serde(deserialize_with = "nan_if_null")]

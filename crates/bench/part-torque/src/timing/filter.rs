@@ -26,6 +26,7 @@ const DECIDED: f64 = 5.0;
 
 /// Filter of the system before, or after, it differentiates the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Filter {
     /// The mean of the last samples.
@@ -45,6 +46,7 @@ pub enum Filter {
 
 /// How the system differentiates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Difference {
     /// (N_k − N_{k−1})/T, half a sample late.
@@ -55,6 +57,7 @@ pub enum Difference {
 
 /// A filter with what it leaves unexplained.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FilterCandidate {
     /// The filter.
     pub filter: Filter,
@@ -77,6 +80,7 @@ pub struct FilterCandidate {
 
 /// The filter that reproduces T_d,shaft,calc, and others that do it less well.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaftFilter {
     /// The best.
     pub best: FilterCandidate,

@@ -104,6 +104,7 @@ impl Response for DelayAndSecondOrder<'_> {
 
 /// Test of a recording for more than delay and lag.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SecondOrderTest {
     /// τ of the fit with κ, s.
     #[serde(deserialize_with = "nan_if_null")]

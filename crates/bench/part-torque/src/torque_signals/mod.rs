@@ -24,6 +24,7 @@ pub use trust::{Trust, TrustCheck};
 
 /// Findings of recordings on the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueSignals {
     /// One entry a recording.
     pub recordings: Vec<TorqueRecording>,
@@ -33,6 +34,7 @@ pub struct TorqueSignals {
 
 /// Findings of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueRecording {
     /// The file.
     pub file: String,

@@ -34,6 +34,7 @@ const LEAST_NOISE_RAD_S: f64 = 1e-6;
 
 /// The shaft torque of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RebuiltShaft {
     /// Instant of the first value, s of the clock of N_d.
     #[serde(deserialize_with = "nan_if_null")]
@@ -66,6 +67,7 @@ pub struct RebuiltShaft {
 /// Effect of the once-a-turn error of the dynamometer's encoder on the shaft torque. Once a turn it cannot be separated
 /// from a motion, unless a speed controller that reads another speed answers the motion alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum OnceATurn {
     /// Known from the speed controller and taken out of N_d: its amplitude as a torque, Nm.

@@ -30,6 +30,7 @@ const TOLERATED_OFFSET_NM: f64 = 1.0;
 /// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how
 /// much T_d,calc rises from end to end over the length: what a load cell that is late by τ has not seen yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrustCheck {
     /// o at T̄.
     pub offset: Parameter,
@@ -54,6 +55,7 @@ pub struct TrustCheck {
 
 /// Trust in T_d,calc at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {
     /// Its error is within 1 % and 1 Nm, and the data are sharp enough to say so.

@@ -31,6 +31,7 @@ const LARGEST: f64 = 30.0;
 
 /// The noise levels of greatest likelihood.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NoiseLevels {
     /// Standard deviation of a sample of each speed, rad/s.
     #[serde(deserialize_with = "nan_if_null")]

@@ -13,6 +13,7 @@ use crate::torque_smoother::needed::{WITHIN, needed};
 
 /// Where T_d comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueSource {
     /// T_d* through the torque control that was estimated, with the ripple of this recording.

@@ -62,6 +62,7 @@ pub struct RunChannels {
 
 /// Statements of a report on itself; those not stated are not shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReportIdentity {
     /// Its title, in place of the bench's name.
     pub title: Option<String>,

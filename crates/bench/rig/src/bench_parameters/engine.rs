@@ -28,6 +28,7 @@ pub struct Harmonic {
 /// crank's angle. Complex numbers are real and imaginary part. Gas torque grows with the load, compression is there
 /// without it, and the torque of the reciprocating masses grows with ω².
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CycleHarmonic {
     /// α, Nm.

@@ -65,6 +65,7 @@ impl RelaxingSprings {
 ///
 /// Wiechert's model; see Tschoegl, *The Phenomenological Theory of Linear Viscoelastic Behavior*, 1989, §3.5.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LossFactor {
     /// η, 1.

@@ -16,6 +16,7 @@ const ROUNDING: f64 = 1e-6;
 /// The pulses of an engine as harmonics of its working cycle, see [`CycleHarmonic`]. No mark shows the cylinders, so
 /// the angle 0 is any angle of the crank.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnginePulses {
     /// Cylinders of the engine.
     pub cylinders: u32,
@@ -33,6 +34,7 @@ pub struct EnginePulses {
 
 /// One harmonic of the working cycle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PulseHarmonic {
     /// Multiple of the crank's speed.
     pub order: f64,

@@ -8,6 +8,7 @@ use crate::words::InWords;
 
 /// Result that is estimated from one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Sought {
     /// PI with delay.
@@ -90,6 +91,7 @@ const RULES: [Rule; 6] = [
 
 /// Why a recording was chosen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Choice {
     /// Result that is estimated from it.
     pub sought: Sought,
@@ -107,6 +109,7 @@ pub struct Choice {
 
 /// A recording that was tried in vain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PassedOver {
     /// The file.
     pub file: String,

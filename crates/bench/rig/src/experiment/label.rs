@@ -19,6 +19,7 @@ pub enum Excitation {
 
 /// Which quantity each side controls: the label's last two letters, dynamometer first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ControlMode {
     /// The dynamometer controls speed, the engine torque (or throttle).
     Nt,
@@ -28,6 +29,7 @@ pub enum ControlMode {
 
 /// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1). Written and read as this text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "String"))]
 pub struct ExperimentLabel {
     /// Test that is done.
     pub test: Test,

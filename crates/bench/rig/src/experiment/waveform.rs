@@ -12,6 +12,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// A demand over time, in the unit of the demanded quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Waveform {
     /// Always the same.
@@ -106,6 +107,7 @@ pub enum Waveform {
 
 /// One sine of a multisine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Frequency, Hz.

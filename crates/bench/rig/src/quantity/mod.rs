@@ -4,12 +4,17 @@ mod notation;
 
 use serde::{Deserialize, Serialize};
 
-pub use notation::{Notation, ReadNotation, read_notation, read_symbol, write_notation, write_quantity, write_symbol};
+pub use notation::{
+    Notation, ReadNotation, WrittenQuantity, read_notation, read_symbol, write_notation, write_quantity, write_symbol,
+};
+#[cfg(feature = "schema")]
+pub(crate) use notation::{Symbol, SymbolAsQuantity};
 
 /// A quantity that is estimated or computed from estimates, in SI.
 ///
 /// [`Quantity::notation`] has its symbol and the unit people read it in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// K_p of the speed controller, Nm s/rad.

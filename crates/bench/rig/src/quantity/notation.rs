@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use serde::de::Error;
-use serde::ser::SerializeStruct;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use units::RPM_RAD_S;
 
@@ -14,6 +13,7 @@ use super::Quantity;
 
 /// Symbol, name and units of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Notation {
     /// Symbol of the thesis, e.g. `K_p`.
     pub symbol: &'static str,
@@ -239,7 +239,8 @@ impl fmt::Display for Quantity {
 
 /// A quantity as a document has it: its key, by which it is read, and what people read.
 #[derive(Serialize)]
-struct WrittenQuantity {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WrittenQuantity {
     key: Quantity,
     #[serde(flatten)]
     notation: Notation,
@@ -292,7 +293,8 @@ pub fn read_notation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Quant
 
 /// A quantity as findings have it.
 #[derive(Serialize, Deserialize)]
-struct Symbol<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Symbol<'a> {
     #[serde(alias = "quantity")]
     symbol: Cow<'a, str>,
     key: Option<Quantity>,
@@ -321,15 +323,20 @@ pub fn write_symbol<S: Serializer>(quantity: &Quantity, serializer: S) -> Result
     Symbol { symbol: quantity.symbol().into(), key: Some(*quantity) }.serialize(serializer)
 }
 
+/// The same where the symbol has another name.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct SymbolAsQuantity {
+    quantity: &'static str,
+    key: Quantity,
+}
+
 /// Serialises a quantity as `quantity`, which is its symbol, and `key`.
 ///
 /// # Errors
 /// Those of the serialiser.
 pub fn write_quantity<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
-    let mut fields = serializer.serialize_struct("Quantity", 2)?;
-    fields.serialize_field("quantity", quantity.symbol())?;
-    fields.serialize_field("key", quantity)?;
-    fields.end()
+    SymbolAsQuantity { quantity: quantity.symbol(), key: *quantity }.serialize(serializer)
 }
 
 /// Reads what [`write_symbol`] and [`write_quantity`] wrote.

@@ -11,6 +11,7 @@ use crate::quantity::{Notation, Quantity, ReadNotation};
 ///
 /// It serialises with symbol, name and the unit people read, see [`Quantity::notation`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "WrittenParameter"))]
 #[serde(into = "WrittenParameter", try_from = "ReadParameter")]
 pub struct Parameter {
     /// The quantity.
@@ -27,6 +28,7 @@ pub struct Parameter {
 
 /// A stretch of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Stretch {
     /// File.
     pub file: String,
@@ -40,6 +42,7 @@ pub struct Stretch {
 ///
 /// It serialises in the units people read, covariance included.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "WrittenEstimate"))]
 #[serde(into = "WrittenEstimate", from = "ReadEstimate")]
 pub struct Estimate {
     /// Parameters.
@@ -70,6 +73,7 @@ impl Estimate {
 
 /// A parameter as people read it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WrittenParameter {
     /// The quantity, by which the parameter is read again.
     pub key: Quantity,
@@ -127,6 +131,7 @@ impl From<Parameter> for WrittenParameter {
 
 /// An estimate as JSON has it: each parameter in the unit people read, and the covariance in the same units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WrittenEstimate {
     parameters: Vec<WrittenParameter>,
     covariance: Vec<Vec<f64>>,

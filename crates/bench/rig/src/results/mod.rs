@@ -8,11 +8,13 @@ mod parts;
 mod validation;
 
 pub use crate::quantity::{
-    Notation, Quantity, ReadNotation, read_notation, read_symbol, write_notation, write_quantity, write_symbol,
+    Notation, Quantity, ReadNotation, WrittenQuantity, read_notation, read_symbol, write_notation, write_quantity,
+    write_symbol,
 };
 pub use estimate::{Estimate, Parameter, Stretch, WrittenParameter};
 pub use outcome::{
-    Found, Outcome, Reason, read_found, read_if_sought, read_status, write_found, write_if_sought, write_status,
+    Found, Outcome, ReadStatus, Reason, read_found, read_if_sought, read_status, write_found, write_if_sought,
+    write_status,
 };
 pub use part::Part;
 pub use parts::{

@@ -17,6 +17,7 @@ use crate::words::InWords;
 ///
 /// It has two forms in JSON: [`write_status`] is that of a study, [`Found`] that of single analyses.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "FoundForm<T>", inline))]
 pub enum Outcome<T> {
     /// The estimate.
     Estimated(T),
@@ -85,6 +86,7 @@ impl<T> From<Result<T, EstimateError>> for Outcome<T> {
 
 /// Why there is no estimate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Reason {
     /// There is no recording of any of these experiments.
@@ -211,10 +213,16 @@ pub fn write_status<T: Serialize, S: Serializer>(outcome: &Outcome<T>, serialize
 
 /// The same form as it is read.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(tag = "status", rename_all = "snake_case")]
-enum ReadStatus<T> {
+pub enum ReadStatus<T> {
+    /// The fields of the estimate.
     Estimated(T),
-    NotEstimated { needs: Vec<Reason> },
+    /// There is none.
+    NotEstimated {
+        /// Why: what is needed before there can be one.
+        needs: Vec<Reason>,
+    },
 }
 
 /// Reads what [`write_status`] wrote.
@@ -231,11 +239,30 @@ pub fn read_status<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer:
 /// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason and,
 /// where there are several, all of them as `needs`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "FoundForm<T>", inline))]
 pub enum Found<'a, T> {
     /// The estimate, or what is written of it.
     Found(T),
     /// Why there is none.
     NotEstimated(&'a [Reason]),
+}
+
+/// The form of [`Found`], for its schema.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged, inline)]
+#[expect(dead_code, reason = "the schema is all that is made of it")]
+enum FoundForm<T> {
+    /// The estimate.
+    Found { found: T },
+    /// There is none.
+    NotEstimated {
+        /// The first reason why.
+        not_estimated: Option<Reason>,
+        /// All reasons, where there are several.
+        #[schemars(default, skip_serializing_if = "Vec::is_empty")]
+        needs: Vec<Reason>,
+    },
 }
 
 impl<T: Serialize> Serialize for Found<'_, T> {

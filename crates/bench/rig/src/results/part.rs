@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A part of the bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
     /// Delays of the torque signals.

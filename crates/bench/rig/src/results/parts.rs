@@ -12,6 +12,7 @@ use crate::role::Role;
 
 /// Delays of the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// One row a signal.
     pub delays: Vec<SignalDelay>,
@@ -19,6 +20,7 @@ pub struct Timing {
 
 /// Delay of one signal, by several routes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SignalDelay {
     /// The signal.
     pub role: Role,
@@ -39,6 +41,7 @@ pub struct SignalDelay {
 
 /// A delay by one route.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DelayRoute {
     /// Name of the route.
     pub name: String,
@@ -70,6 +73,7 @@ impl SignalDelay {
 
 /// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpeedController {
     /// K_p, K_i, τ, I_0 (initial integrator state) and, where the data show it, T_g (encoder gate).
     /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
@@ -80,6 +84,7 @@ pub struct SpeedController {
     pub sample_time_s: f64,
     /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error, Nm s/rad; written on
     /// that in rpm.
+    #[cfg_attr(feature = "schema", schemars(with = "(f64, f64)"))]
     #[serde(serialize_with = "write_discrete", deserialize_with = "read_discrete")]
     pub discrete: (f64, f64),
     /// On held-out data, with the delay.
@@ -103,6 +108,7 @@ fn read_discrete<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(f64, f64
 
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedForward {
     /// k and k_a. Their intervals also hold what they are where the delay acts at another of the places that the
     /// recording allows; their standard errors are those of the first place.
@@ -121,6 +127,7 @@ pub struct FeedForward {
 /// Samples of the controller by which N_d* is late where it is used; −1 where it is recorded one sample after the
 /// controller has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DemandLags {
     /// In the speed error.
     pub speed_error: i32,
@@ -130,6 +137,7 @@ pub struct DemandLags {
 
 /// Where the delay of a speed controller acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DelayPlace {
     /// On the measured speed alone.
@@ -142,6 +150,7 @@ pub enum DelayPlace {
 
 /// Closed-loop torque control, T_d* → T_d.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueControl {
     /// Delay alone: τ in s.
     pub pure_delay: Estimate,
@@ -175,6 +184,7 @@ impl TorqueControl {
 
 /// Shaft: T_shaft = K ∫(ω_e − ω_d) dt + B (ω_e − ω_d).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shaft {
     /// K in Nm/rad, B in Nm s/rad, gate and skews in s, drag in Nm s/rad.
     pub estimate: Estimate,
@@ -201,6 +211,7 @@ pub struct Shaft {
 /// Errors of K and B that come from the error of one thing known beforehand. It is the same thing in every recording of
 /// a bench, so more recordings do not make its error smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SharedError {
     /// Quantity known beforehand.
     pub known: Quantity,
@@ -211,6 +222,7 @@ pub struct SharedError {
 
 /// Equation error of a frequency-domain fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ResidualSpectrum {
     /// Frequencies used, Hz.
     pub frequencies_hz: Vec<f64>,
@@ -226,6 +238,7 @@ pub struct ResidualSpectrum {
 
 /// A measured frequency response beside a model's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MeasuredResponse {
     /// Frequencies, Hz.
     pub frequencies_hz: Vec<f64>,

@@ -12,6 +12,7 @@ use numerics::null::nan_if_null;
 /// A document holds where it starts, its sample time and its number of samples; the values belong into a table beside
 /// it. What is read from a document has NaN for each value until the table is read too.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "ReadTrace"))]
 pub struct Trace {
     /// Time of the first sample, s.
     pub start_s: f64,
@@ -43,6 +44,7 @@ impl Serialize for Trace {
 
 /// A trace as a document has it.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ReadTrace {
     start_s: f64,
     sample_time_s: f64,
@@ -66,6 +68,7 @@ impl<'de> Deserialize<'de> for Trace {
 
 /// Measured against modelled, on data the estimate has not seen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validation {
     /// The held-out stretch.
     pub stretch: Stretch,
@@ -89,6 +92,7 @@ pub struct Validation {
 
 /// Residual correlations with their region of confidence (Ljung 1999, §16.6; thesis §2.3.5).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ResidualTest {
     /// Sample time of the residuals, s.
     pub sample_time_s: f64,

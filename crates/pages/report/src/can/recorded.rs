@@ -27,6 +27,7 @@ pub enum AlignedOn {
 
 /// Where the speeds, the torque and the power are from that limits in per cent refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ScalesOf {
     /// An engine map, whose lowest speed counts as warm idle.
@@ -41,6 +42,7 @@ pub enum ScalesOf {
 
 /// Reference of limits in per cent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Referred {
     /// The numbers.
     #[serde(flatten)]

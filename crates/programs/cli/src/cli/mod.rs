@@ -17,6 +17,7 @@ pub(crate) mod lines;
 mod number;
 mod overview;
 pub(crate) mod report;
+pub(crate) mod schema;
 pub(crate) mod shaft;
 pub(crate) mod shell;
 mod suggest;
@@ -163,6 +164,8 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: identify::ModelCommand,
     },
+    /// Print the JSON schema of an output, or list the schemas
+    Schema(schema::SchemaArguments),
     /// Set up your shell: completions, manual
     #[command(after_help = shell::EXAMPLES)]
     Shell {

@@ -11,7 +11,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
         "One part of the bench",
         &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
     ),
-    ("Recordings, and your shell", &["inspect", "convert", "shell"]),
+    ("Recordings, and your shell", &["inspect", "convert", "schema", "shell"]),
     ("Linear models of any channels", &["data", "fit", "model"]),
 ];
 

@@ -16,6 +16,7 @@ pub(crate) mod inspect;
 pub(crate) mod lines;
 pub(crate) mod report;
 mod result;
+pub(crate) mod schema;
 pub(crate) mod shaft;
 pub(crate) mod shell;
 pub(crate) mod study;

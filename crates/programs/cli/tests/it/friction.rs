@@ -6,7 +6,7 @@ use virtual_bench::simulate;
 
 use crate::support::Campaign;
 
-fn campaign() -> Campaign {
+pub(crate) fn campaign() -> Campaign {
     let mut parameters = BenchParameters::default();
     parameters.mechanics.coulomb_friction_nm = 3.0;
     parameters.mechanics.viscous_friction_nm_s_per_rad = 0.02;

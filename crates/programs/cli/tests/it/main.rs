@@ -35,6 +35,7 @@ mod operating_point;
 mod places;
 mod published;
 mod report;
+mod schema;
 mod shaft;
 mod study;
 mod support;

@@ -56,6 +56,7 @@ const RUNS: [&str; 45] = [
     "fit arx table.csv -u DynoTorqueDemnd -y DynoTorqueCalc",
     "study a_folder_that_is_not_there/and_another_one_with_a_long_name/and_a_bench_file_in_it.toml",
     "demo --out recordings",
+    "schema",
     "shell manual pages",
 ];
 

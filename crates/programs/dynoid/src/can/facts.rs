@@ -17,6 +17,7 @@ use crate::known::PulsesFrom;
 
 /// Quantiles over the benches.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Quantiles {
     quantile_5: f64,
     median: f64,
@@ -33,6 +34,7 @@ impl Quantiles {
 
 /// Numbers of [`super::Predicted`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PredictedFacts<'a> {
     pub(super) test: &'a str,
     pub(super) duration_s: f64,
@@ -57,6 +59,7 @@ pub struct PredictedFacts<'a> {
 
 /// Part of a test beyond what is known, with its words.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct BeyondFacts<'a> {
     words: String,
     numbers: &'a Beyond,
@@ -70,6 +73,7 @@ impl<'a> BeyondFacts<'a> {
 
 /// A limit of the bench.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct LimitFacts<'a> {
     of: LimitOf,
     name: &'static str,
@@ -100,6 +104,7 @@ impl<'a> LimitFacts<'a> {
 
 /// A requirement set.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct SetFacts<'a> {
     name: &'a str,
     kept: &'a Proportion,
@@ -116,6 +121,7 @@ impl<'a> SetFacts<'a> {
 
 /// A statistic of a requirement set.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StatisticFacts<'a> {
     signal: Signal,
     statistic: &'static str,
@@ -145,6 +151,7 @@ impl<'a> StatisticFacts<'a> {
 
 /// A requirement of one's own.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct OwnFacts<'a> {
     requirement: String,
     limit: f64,
@@ -170,6 +177,7 @@ impl<'a> OwnFacts<'a> {
 
 /// A change that would make a no a yes.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct EasierFacts<'a> {
     change: Change,
     words: String,
@@ -184,6 +192,7 @@ impl<'a> EasierFacts<'a> {
 
 /// Numbers of [`super::JudgedRun`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunFacts<'a> {
     pub(super) test: &'a str,
     pub(super) file: &'a str,
@@ -199,6 +208,7 @@ pub struct RunFacts<'a> {
 
 /// A requirement set, judged.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct JudgedSetFacts<'a> {
     name: &'a str,
     paragraph: &'a str,
@@ -215,6 +225,7 @@ impl<'a> JudgedSetFacts<'a> {
 
 /// A requirement of one's own, judged.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct JudgedOwnFacts {
     requirement: String,
     value: f64,
@@ -240,6 +251,7 @@ impl JudgedOwnFacts {
 
 /// Numbers of [`super::Capability`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CapabilityFacts<'a> {
     pub(super) bench: &'a str,
     pub(super) torque_nm: f64,

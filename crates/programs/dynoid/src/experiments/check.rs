@@ -148,6 +148,7 @@ fn beyond(bench: &KnownBench, plan: &ExperimentPlan, demands: &Demands) -> Vec<B
 
 /// Numbers of [`CheckedExperiment`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CheckFacts<'a> {
     label: String,
     speed_rpm: f64,
@@ -169,6 +170,7 @@ pub struct CheckFacts<'a> {
 
 /// Source of the differences between the benches.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "from", rename_all = "snake_case")]
 enum SpreadFrom {
     Study,
@@ -177,6 +179,7 @@ enum SpreadFrom {
 
 /// A limit of the bench.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct LimitFacts {
     of: Quantity,
     name: &'static str,

@@ -208,6 +208,7 @@ fn predicted(
 
 /// Numbers of [`DesignedExperiment`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DesignFacts<'a> {
     label: String,
     duration_s: f64,
@@ -217,6 +218,7 @@ pub struct DesignFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DemandFacts {
     name: &'static str,
     unit: &'static str,
@@ -234,6 +236,7 @@ impl DemandFacts {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PredictionFacts<'a> {
     from: &'static str,
     resonance_hz: Option<f64>,
@@ -242,6 +245,7 @@ struct PredictionFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PeakFacts {
     of: PeakOf,
     symbol: &'static str,

@@ -163,6 +163,7 @@ impl OptimalExcitation {
 
 /// Numbers of [`OptimalExcitation`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OptimalFacts {
     goals: Vec<String>,
     parameters: Vec<ParameterFacts>,
@@ -171,6 +172,7 @@ pub struct OptimalFacts {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ParameterFacts {
     symbol: &'static str,
     unit: &'static str,
@@ -195,6 +197,7 @@ impl ParameterFacts {
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Deviations {
     shaft_torque_nm: f64,
     torque_nm: f64,

@@ -75,6 +75,7 @@ impl SimulatedExperiment {
 
 /// Numbers of [`SimulatedExperiment`].
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SimulationFacts<'a> {
     label: String,
     duration_s: f64,
@@ -84,6 +85,7 @@ pub struct SimulationFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ChannelFacts<'a> {
     name: &'a str,
     unit: &'a str,

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 /// The speed controller of each recording, and its feed-forward.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpeedControlFacts<'a> {
     controllers: Vec<ControllerFacts<'a>>,
     feed_forward: Vec<FeedForwardFacts<'a>>,
@@ -29,6 +30,7 @@ impl<'a> SpeedControlFacts<'a> {
 
 /// The controller of one recording.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ControllerFacts<'a> {
     file: &'a str,
     label: &'a ExperimentLabel,
@@ -44,6 +46,7 @@ impl<'a> ControllerFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct FoundController<'a> {
     with_delay: &'a Estimate,
     without_delay: &'a Estimate,
@@ -70,6 +73,7 @@ impl<'a> FoundController<'a> {
 
 /// The feed-forward of one recording.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct FeedForwardFacts<'a> {
     file: &'a str,
     label: &'a ExperimentLabel,
@@ -84,6 +88,7 @@ impl<'a> FeedForwardFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct FoundFeedForward<'a> {
     estimate: &'a Estimate,
     validation: ValidationFacts<'a>,
@@ -104,6 +109,7 @@ impl<'a> FoundFeedForward<'a> {
 
 /// A validation without its traces.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ValidationFacts<'a> {
     stretch: &'a Stretch,
     quantity: &'a str,

@@ -9,6 +9,7 @@ use units::si_spelling;
 
 /// The lines of recordings, and their orders over the speed.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LinesFacts<'a> {
     recordings: Vec<RecordingLinesFacts<'a>>,
     over_speed: Vec<OverSpeedFacts<'a>>,
@@ -26,6 +27,7 @@ impl<'a> LinesFacts<'a> {
 
 /// The lines of one recording.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingLinesFacts<'a> {
     file: &'a str,
     label: &'a ExperimentLabel,
@@ -41,6 +43,7 @@ impl<'a> RecordingLinesFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PartFacts<'a> {
     start_s: f64,
     end_s: f64,
@@ -64,6 +67,7 @@ impl<'a> PartFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct SignalFacts<'a> {
     role: Role,
     unit: &'static str,
@@ -86,6 +90,7 @@ impl<'a> SignalFacts<'a> {
 
 /// The orders of a signal over the speed without their map.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct OverSpeedFacts<'a> {
     role: Role,
     unit: &'static str,

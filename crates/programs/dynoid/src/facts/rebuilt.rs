@@ -10,6 +10,7 @@ use serde::Serialize;
 
 /// A torque that was rebuilt.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RebuiltFacts<T, N> {
     start_s: f64,
     sample_time_s: f64,
@@ -20,6 +21,7 @@ struct RebuiltFacts<T, N> {
 
 /// The engine's torque.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EngineFacts<'a> {
     masses: Found<'a, &'a TwoMasses>,
     recordings: Vec<EngineRecordingFacts<'a>>,
@@ -36,6 +38,7 @@ impl<'a> EngineFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct EngineRecordingFacts<'a> {
     file: &'a str,
     label: &'a ExperimentLabel,
@@ -51,6 +54,7 @@ impl<'a> EngineRecordingFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RebuiltEngineFacts<'a> {
     #[serde(flatten)]
     rebuilt: RebuiltFacts<&'a TorqueSource, &'a NoiseLevels>,
@@ -72,6 +76,7 @@ impl<'a> RebuiltEngineFacts<'a> {
 
 /// The torque signals.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueSignalsFacts<'a> {
     recordings: Vec<TorqueRecordingFacts<'a>>,
     trust: &'a Option<TrustCheck>,
@@ -86,6 +91,7 @@ impl<'a> TorqueSignalsFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct TorqueRecordingFacts<'a> {
     file: &'a str,
     label: &'a ExperimentLabel,
@@ -107,6 +113,7 @@ impl<'a> TorqueRecordingFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RebuiltShaftFacts<'a> {
     #[serde(flatten)]
     rebuilt: RebuiltFacts<&'a TorqueSource, &'a NoiseLevels>,

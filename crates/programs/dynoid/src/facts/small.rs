@@ -8,6 +8,7 @@ use serde::Serialize;
 
 /// Models of the torque control, compared, without their responses.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueControlFacts<'a> {
     recordings: &'a [ComparedRecording],
     judgements: &'a [Judgement],
@@ -29,6 +30,7 @@ impl<'a> TorqueControlFacts<'a> {
 
 /// The shaft of every recording and of all together.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaftFacts<'a> {
     recordings: &'a [ShaftRecording],
     together: &'a Option<Together>,
@@ -43,6 +45,7 @@ impl<'a> ShaftFacts<'a> {
 
 /// Friction and inertia of the dynamometer, without the run-outs' samples.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FrictionFacts<'a> {
     inertia: &'a Inertia,
     friction: &'a Estimate,
@@ -67,6 +70,7 @@ impl<'a> FrictionFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RunOutFacts<'a> {
     stretch: &'a Stretch,
     torque: &'a Option<TorqueUsed>,

@@ -180,6 +180,7 @@ fn gaps_in(text: &str) -> Vec<(usize, String)> {
 
 /// A proposal as programs read it.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ProposalFacts<'a> {
     bench_file: &'a Path,
     channels: Vec<ProposedChannel<'a>>,
@@ -190,6 +191,7 @@ pub struct ProposalFacts<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ProposedChannel<'a> {
     role: Role,
     symbol: &'static str,
@@ -200,6 +202,7 @@ struct ProposedChannel<'a> {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Alternatives<'a> {
     role: Role,
     channels: &'a [String],

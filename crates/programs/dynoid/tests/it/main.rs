@@ -7,4 +7,5 @@ mod cancellation;
 mod examples;
 mod facts;
 mod files;
+mod schemas;
 mod session;

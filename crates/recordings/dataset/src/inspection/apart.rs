@@ -20,6 +20,7 @@ const SHARE_OF_SAMPLE_TIME: f64 = 0.05;
 
 /// A clock that runs apart from that of another raster.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Apart {
     /// The other raster.
     pub raster: usize,

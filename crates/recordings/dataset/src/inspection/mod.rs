@@ -15,6 +15,7 @@ pub use apart::Apart;
 
 /// A recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct File {
     /// Its name.
     pub file: String,
@@ -39,6 +40,7 @@ pub struct File {
 
 /// Inventory of a recording without its samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Listing {
     /// Its name.
     pub file: String,
@@ -61,6 +63,7 @@ pub struct Listing {
 
 /// A clock and its channels by name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ListedRaster {
     /// Its name.
     pub name: Option<String>,
@@ -72,6 +75,7 @@ pub struct ListedRaster {
 
 /// A channel by name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ListedChannel {
     /// Its name.
     pub name: String,
@@ -83,6 +87,7 @@ pub struct ListedChannel {
 
 /// Contents of a file beside its channels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beside {
     /// Files carried with the measurement.
     pub attachments: Vec<Attached>,
@@ -92,6 +97,7 @@ pub struct Beside {
 
 /// A file carried with the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Attached {
     /// Its name.
     pub name: String,
@@ -105,6 +111,7 @@ pub struct Attached {
 
 /// Event during the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Happened {
     /// Its kind.
     pub kind: Cow<'static, str>,
@@ -120,6 +127,7 @@ pub struct Happened {
 
 /// One clock with its channels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Clock {
     /// Its name.
     pub name: Option<String>,
@@ -151,6 +159,7 @@ pub struct Clock {
 
 /// The longest gap of a clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LongestGap {
     /// Where it begins.
     pub at_s: f64,
@@ -160,6 +169,7 @@ pub struct LongestGap {
 
 /// A channel and its samples' values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Values {
     /// Its name.
     pub name: String,

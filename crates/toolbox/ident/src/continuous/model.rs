@@ -18,6 +18,7 @@ const APART: f64 = 0.02;
 ///
 /// Parameters are `b_m … b₀`, `a_{n−1} … a₀` and the delay in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "RationalParts"))]
 #[serde(try_from = "RationalParts")]
 pub struct RationalChannel {
     num: Vec<f64>,
@@ -27,6 +28,7 @@ pub struct RationalChannel {
 
 /// Fields of a channel as read, before they are checked.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RationalParts {
     num: Vec<f64>,
     den: Vec<f64>,
@@ -152,6 +154,11 @@ impl ContinuousChannel for ProcessModel {
 /// [`Intersample::BandLimited`] the outputs are those of the inputs' band-limited courses between the samples: right to
 /// 1e-5 of the amplitude up to 0.4 of the sample rate, to some 1e-4 up to 0.45 of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "ModelParts<C>", rename = "ContinuousModelOf{C}")
+)]
 #[serde(
     try_from = "ModelParts<C>",
     into = "ModelParts<C>",
@@ -165,6 +172,7 @@ pub struct ContinuousModel<C> {
 
 /// How a model is written down.
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ModelParts<C> {
     inputs: usize,
     channels: Vec<C>,

@@ -9,6 +9,7 @@ use crate::IdentError;
 
 /// A run of missing samples in one channel.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gap {
     /// Index of the experiment.
     pub experiment: usize,

@@ -25,6 +25,7 @@ use crate::IdentError;
 
 /// Behaviour of the inputs between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Intersample {
     /// Held until the next sample, as a computer's outputs are.
@@ -38,6 +39,7 @@ pub enum Intersample {
 
 /// Name and unit of a channel. Carried along, never interpreted.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Label {
     /// Its name.
     pub name: String,
@@ -54,6 +56,7 @@ impl Label {
 
 /// One channel of a data set, by its index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Channel {
     /// An input.

@@ -7,6 +7,7 @@ use crate::IdentError;
 
 /// A level that may drift: `level + slope_per_s · (t − at_s)`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Line {
     /// Value at `at_s`, in the channel's unit.
     pub level: f64,
@@ -67,6 +68,7 @@ pub enum TrendScope {
 /// # Source
 /// Ljung 1999, §14.1.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trend {
     /// One list for all experiments, or one an experiment.
     inputs: Vec<Vec<Line>>,

@@ -11,6 +11,7 @@ use fitting::StructureError;
 
 /// Data that an estimate rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Source {
     /// The recording.
     pub file: String,
@@ -32,6 +33,7 @@ impl Source {
 
 /// An estimate without its model: a [`Fit`] written down, with how it was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EstimateRecord {
     /// The method and its options, in words.
     pub method: String,

@@ -50,6 +50,7 @@ impl DocumentHeader {
 
 /// A model, its channels and its operating point, and how it was estimated. Serialised, this is the model file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelDocument {
     format: String,
     version: u32,

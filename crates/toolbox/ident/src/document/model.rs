@@ -10,6 +10,7 @@ use crate::{ProcessSystem, StateSpaceModel, TransferFunctionModel};
 
 /// A model of any kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", content = "value", rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "models are held one by one, never in bulk")]
 pub enum AnyModel {

@@ -91,6 +91,7 @@ pub struct Fit<M> {
 
 /// A reason to doubt an estimate that was made all the same.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
@@ -99,6 +100,7 @@ pub enum Doubt {
     /// The data can hardly separate the parameters.
     IllConditioned {
         /// Condition number of the scaled regressor or Jacobian.
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         #[serde(with = "maybe_infinite")]
         condition: f64,
     },
@@ -130,6 +132,7 @@ pub enum Doubt {
     /// The residuals are larger than the measured noise, on which alone the covariance rests: true errors are larger.
     LargerThanNoise {
         /// The sum of squares over its expected value.
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         #[serde(with = "maybe_infinite")]
         ratio: f64,
     },

@@ -32,6 +32,7 @@ const RESERVED: [&str; 3] = ["pi", "sqrt", "exp"];
 /// # Ok::<(), ident::IdentError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "String"))]
 #[serde(try_from = "Written", into = "String")]
 pub struct Formula {
     text: String,

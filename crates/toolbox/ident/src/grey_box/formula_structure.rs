@@ -54,6 +54,7 @@ pub struct FormulaParts {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "written::Written"))]
 pub struct FormulaStructure(Arc<Bound>);
 
 /// The parts with every name looked up.

@@ -16,6 +16,7 @@ use crate::{IdentError, Intersample, LinearModel, Parametric};
 /// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the
 /// innovations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Written<S>"))]
 #[serde(
     try_from = "Written<S>",
     into = "Written<S>",
@@ -29,6 +30,7 @@ pub struct GreyBoxModel<S> {
 
 /// How a model is written down: parameters by name, the covariance by rows.
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Written<S> {
     structure: S,
     parameters: BTreeMap<String, f64>,

@@ -24,6 +24,7 @@ use crate::{Intersample, LinearModel, Parametric};
 /// Control 41(5), 1996; McKelvey, Helmersson & Ribarits, *Data driven local coordinates for multivariable linear
 /// systems and their application to system identification*, Automatica 40(9), 2004.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StateSpaceModel {
     innovations: Innovations,
     feedthrough: bool,

@@ -20,6 +20,7 @@ pub struct GainMargin {
 
 /// Where a loop's gain is one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PhaseMargin {
     /// The frequency, in rad/s.
     pub omega_rad_s: f64,

@@ -21,6 +21,7 @@ use crate::matrix::{from_rows, to_rows};
 /// | `b[k]` = b₀ …, `nk[k]` | q^(−nk) (b₀ + b₁ q⁻¹ + …) |
 /// | `c` = c₁ …, `d`, `f[k]` | 1 + c₁ q⁻¹ + … |
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PolynomialEquation {
     /// One list an output.
     pub a: Vec<Vec<f64>>,
@@ -66,6 +67,7 @@ impl PolynomialEquation {
 /// # Source
 /// Ljung, *System Identification*, 2nd ed., 1999, (4.33).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Parts"))]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct PolynomialModel {
     equations: Vec<PolynomialEquation>,
@@ -74,6 +76,7 @@ pub struct PolynomialModel {
 }
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     equations: Vec<PolynomialEquation>,
     noise_covariance: Vec<Vec<f64>>,

@@ -36,6 +36,7 @@ use crate::matrix::{from_rows, identity, inverse, to_rows};
 /// # Ok::<(), lti::LtiError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Rows"))]
 #[serde(try_from = "Rows", into = "Rows")]
 pub struct StateSpace {
     a: Mat<f64>,
@@ -48,6 +49,7 @@ pub struct StateSpace {
 
 /// How a system is written down: matrices as lists of rows, with the sizes that an empty list would lose.
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Rows {
     states: usize,
     inputs: usize,

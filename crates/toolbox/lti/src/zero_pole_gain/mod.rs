@@ -39,6 +39,7 @@ pub struct ZeroPoleGain {
 
 /// How it is written down: a root as its real and imaginary part.
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Parts {
     zeros: Vec<(f64, f64)>,
     poles: Vec<(f64, f64)>,

@@ -20,6 +20,7 @@ use crate::error::{SignalError, check_at_least, check_finite, check_range, check
 
 /// The clock a signal is made on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// Sample time, in seconds.
     pub sample_time_s: f64,

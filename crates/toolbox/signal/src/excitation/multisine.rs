@@ -11,6 +11,7 @@ use crate::{Complex64, Signal};
 
 /// How the phases of a multisine are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Phases {
     /// Schroeder's formula, which keeps peaks low for many adjacent lines:
     /// `φ_k = φ_1 − 2π Σ_{l<k} (k − l) p_l`, `p` the relative powers; `−π k (k − 1)/F` for equal ones.
@@ -48,6 +49,7 @@ pub enum Phases {
 /// Schroeder, M. R. (1970), IEEE Trans. Inf. Theory 16(1), 85–89; Van der Ouderaa, E., Schoukens, J. and Renneboog, J.
 /// (1988), IEEE Trans. Instrum. Meas. 37(1), 145–147.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Multisine {
     /// The period in samples.
     pub period: usize,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Test that the rest is noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CostTest {
     /// V at the minimum.
     #[serde(deserialize_with = "nan_if_null")]

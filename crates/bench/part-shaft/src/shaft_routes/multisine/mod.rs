@@ -47,6 +47,7 @@ use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
 
 /// Treatment of J_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DynoInertia {
     /// As stated, within its uncertainty.
@@ -57,6 +58,7 @@ pub enum DynoInertia {
 
 /// The shaft from a periodic demand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MultisineRoute {
     /// K, B, J_d where it was not exactly known, δ_e and δ_T; J_e where it is determined.
     pub estimate: Estimate,

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 /// A number that an experiment can be given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameter {
     /// Name on the command line.
     pub name: &'static str,

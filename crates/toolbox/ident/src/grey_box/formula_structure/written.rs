@@ -8,20 +8,24 @@ use crate::grey_box::{Formula, GreyParameter};
 use crate::{Bounds, IdentError};
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct Written {
+pub(super) struct Written {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sample_time_s: Option<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     input_delays_s: Vec<Formula>,
+    #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, Parameter>"))]
     #[serde(with = "in_order")]
     parameters: Vec<(String, Parameter)>,
     matrices: Matrices,
+    #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, Formula>"))]
     #[serde(default, with = "in_order", skip_serializing_if = "Vec::is_empty")]
     derived: Vec<(String, Formula)>,
 }
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Parameter {
     value: f64,
@@ -36,6 +40,7 @@ struct Parameter {
 }
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Prior {
     mean: f64,
@@ -43,6 +48,7 @@ struct Prior {
 }
 
 #[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Matrices {
     #[serde(rename = "A")]
