@@ -19,13 +19,18 @@ True
 import os
 from pathlib import Path
 
-from . import errors, fit, results
+from . import errors, fit, result, results
 from ._dynoid import Dataset, Fit, Recording, compare, dataset
 from ._version import __version__
+from .bench import Bench
+from .explore import delay, order, spectrum
 from .frames import from_frame, read
+from .model import BenchModel, diff, export
 from .study import Study
 
 __all__ = [
+    "Bench",
+    "BenchModel",
     "Dataset",
     "Fit",
     "Recording",
@@ -33,12 +38,18 @@ __all__ = [
     "__version__",
     "compare",
     "dataset",
+    "delay",
+    "diff",
     "errors",
+    "export",
     "fit",
     "from_frame",
     "load",
+    "order",
     "read",
+    "result",
     "results",
+    "spectrum",
 ]
 
 

@@ -22,19 +22,32 @@ from .results import (
 )
 
 __all__ = [
+    "Bench",
     "Dataset",
     "Fit",
+    "Made",
     "Recording",
     "arx",
+    "can",
+    "capability",
+    "check",
     "compare",
     "dataset",
+    "delays",
+    "design",
+    "difference",
+    "export",
     "grey_box",
+    "judge",
+    "orders",
     "polynomial",
     "process",
     "program",
     "read",
+    "read_study",
+    "simulate",
+    "spectra",
     "state_space",
-    "study",
     "subspace",
     "transfer_function",
 ]
@@ -46,6 +59,9 @@ _Between = Literal["held", "straight", "band-limited"]
 _Trend = Literal["mean", "line"]
 _Initial = Literal["estimated", "zero"]
 _PerInput = int | Sequence[int]
+_Path = str | os.PathLike[str]
+_Progress = Callable[[float, str], object]
+_Studied = tuple[Made, str | None, Recording | None]
 
 @final
 class Recording:
@@ -90,10 +106,64 @@ class Recording:
         between: _Between = "held",
         detrend: _Trend | None = None,
     ) -> Dataset: ...
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> list[str]: ...
     def to_pandas(self, *names: str) -> pandas.DataFrame: ...
     def to_polars(self, *names: str) -> polars.DataFrame: ...
     def to_arrow(self, *names: str) -> pyarrow.Table: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Made:
+    @property
+    def facts(self) -> str: ...
+    @property
+    def document(self) -> str | None: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def is_yes(self) -> bool | None: ...
+    def text(self) -> str: ...
+    def markdown(self) -> str: ...
+    def html(self) -> str: ...
+    def svg(self) -> str: ...
+    def save(self, path: _Path, overwrite: bool) -> None: ...
+    def __copy__(self) -> Made: ...
+    def __deepcopy__(self, _memo: Any) -> Made: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Bench:
+    def __new__(cls, path: _Path, recordings: list[Recording] | None) -> Bench: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    def recordings(
+        self, progress: _Progress | None, threads: int | None
+    ) -> tuple[list[tuple[str, str]], list[str]]: ...
+    def study(
+        self, out: _Path | None, full: bool, overwrite: bool, progress: _Progress | None, threads: int | None
+    ) -> tuple[_Studied, Made | None]: ...
+    def lines(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def torque_signals(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def torque_control(
+        self, highest_order: int, longest_delay: int, progress: _Progress | None, threads: int | None
+    ) -> Made: ...
+    def controller(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def shaft(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def engine(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def friction(self, progress: _Progress | None, threads: int | None) -> Made: ...
+    def next(
+        self,
+        speed: float,
+        duration: float,
+        enough: float,
+        seed: int,
+        progress: _Progress | None,
+        threads: int | None,
+    ) -> Made: ...
 
 @final
 class Dataset:
@@ -263,9 +333,70 @@ def process(
 def subspace(data: Dataset, order: int | None, weighting: str, feedthrough: bool, simulation: bool) -> Fit: ...
 def state_space(data: Dataset, order: int | None, weighting: str, feedthrough: bool, simulation: bool) -> Fit: ...
 def grey_box(data: Dataset, structure: str, initial: str, starts: int) -> Fit: ...
-def study(
-    bench: str | os.PathLike[str],
-    progress: Callable[[float, str], object] | None = None,
-    threads: int | None = None,
-) -> tuple[dict[str, Any], dict[str, Any], str | None, str]: ...
+def spectra(data: Dataset, method: str | None, period: float | None, window: int | None) -> Made: ...
+def delays(data: Dataset, longest: int, progress: _Progress | None, threads: int | None) -> Made: ...
+def orders(
+    data: Dataset,
+    na: tuple[int, int],
+    nb: tuple[int, int],
+    nk: tuple[int, int],
+    validation: Dataset | None,
+    progress: _Progress | None,
+    threads: int | None,
+) -> Made: ...
+def read_study(path: _Path) -> _Studied: ...
+def export(model: Mapping[str, str | None], to: str, out: _Path | None, draws: int, overwrite: bool) -> list[str]: ...
+def difference(
+    old: Mapping[str, str | None], new: Mapping[str, str | None], names: tuple[str, str]
+) -> Made: ...
+def can(
+    bench: Bench,
+    test: Mapping[str, Any],
+    wanted: Mapping[str, Any],
+    model: Mapping[str, str | None],
+    progress: _Progress | None,
+    threads: int | None,
+) -> Made: ...
+def judge(
+    bench: Bench,
+    recording: _Path,
+    test: Mapping[str, Any],
+    wanted: Mapping[str, Any],
+    start: float | None,
+    progress: _Progress | None,
+    threads: int | None,
+) -> Made: ...
+def capability(
+    bench: Bench,
+    speed: float | None,
+    torque: float | None,
+    want: list[str],
+    draws: tuple[int, int],
+    model: Mapping[str, str | None],
+    progress: _Progress | None,
+    threads: int | None,
+) -> Made: ...
+def design(
+    bench: Bench,
+    experiment: Mapping[str, Any],
+    optimal: Mapping[str, Any] | None,
+    model: Mapping[str, str | None],
+    progress: _Progress | None,
+    threads: int | None,
+) -> tuple[Made, Recording, Recording | None]: ...
+def check(
+    bench: Bench,
+    experiment: Mapping[str, Any],
+    model: Mapping[str, str | None],
+    progress: _Progress | None,
+    threads: int | None,
+) -> Made: ...
+def simulate(
+    bench: Bench,
+    experiment: Mapping[str, Any],
+    truth: bool,
+    model: Mapping[str, str | None],
+    progress: _Progress | None,
+    threads: int | None,
+) -> tuple[Made, Recording, Recording | None]: ...
 def program(arguments: Sequence[str]) -> int: ...

@@ -68,3 +68,9 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
         made = program(folder, "experiment", "simulate", "bench.toml", name, *duration, "--out", f"{name}_1200.mf4")
         assert made.returncode == 0, made.stderr
     return folder / "bench.toml"
+
+
+@pytest.fixture(scope="session")
+def study(bench: Path) -> dynoid.Study:
+    """The study of that bench."""
+    return dynoid.Study.run(bench)

@@ -23,7 +23,7 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     }
     if filter.is_none() {
         step("fuzz targets", fuzz::check)?;
-        step("wheel", wheel::check)?;
+        step("wheel", wheel::deep)?;
     }
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;

@@ -26,7 +26,7 @@ const USAGE: &str = "usage: cargo xtask <task>
   deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
-  wheel    the wheel of the module dynoid in target/wheels, installed and started in an environment of its own
+  wheel    the wheel of the module dynoid in target/wheels, installed alone, started and tested
   fmu      build the runtime of the FMUs for every platform into crates/bench/export/runtime/binaries
   layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
            --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
@@ -44,7 +44,7 @@ fn main() -> ExitCode {
     let result = match task.as_str() {
         "check" => check::all(),
         "deep" => deep::run(arguments.next().as_deref()),
-        "wheel" => wheel::check(),
+        "wheel" => wheel::deep(),
         "fmu" => fmu::build(),
         "release" => release::make(&arguments.collect::<Vec<_>>()),
         "layers" => match arguments.next().as_deref() {

@@ -29,7 +29,11 @@ pub(crate) fn compare<'py>(
         compare_with(&models, &given.data, horizon, &InitialState::Estimated).named(&names)
     })?;
     let of = |found: &dyn Fn(&Judgement) -> Vec<Vec<f64>>| -> Vec<Option<Vec<Vec<f64>>>> {
-        comparison.judgements.iter().map(|judged: &Result<Judgement, IdentError>| judged.as_ref().ok().map(found)).collect()
+        comparison
+            .judgements
+            .iter()
+            .map(|judged: &Result<Judgement, IdentError>| judged.as_ref().ok().map(found))
+            .collect()
     };
     let reasons = comparison.judgements.iter().map(|judged| judged.as_ref().err().map(ToString::to_string));
     let fields = fields!(py,

@@ -1,8 +1,8 @@
 //! Inputs and outputs on one clock: what estimators are given.
 
 use ::dataset::{CommonClock, DatasetOptions};
-use ident::{Experiment, Intersample, Label, Source, Split, Trend, TrendScope, TrendShape};
 use faer::Mat;
+use ident::{Experiment, Intersample, Label, Source, Split, Trend, TrendScope, TrendShape};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -80,7 +80,8 @@ impl Dataset {
         recordings: &[Bound<'_, Recording>],
         arguments: DatasetArguments<'_>,
     ) -> Result<Self, Fault> {
-        let usual = one_of("clock", arguments.clock, &[("slowest", CommonClock::Slowest), ("fastest", CommonClock::Fastest)])?;
+        let usual =
+            one_of("clock", arguments.clock, &[("slowest", CommonClock::Slowest), ("fastest", CommonClock::Fastest)])?;
         let between = intersample(arguments.between)?;
         let shape = arguments.detrend.map(trend_shape).transpose()?;
         let options = DatasetOptions {
@@ -295,7 +296,8 @@ impl Dataset {
 
     fn __repr__(&self) -> String {
         let labels = |labels: &[Label]| {
-            let written = |l: &Label| if l.unit.is_empty() { l.name.clone() } else { format!("{} [{}]", l.name, l.unit) };
+            let written =
+                |l: &Label| if l.unit.is_empty() { l.name.clone() } else { format!("{} [{}]", l.name, l.unit) };
             labels.iter().map(written).collect::<Vec<_>>().join(", ")
         };
         let inputs = match self.data.input_labels() {
@@ -335,11 +337,7 @@ impl Dataset {
     }
 
     #[staticmethod]
-    fn _restored(
-        state: &str,
-        inputs: Vec<Bound<'_, PyAny>>,
-        outputs: Vec<Bound<'_, PyAny>>,
-    ) -> Result<Self, Fault> {
+    fn _restored(state: &str, inputs: Vec<Bound<'_, PyAny>>, outputs: Vec<Bound<'_, PyAny>>) -> Result<Self, Fault> {
         let state: State = serde_json::from_str(state).map_err(|error| Fault::argument(error.to_string()))?;
         let mut data: Option<ident::Dataset> = None;
         for ((name, start_s), (u, y)) in state.experiments.into_iter().zip(inputs.iter().zip(&outputs)) {

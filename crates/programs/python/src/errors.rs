@@ -127,6 +127,19 @@ impl From<Error> for Fault {
             Error::NothingUsable { bench, .. } | Error::NothingMatches { bench, .. } => {
                 Fault::new("BenchError", &error, path(bench))
             }
+            Error::NotPredicted { path: of, .. }
+            | Error::VirtualBench { path: of, .. }
+            | Error::Next { path: of, .. } => Fault::new("BenchError", &error, path(of)),
+            Error::Study { path: of, .. } | Error::BenchModel { path: of, .. } | Error::ModelFile { path: of, .. } => {
+                Fault::new("FileError", &error, path(of))
+            }
+            Error::Catalogue { .. }
+            | Error::UnknownTest { .. }
+            | Error::NeedsEngineMap { .. }
+            | Error::NeedsVehicle { .. }
+            | Error::Requirement { .. }
+            | Error::NoRegressions { .. }
+            | Error::NothingToJudgeBy { .. } => Fault::new("ArgumentError", &error, json!({})),
             _ => Fault::new("DynoidError", &error, json!({})),
         }
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use ident::{
-    AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Fit as Estimate, Focus, FormulaStructure, GreyBox, IdentError,
-    InitialState, Iv4, Polynomial, ProcessFit, StateSpacePem, Subspace, TransferFunctionMethod, Weighting,
+    AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Fit as Estimate, Focus, FormulaStructure, GreyBox,
+    IdentError, InitialState, Iv4, Polynomial, ProcessFit, StateSpacePem, Subspace, TransferFunctionMethod, Weighting,
 };
 use pyo3::prelude::*;
 use signal::Sos;

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use dynoid::{Files, Kind, Mark, check_replaceable, replace_file};
+use dynoid::{Kind, Mark, check_replaceable, replace_file};
 use ident::prediction::{InitialState, Response, predict, residuals, simulate};
 use ident::uncertainty::{Dynamics, UncertainRoot};
 use ident::validate::{Independence, JointTest, ResidualTest, TestData, Whiteness};
 use ident::{
-    AnyModel, EstimateRecord, Experiment, Fit as Estimate, IdentError, Label, LinearModel, ModelDocument, Origin, Parametric,
+    AnyModel, EstimateRecord, Experiment, Fit as Estimate, IdentError, Label, LinearModel, ModelDocument, Origin,
+    Parametric,
 };
 use lti::{Complex64, TimeGrid};
 use numpy::{PyArray1, PyArray2};
@@ -19,6 +20,7 @@ use crate::arrays::{Floats, bounds, matrix, vector};
 use crate::dataset::{Dataset, one_of};
 use crate::errors::Fault;
 use crate::interrupt;
+use crate::made::files;
 use crate::results::{fields, result, to_python};
 
 /// An estimate of a linear model.
@@ -412,7 +414,7 @@ impl Fit {
     /// Writes the model file. It replaces a model file, and another file only where `overwrite` allows it.
     #[pyo3(signature = (path, *, overwrite=false))]
     fn save(&self, path: PathBuf, overwrite: bool) -> Result<(), Fault> {
-        let files = Files::new("python", overwrite);
+        let files = files(overwrite);
         check_replaceable(&path, Some(&Mark::Document(Kind::Linear)), &files)?;
         Ok(replace_file(&path, self.to_json()?.as_bytes(), &files)?)
     }
@@ -433,7 +435,8 @@ impl Fit {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let Fit { estimate, document } = slf.get();
-        let kept = Kept { document: document.clone(), levels: estimate.levels.clone(), origin: estimate.origin.clone() };
+        let kept =
+            Kept { document: document.clone(), levels: estimate.levels.clone(), origin: estimate.origin.clone() };
         let text = serde_json::to_string(&kept).map_err(|error| Fault::argument(error.to_string()))?;
         (slf.get_type().getattr("_restored")?, (text,)).into_pyobject(slf.py()).map(Bound::into_any)
     }

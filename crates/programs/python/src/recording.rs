@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use dynoid::{Files, selection};
+use dynoid::{FileFormat, selection};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -13,6 +13,7 @@ use crate::arrays::{Floats, vector};
 use crate::dataset::{Dataset, DatasetArguments};
 use crate::errors::Fault;
 use crate::interrupt;
+use crate::made::files;
 use crate::results::{fields, result};
 
 /// A decoded recording. Its arrays are those that the decoder filled, and cannot be written to.
@@ -36,7 +37,7 @@ pub(crate) fn read(
     progress: Option<Py<PyAny>>,
 ) -> Result<Recording, Fault> {
     let read = move |context: &work::Context| -> Result<(recording::Recording, String, String), dynoid::Error> {
-        let files = Files::new("python", false);
+        let files = files(false);
         let mut named = files.named(std::slice::from_ref(&path))?;
         let Some(file) = named.pop().filter(|_| named.is_empty()) else {
             return Err(dynoid::Error::IsFolder { path, remedy: "name a file in it".to_owned() });
@@ -47,14 +48,7 @@ pub(crate) fn read(
         Ok((read.recording, file.name.clone(), files.sha256(&file)?))
     };
     let (recording, name, sha256) = interrupt::run(py, progress, None, read)??;
-    let catalogue = recording.catalogue();
-    Ok(Recording {
-        name,
-        sha256,
-        times: recording.rasters.into_iter().map(|raster| vector(py, raster.time_s).unbind()).collect(),
-        samples: recording.channels.into_iter().map(|channel| vector(py, channel.samples).unbind()).collect(),
-        catalogue,
-    })
+    Ok(Recording::of(py, recording, &name, sha256))
 }
 
 #[pymethods]
@@ -161,8 +155,7 @@ impl Recording {
             None => {
                 let names = self.catalogue.channels.iter().map(|channel| channel.name.as_str());
                 let closest = recording::names::closest(name, names, 3).join(", ");
-                let message =
-                    format!("{}: there is no channel \"{name}\"; the closest names are {closest}", self.name);
+                let message = format!("{}: there is no channel \"{name}\"; the closest names are {closest}", self.name);
                 Err(PyKeyError::new_err(message))
             }
         }
@@ -196,6 +189,17 @@ impl Recording {
     ) -> Result<Dataset, Fault> {
         let arguments = DatasetArguments { y, u, sample_time, start, end, clock, between, detrend };
         Dataset::of(slf.py(), &[slf.clone()], arguments)
+    }
+
+    /// Writes the recording; the ending gives the format. Returns what the format has no place for, in words.
+    #[pyo3(signature = (path, *, overwrite=false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> Result<Vec<String>, Fault> {
+        let format = FileFormat::of_output(&path)?;
+        let mut recording = self.whole(py)?;
+        Ok(interrupt::quietly(py, move || {
+            let notes = format.fit(&mut recording);
+            format.write(&recording, &path, &files(overwrite)).map(|()| notes)
+        })??)
     }
 
     /// A pandas frame of channels that share a clock, with the time in seconds as its index.
@@ -266,6 +270,22 @@ impl Recording {
             time: self.times[*raster].bind(py), values: self.samples[index].bind(py),
         );
         result(py, "Channel", &fields)
+    }
+
+    /// A recording that the library has made or read.
+    pub(crate) fn of(py: Python<'_>, recording: recording::Recording, name: &str, sha256: String) -> Self {
+        Recording {
+            name: name.to_owned(),
+            sha256,
+            catalogue: recording.catalogue(),
+            times: recording.rasters.into_iter().map(|raster| vector(py, raster.time_s).unbind()).collect(),
+            samples: recording.channels.into_iter().map(|channel| vector(py, channel.samples).unbind()).collect(),
+        }
+    }
+
+    /// The recording with the samples of all channels.
+    pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<recording::Recording> {
+        self.decoded(py, &self.names())
     }
 
     /// Name of the recording, and its hash where it is of a file.
