@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo_command, output, step, surroundings};
-use crate::{fmu, folder, fuzz, python};
+use crate::{fmu, folder, fuzz, python, wheel};
 
 /// The page that a person commits.
 const PAGE: &str = "docs/deep-check.md";
@@ -23,6 +23,7 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     }
     if filter.is_none() {
         step("fuzz targets", fuzz::check)?;
+        step("wheel", wheel::deep)?;
     }
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;

@@ -16,6 +16,7 @@ mod release;
 mod schemas;
 mod skipped;
 mod steps;
+mod wheel;
 mod wording;
 
 use std::process::ExitCode;
@@ -26,6 +27,7 @@ const USAGE: &str = "usage: cargo xtask <task>
   deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
+  wheel    the wheel of the module dynoid in target/wheels, installed alone, started and tested
   fmu      build the runtime of the FMUs for every platform into crates/bench/export/runtime/binaries
   schemas  write docs/schemas from the types of the results
   layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
     let result = match task.as_str() {
         "check" => check::all(),
         "deep" => deep::run(arguments.next().as_deref()),
+        "wheel" => wheel::deep(),
         "fmu" => fmu::build(),
         "release" => release::make(&arguments.collect::<Vec<_>>()),
         "schemas" => schemas::write(),

@@ -39,7 +39,7 @@ fn located(chosen: PathBuf) -> Result<PathBuf, String> {
 /// Says that the comparisons are not run.
 pub(crate) fn warn() {
     eprintln!(
-        "!! NOT RUN: the comparisons with asammdf, scipy, pandas, pyarrow and h5py. They need python3 (3.11 or later)\n\
+        "!! NOT RUN: the comparisons with asammdf, scipy, pandas, pyarrow and h5py, and the tests of the module dynoid. They need python3 (3.11 or later)\n\
          !! with venv, and once the network; or {VARIABLE}, the name of an interpreter that has these packages."
     );
 }

@@ -42,11 +42,11 @@ pub(crate) struct Cli {
 }
 
 impl Cli {
-    /// The command line this program was started with, and the files of this run; on a wrong one, and for help, the
-    /// program ends here.
-    pub(crate) fn read() -> (Self, Files) {
+    /// The command line that these arguments are, and the files of this run; on a wrong one, and for help, the program
+    /// ends here.
+    pub(crate) fn read(arguments: Vec<OsString>) -> (Self, Files) {
         let command = overview::grouped(negative_numbers(Cli::command()));
-        let arguments = json_last(std::env::args_os().collect());
+        let arguments = json_last(arguments);
         let matches = command
             .clone()
             .try_get_matches_from(arguments)

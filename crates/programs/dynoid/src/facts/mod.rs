@@ -3,9 +3,11 @@
 mod controller;
 mod lines;
 mod rebuilt;
+mod short;
 mod small;
 
 pub use controller::{ControllerFacts, SpeedControlFacts};
 pub use lines::{LinesFacts, RecordingLinesFacts};
 pub use rebuilt::{EngineFacts, TorqueSignalsFacts};
+pub use short::StudyFacts;
 pub use small::{FrictionFacts, ShaftFacts, TorqueControlFacts};

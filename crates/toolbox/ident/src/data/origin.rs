@@ -1,12 +1,14 @@
 //! [`Origin`]: by which method an estimate was made, of data that vary how much.
 
+use std::borrow::Cow;
+
 use crate::{Dataset, Experiment};
 
 /// How an estimate was made.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Origin {
     /// The method, such as `least squares`.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Mean of `(y − ȳ)²` of each output over the estimation data, `ȳ` being the mean of an experiment. Empty for
     /// frequency data.
     pub output_variance: Vec<f64>,
@@ -17,7 +19,7 @@ impl Origin {
     #[must_use]
     pub fn new(method: &'static str, data: &Dataset) -> Self {
         let output_variance = (0..data.outputs()).map(|i| variance(data.experiments(), i)).collect();
-        Origin { method, output_variance }
+        Origin { method: Cow::Borrowed(method), output_variance }
     }
 }
 

@@ -191,7 +191,7 @@ pub(crate) fn spectral_fit<M: Parametric>(
         iterations: minimum.iterations,
         condition: minimum.condition,
         doubts,
-        origin: Some(Origin { method: "maximum likelihood on frequency data", output_variance: Vec::new() }),
+        origin: Some(Origin { method: "maximum likelihood on frequency data".into(), output_variance: Vec::new() }),
     };
     SpectralFit { fit, cost, residuals: minimum.residuals.chunks_exact(2).map(residual).collect() }
 }

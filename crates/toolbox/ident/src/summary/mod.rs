@@ -83,7 +83,7 @@ impl<M> Fit<M> {
     fn method(&self) -> Facts {
         let basis = format!("{} samples, {} free parameters", self.samples, self.free_parameters);
         match &self.origin {
-            Some(origin) => vec![("Method", origin.method.to_owned()), ("Data", basis)],
+            Some(origin) => vec![("Method", origin.method.to_string()), ("Data", basis)],
             None => vec![("Data", basis)],
         }
     }

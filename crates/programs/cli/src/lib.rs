@@ -13,7 +13,7 @@ mod path;
 mod summary;
 mod terminal;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use dynoid::Files;
 
@@ -25,23 +25,25 @@ use crate::commands::{experiment, identify};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
-fn main() -> ExitCode {
+/// Runs the program with these arguments, of which the first is its name, and returns its exit code. Wrong arguments
+/// and calls for help end the process.
+pub fn main(arguments: Vec<OsString>) -> u8 {
     dynoid::remove_when_ended();
     let outcome = std::panic::catch_unwind(|| {
-        let (cli, files) = Cli::read();
+        let (cli, files) = Cli::read(arguments);
         run(cli, files)
     });
-    outcome.unwrap_or(ExitCode::from(error::INTERNAL))
+    outcome.unwrap_or(error::INTERNAL)
 }
 
-fn run(cli: Cli, files: Files) -> ExitCode {
+fn run(cli: Cli, files: Files) -> u8 {
     let mut terminal = Terminal::new(&cli.global, files);
     let outcome = dispatch(&cli.command, &mut terminal).and_then(|outcome| terminal.finish().map(|()| outcome));
     match outcome {
-        Ok(outcome) => ExitCode::from(outcome.code()),
+        Ok(outcome) => outcome.code(),
         Err(error) => {
             terminal.error(&error.to_string());
-            ExitCode::from(error.code())
+            error.code()
         }
     }
 }
