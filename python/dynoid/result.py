@@ -61,7 +61,10 @@ class Result:
         return self._made.notes
 
     def rows(self, table: str | None = None) -> list[dict[str, Any]]:
-        """The entries of a list as rows: each with its numbers, and those of the entries that it belongs to."""
+        """The entries of a list as rows: each with its numbers, and those of the entries that it belongs to.
+
+        Lists of further entries are left out: they make rows of their own, under their own name.
+        """
         return _rows(self.to_dict(), (table or self.table).split("."))
 
     def to_pandas(self, table: str | None = None) -> pandas.DataFrame:
@@ -132,7 +135,12 @@ def _rows(facts: dict[str, Any], path: list[str]) -> list[dict[str, Any]]:
             own = {key: value for key, value in own.items() if key.split(".")[0] != name}
             below += [(own, one) for one in (inner if isinstance(inner, list) else [inner] if inner else [])]
         found = below
-    return [above | _flat(entry) for above, entry in found]
+    rows = [above | _flat(entry) for above, entry in found]
+    return [{key: value for key, value in row.items() if not _has_entries(value)} for row in rows]
+
+
+def _has_entries(value: Any) -> bool:
+    return isinstance(value, list) and any(isinstance(entry, (dict, list)) for entry in value)
 
 
 def _flat(entry: Any) -> dict[str, Any]:

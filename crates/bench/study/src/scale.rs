@@ -9,6 +9,7 @@ use crate::Study;
 
 /// By which factor all torques may be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TorqueScale {
     /// J_d of the recordings over J_d of the bench file.
     pub factor: f64,

@@ -37,7 +37,7 @@ pub fn listed(bench: &Path, patterns: &[String]) -> Result<Vec<InputFile>, Error
         }
         for path in found {
             if seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())) {
-                let name = paths::with_slashes(path.strip_prefix(&folder).unwrap_or(&path));
+                let name = paths::name_in(&path, &folder);
                 files.push(InputFile { path, name });
             }
         }

@@ -20,6 +20,13 @@ pub fn with_slashes(path: &Path) -> String {
     if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
 }
 
+/// The name of a file for a bench in this folder: where the file is as seen from there, or its own path where it is
+/// elsewhere.
+pub fn name_in(path: &Path, folder: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    with_slashes(whole.strip_prefix(folder).unwrap_or(path))
+}
+
 /// A path as seen from a folder, with `..` where needed; the absolute path where there is no way (another drive). Both
 /// must exist.
 pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {

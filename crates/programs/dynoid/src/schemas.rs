@@ -12,7 +12,7 @@ pub struct Schema {
 }
 
 impl Schema {
-    /// What it describes, in some words.
+    /// Its title, which says in some words what it describes.
     #[must_use]
     pub fn title(&self) -> String {
         #[derive(Deserialize)]
@@ -64,6 +64,7 @@ pub const SCHEMAS: &[Schema] = committed! {
     "shaft-output"
     "speed-control"
     "study"
+    "study-output"
     "torque-control"
     "torque-control-output"
     "torque-signals"

@@ -1,6 +1,6 @@
 //! A bench and what its recordings show.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use ::study::{NextOptions, Source, document};
@@ -8,7 +8,7 @@ use dynoid::facts::{
     EngineFacts, FrictionFacts, LinesFacts, ShaftFacts, SpeedControlFacts, StudyFacts, TorqueControlFacts,
     TorqueSignalsFacts,
 };
-use dynoid::{Error, Session, StudyFolder, StudyOptions};
+use dynoid::{Error, Session, StudyFolder, StudyOptions, paths};
 use part_lines::lines::over_speed;
 use part_torque::model_comparison::OrdersTried;
 use pyo3::prelude::*;
@@ -76,7 +76,9 @@ impl Bench {
         let session = OnceLock::new();
         if let Some(given) = recordings {
             let source = |one: &Bound<'_, Recording>| -> PyResult<Source> {
-                let (file, sha256) = one.get().source();
+                let (name, sha256) = one.get().source();
+                // Named as the bench file would list it.
+                let file = paths::name_in(Path::new(&name), &bench.folder());
                 Ok(Source { file, sha256, recording: Ok(one.get().whole(py)?) })
             };
             let sources = given.iter().map(source).collect::<PyResult<Vec<_>>>()?;

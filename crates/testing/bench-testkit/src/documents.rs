@@ -60,8 +60,9 @@ fn provenance() -> Provenance {
     }
 }
 
-/// Holds a result to what its document promises: it has the form of its schema, it is read and written again as it was written, another version is
-/// refused, and the error on a damaged number names its place. Returns the result that is read.
+/// Holds a result to what its document promises: it has the form of its schema, it is read and written again as it was
+/// written, another version is refused, and the error on a damaged number names its place. Returns the result that is
+/// read.
 pub fn read_back<T: Serialize + DeserializeOwned + Debug>(format: &ResultFormat<T>, result: &T) -> T {
     let text = format.json(result).unwrap();
     assert_valid_by_format(&serde_json::from_str(&text).unwrap());

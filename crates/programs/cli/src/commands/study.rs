@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bench_model::document::BenchModelDocument;
+use dynoid::facts::WrittenFacts;
 use dynoid::{Bench, Session, StudyFolder, StudyOptions, WrittenStudy, paths};
 use page::Paper;
 use report::wording;
@@ -27,7 +28,7 @@ pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result
     let out = arguments.out.clone().unwrap_or_else(|| paths::folder_of(&arguments.bench).join("study"));
     let written = study(&arguments.bench, &out, None, options(arguments), terminal)?;
     if arguments.json {
-        terminal.json(&summary::short(&written))?;
+        terminal.json(&WrittenFacts::of(&written))?;
     } else if terminal.is_quiet() {
         let errors = written.study.diagnostics.iter().filter(|found| found.severity == Severity::Error);
         errors.for_each(|found| terminal.warning(&wording::remark(found)));

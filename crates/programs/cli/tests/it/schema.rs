@@ -57,8 +57,9 @@ fn exact_the_files_of_a_study_and_of_a_fit_have_the_form_of_their_schemas() {
     let done = |line: &str| {
         let ran = campaign.run(&line.split(' ').collect::<Vec<_>>());
         assert!(matches!(ran.code, Some(0 | 1)), "{line}: {}", ran.stderr);
+        ran
     };
-    done("study bench.toml");
+    assert_valid("study-output", &done("study bench.toml --json").json());
     done(
         "fit arx recordings/BS_T_NT_1200.mf4 -u DynoTorqueDemand -y DynoTorqueCalc --sample-time 10ms --na 2 --nb 2 --nk 1 --out arx.json",
     );

@@ -5,9 +5,11 @@ mod lines;
 mod rebuilt;
 mod short;
 mod small;
+mod written;
 
 pub use controller::{ControllerFacts, SpeedControlFacts};
 pub use lines::{LinesFacts, RecordingLinesFacts};
 pub use rebuilt::{EngineFacts, TorqueSignalsFacts};
 pub use short::StudyFacts;
 pub use small::{FrictionFacts, ShaftFacts, TorqueControlFacts};
+pub use written::WrittenFacts;

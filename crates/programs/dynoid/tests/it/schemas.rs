@@ -16,6 +16,7 @@ use dynoid::can::{CapabilityFacts, PredictedFacts, RunFacts};
 use dynoid::experiments::{CheckFacts, DesignFacts, SimulationFacts};
 use dynoid::facts::{
     EngineFacts, FrictionFacts, LinesFacts, ShaftFacts, SpeedControlFacts, TorqueControlFacts, TorqueSignalsFacts,
+    WrittenFacts,
 };
 use dynoid::schemas::SCHEMAS;
 use ident::ModelDocument;
@@ -79,6 +80,7 @@ fn all() -> Vec<(&'static str, Value)> {
         ("shaft-output", of::<ShaftFacts>("What `dynoid shaft --json` prints")),
         ("speed-control", of_result(&document::SPEED_CONTROL, "The speed controller")),
         ("study", study()),
+        ("study-output", of::<WrittenFacts>("What `dynoid study --json` prints")),
         ("torque-control", of_result(&document::TORQUE_CONTROL, "Models of the torque control, compared")),
         ("torque-control-output", of::<TorqueControlFacts>("What `dynoid torque-control --json` prints")),
         ("torque-signals", of_result(&document::TORQUE_SIGNALS, "The torque signals")),

@@ -4,11 +4,10 @@ use std::path::Path;
 
 use demo::comparison::Row;
 use dynoid::WrittenStudy;
+use dynoid::facts::WrittenFacts;
 use page::{Align, Cell, Table, Tone};
 use report::wording::number;
 use serde::Serialize;
-
-use crate::summary;
 
 /// The rows as a table.
 pub(super) fn table(rows: &[Row]) -> Table {
@@ -51,11 +50,11 @@ pub(super) struct Document<'a> {
     seed: u64,
     bench_file: &'a Path,
     comparison: &'a [Row],
-    study: summary::Short<'a>,
+    study: WrittenFacts<'a>,
 }
 
 impl<'a> Document<'a> {
     pub(super) fn new(seed: u64, written: &'a WrittenStudy, bench_file: &'a Path, rows: &'a [Row]) -> Self {
-        Document { seed, bench_file, comparison: rows, study: summary::short(written) }
+        Document { seed, bench_file, comparison: rows, study: WrittenFacts::of(written) }
     }
 }

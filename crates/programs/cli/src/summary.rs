@@ -1,7 +1,5 @@
 //! A study on the terminal, and where its report is.
 
-mod short;
-
 use dynoid::{EarlierStudy, WrittenStudy};
 use page::{Align, Block, Page, Table};
 use study::verdict::Level;
@@ -9,8 +7,6 @@ use study::{Study, verdict};
 
 use crate::error::Outcome;
 use crate::path::shown;
-
-pub(crate) use short::{Short, short};
 
 /// How the command ends.
 pub(crate) fn outcome(study: &Study) -> Outcome {
