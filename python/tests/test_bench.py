@@ -109,7 +109,7 @@ FAULTS: list[tuple[Callable[[dynoid.Bench], object], type[Exception], str]] = [
     (lambda bench: bench.can("whtc"), dynoid.errors.ArgumentError, "full-load curve"),
     (lambda bench: bench.check("BS_T_XX"), dynoid.errors.ArgumentError, "BS_T_XX"),
     (lambda bench: bench.design(optimal=["Q"]), dynoid.errors.ArgumentError, "none of"),
-    (lambda bench: bench.friction(), dynoid.errors.DynoidError, "take the shaft off"),
+    (lambda bench: bench.friction(), dynoid.errors.BenchError, "take the shaft off"),
     (lambda bench: bench.capability(model="no.json"), dynoid.errors.FileError, "no.json"),
 ]
 

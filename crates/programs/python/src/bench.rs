@@ -24,6 +24,9 @@ use crate::studied::{FoundStudy, Studied};
 /// Lines that a page shows of each signal; a result has all of them.
 const LINES_SHOWN: usize = 8;
 
+/// Files of recordings with the labels of their experiments, and doubts about others.
+type Experiments = (Vec<(String, String)>, Vec<String>);
+
 /// A bench file, and the recordings that it lists once they are read.
 #[pyclass(frozen, module = "dynoid._dynoid")]
 pub(crate) struct Bench {
@@ -41,7 +44,7 @@ impl Bench {
         Ok(self.session.get_or_init(|| session))
     }
 
-    /// What the recordings show.
+    /// Shows a result of the recordings.
     fn show(
         &self,
         py: Python<'_>,
@@ -56,7 +59,7 @@ impl Bench {
         })??)
     }
 
-    /// What is tried on the bench as far as it is known.
+    /// Tries something on the bench, as far as it is known.
     pub(crate) fn attempt<T: Send>(
         &self,
         py: Python<'_>,
@@ -112,7 +115,7 @@ impl Bench {
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
         threads: Option<usize>,
-    ) -> Result<(Vec<(String, String)>, Vec<String>), Fault> {
+    ) -> Result<Experiments, Fault> {
         Ok(interrupt::run(py, progress, threads, |context| {
             let session = self.session(context)?;
             let used = session.experiments().iter().map(|one| (one.file.clone(), one.label.to_string()));

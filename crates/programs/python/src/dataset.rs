@@ -236,7 +236,7 @@ impl Dataset {
         matrix(py, self.rows(|e| &e.outputs, self.data.outputs()).as_ref())
     }
 
-    /// What was done to the channels on the way to one clock.
+    /// Notes on what was done to the channels on the way to one clock.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::results::to_python;
 
-/// What a function raises.
+/// An exception that a function raises.
 pub(crate) enum Fault {
     /// An exception of Python's.
     Raised(PyErr),
@@ -21,7 +21,7 @@ pub(crate) enum Fault {
     Own {
         /// Its class.
         class: &'static str,
-        /// What is wrong, where, and the remedy.
+        /// The fault, its place, and the remedy.
         message: String,
         /// Fields beside the message, as an object.
         fields: Value,
@@ -108,6 +108,10 @@ impl From<DatasetError> for Fault {
 
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
+        let error = match error {
+            Error::Dataset { source } => return source.into(),
+            error => error,
+        };
         let path = |path: &std::path::Path| json!({ "file": path.display().to_string() });
         match &error {
             Error::Recording { source, .. } | Error::Encode { source } => {
@@ -117,29 +121,41 @@ impl From<Error> for Fault {
                 };
                 Fault::new("RecordingError", source, fields)
             }
-            Error::Read { path: of, .. } | Error::Write { path: of, .. } | Error::IsFolder { path: of, .. } => {
-                Fault::new("FileError", &error, path(of))
-            }
-            Error::BenchFile { path: of, .. } | Error::NoChannelsNamed { path: of } => {
-                Fault::new("BenchError", &error, path(of))
-            }
-            Error::NoRecordingsListed { path: of } => Fault::new("BenchError", &error, path(of)),
-            Error::NothingUsable { bench, .. } | Error::NothingMatches { bench, .. } => {
-                Fault::new("BenchError", &error, path(bench))
-            }
-            Error::NotPredicted { path: of, .. }
+            Error::Read { path: of, .. }
+            | Error::Write { path: of, .. }
+            | Error::IsFolder { path: of, .. }
+            | Error::IsStream { path: of }
+            | Error::NotText { path: of, .. }
+            | Error::InTheWay { path: of, .. }
+            | Error::Occupied { path: of, .. }
+            | Error::IsRead { path: of }
+            | Error::IsReadOnly { path: of }
+            | Error::IsDevice { path: of }
+            | Error::AmongRecordings { path: of, .. }
+            | Error::OutputEnding { path: of, .. }
+            | Error::PageEnding { path: of }
+            | Error::Study { path: of, .. }
+            | Error::BenchModel { path: of, .. }
+            | Error::ModelFile { path: of, .. } => Fault::new("FileError", &error, path(of)),
+            Error::BenchFile { path: of, .. }
+            | Error::NoChannelsNamed { path: of }
+            | Error::NoRecordingsListed { path: of }
+            | Error::NothingUsable { bench: of, .. }
+            | Error::NothingMatches { bench: of, .. }
+            | Error::NotPredicted { path: of, .. }
             | Error::VirtualBench { path: of, .. }
             | Error::Next { path: of, .. } => Fault::new("BenchError", &error, path(of)),
-            Error::Study { path: of, .. } | Error::BenchModel { path: of, .. } | Error::ModelFile { path: of, .. } => {
-                Fault::new("FileError", &error, path(of))
-            }
+            Error::Identify { .. } | Error::NotEstimated { .. } => Fault::new("EstimateError", &error, json!({})),
+            Error::Friction { .. } | Error::TorqueControl { .. } => Fault::new("BenchError", &error, json!({})),
             Error::Catalogue { .. }
             | Error::UnknownTest { .. }
             | Error::NeedsEngineMap { .. }
             | Error::NeedsVehicle { .. }
+            | Error::NeedsMap { .. }
             | Error::Requirement { .. }
             | Error::NoRegressions { .. }
-            | Error::NothingToJudgeBy { .. } => Fault::new("ArgumentError", &error, json!({})),
+            | Error::NothingToJudgeBy { .. }
+            | Error::NotDesigned { .. } => Fault::new("ArgumentError", &error, json!({})),
             _ => Fault::new("DynoidError", &error, json!({})),
         }
     }

@@ -1,4 +1,4 @@
-//! What data say before a model is chosen: spectra, delays and orders.
+//! Looks at data before a model is chosen: spectra, delays and orders.
 
 use ident::{IdentError, OrderScan};
 use pyo3::prelude::*;

@@ -23,6 +23,9 @@ use crate::interrupt;
 use crate::made::files;
 use crate::results::{fields, result, to_python};
 
+/// Numerator and denominator, in falling powers.
+type Ratio<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// An estimate of a linear model.
 #[pyclass(frozen, module = "dynoid")]
 pub(crate) struct Fit {
@@ -37,7 +40,7 @@ enum Which {
     Name(String),
 }
 
-/// What a model file leaves out of an estimate.
+/// The part of an estimate that a model file leaves out.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     document: ModelDocument,
@@ -382,12 +385,7 @@ impl Fit {
 
     /// Numerator and denominator of a channel, in falling powers of s or z.
     #[pyo3(signature = (*, y=None, u=None))]
-    fn transfer_function<'py>(
-        &self,
-        py: Python<'py>,
-        y: Option<Which>,
-        u: Option<Which>,
-    ) -> Result<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>), Fault> {
+    fn transfer_function<'py>(&self, py: Python<'py>, y: Option<Which>, u: Option<Which>) -> Result<Ratio<'py>, Fault> {
         let ratio = self.estimate.model.polynomials(self.output(y)?, self.input(u)?)?;
         let ratio = ratio.ok_or_else(|| {
             Fault::argument("this model is not written in polynomials; `state_space()` gives its matrices")

@@ -85,7 +85,7 @@ impl Made {
         self.document.as_deref()
     }
 
-    /// What should be known of it, in words.
+    /// Notes that should be known of it, in words.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()

@@ -188,7 +188,7 @@ impl Recording {
         detrend: Option<&str>,
     ) -> Result<Dataset, Fault> {
         let arguments = DatasetArguments { y, u, sample_time, start, end, clock, between, detrend };
-        Dataset::of(slf.py(), &[slf.clone()], arguments)
+        Dataset::of(slf.py(), std::slice::from_ref(slf), arguments)
     }
 
     /// Writes the recording; the ending gives the format. Returns what the format has no place for, in words.
