@@ -46,9 +46,10 @@ const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
-/// Gains that differ by this part are of another controller, or of another bench. Terms beside PI, such as a filter on
-/// N_d*, change what recordings with a moving N_d* give by 20 % and less.
-const OTHER_GAINS: f64 = 0.3;
+/// Gains that differ by this part of the smaller are of another controller, or of another bench, or in another scale.
+/// Terms beside PI, such as a filter on N_d*, change what recordings with a moving N_d* give by 20 % and less, which is
+/// 25 % of the smaller.
+const OTHER_GAINS: f64 = 0.27;
 
 /// Everything that was estimated.
 pub(super) struct Estimates {
@@ -165,7 +166,7 @@ fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &Spee
     let contradictions: Vec<(String, Finding)> = contradictions.collect();
     let of_own = contradictions.len() > agreeing;
     for (file, finding) in contradictions {
-        let apart = |first: f64, second: f64| (second - first).abs() > OTHER_GAINS * first.abs();
+        let apart = |first: f64, second: f64| (second - first).abs() > OTHER_GAINS * first.abs().min(second.abs());
         let is_other = matches!(finding, Finding::RoutesDisagree { first, second, .. } if apart(first.0, second.0));
         let severity = if is_other { Severity::Error } else { Severity::Warning };
         findings.doubt(if of_own { own } else { &file }, severity, finding);
