@@ -80,7 +80,8 @@ def test_exact_counts_of_the_page() -> None:
     assert len({row[0] for row in ROWS}) == len(ROWS)
     assert (
         f"The tables have **{len(ROWS)} rows**. {len(IN_PYTHON) + len(only_commands)} have an equivalent: {len(IN_PYTHON)} in Python, and "
-        f"{len(only_commands)} as a command alone. {len(missing)} have none. Of those in Python, {len(BY_OTHERS)} need numpy, scipy or python-control."
+        f"{len(only_commands)} as a command alone. {len(missing)} have none. Of those in Python, {len(BY_OTHERS)} need numpy, scipy or "
+        "python-control."
     ) in " ".join(PAGE.read_text(encoding="utf-8").split())
 
 
