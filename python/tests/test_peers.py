@@ -47,7 +47,7 @@ def test_ref_autoregression_of_statsmodels() -> None:
 
 @pytest.mark.parametrize(("b", "a"), [([1.0, 0.4], [1.0, -1.2, 0.5]), ([1.0, -0.5, 0.3], [1.0, 0.75])])
 def test_ref_arma_of_statsmodels(b: list[float], a: list[float]) -> None:
-    y = series(b, a, 1000, 2)
+    y = series(b, a, 1500, 2)
     na, nc = len(a) - 1, len(b) - 1
     fit = dynoid.fit.armax(dynoid.Dataset(y, sample_time=1.0), na=na, nc=nc)
     theirs = ARIMA(y, order=(na, 0, nc), trend="n").fit(cov_type="oim")
