@@ -19,7 +19,7 @@ True
 import os
 from pathlib import Path
 
-from . import errors, fit, result, results
+from . import errors, fit, plots, result, results
 from ._dynoid import Dataset, Fit, Recording, compare, dataset
 from ._version import __version__
 from .bench import Bench
@@ -46,6 +46,7 @@ __all__ = [
     "from_frame",
     "load",
     "order",
+    "plots",
     "read",
     "result",
     "results",

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from . import _dynoid
 from ._dynoid import Dataset, Fit
+from .errors import ArgumentError
 
 PerInput = int | Sequence[int]
 Delay = float | tuple[float, float]
@@ -132,6 +133,8 @@ def process(
     bounds: Mapping[str, tuple[float, float]] | None = None,
 ) -> Fit:
     """Process models such as `"P1D"`: one pole and a delay; `Z` adds a zero, `I` an integrator, `U` a complex pair."""
+    if delay is not None and "D" not in structure:
+        raise ArgumentError(f'delay: the structure "{structure}" has no delay; add the letter D')
     delays = _ranges(delay, len(data.inputs))
     return _dynoid.process(data, structure, delays, offset, dict(hold or {}), dict(bounds or {}))
 

@@ -18,6 +18,8 @@ def to_control(fit: Fit, pade: int | None) -> Any:
     import control
 
     system = fit.state_space()
+    if not system.inputs:
+        raise ArgumentError("the model has no input, and python-control has no such systems; `innovations()` gives the matrices of its noise model")
     delays = np.unique(system.delays)
     channels = {"inputs": system.inputs, "outputs": system.outputs}
     dt = 0 if system.sample_time is None else system.sample_time
@@ -29,8 +31,8 @@ def to_control(fit: Fit, pade: int | None) -> Any:
     if len(delays) > 1:
         raise ArgumentError("the channels have different delays; convert one channel at a time")
     numerator, denominator = control.pade(float(delays[0]), pade)
-    delay = control.ss(control.tf(numerator, denominator))
-    return control.series(*([delay] if len(system.inputs) == 1 else [control.append(*[delay] * len(system.inputs))]), without)
+    delay = control.append(*[control.ss(control.tf(numerator, denominator))] * len(system.inputs))
+    return control.ss(control.series(delay, without), **channels)
 
 
 def to_scipy(fit: Fit) -> Any:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import polars
 
 Floats = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
 Interval = tuple[float, float]
 
 
@@ -89,11 +90,22 @@ class Bode(Columns):
     output: str
     input: str
 
+    @property
+    def response(self) -> Complexes:
+        """The response as complex numbers."""
+        return np.asarray(self.magnitude * np.exp(1j * np.deg2rad(self.phase)), dtype=np.complex128)
+
     def plot(self, axes: Any = None) -> Any:
         """Draws magnitude and phase with matplotlib, and returns the two axes."""
         from .plots import bode
 
         return bode(self, axes)
+
+    def nyquist(self, axes: Any = None) -> Any:
+        """Draws the response in the complex plane with matplotlib, and returns the axes."""
+        from .plots import nyquist
+
+        return nyquist(self, axes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,8 @@ assert low < 2.0 < high, (low, high)
 print(dynoid.__version__)
 ";
 /// Packages that build the wheel and test it.
-const PACKAGES: &str = "import control, maturin, matplotlib, mypy, pandas, polars, pyarrow, pytest, scipy";
+const PACKAGES: &str =
+    "import control, maturin, matplotlib, mypy, pandas, polars, pyarrow, pytest, scipy, sippy_unipi, statsmodels";
 /// The largest wheel, bytes.
 const LARGEST: u64 = 25_000_000;
 /// Versions of numpy: the newest, and the oldest that the package names.
