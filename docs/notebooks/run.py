@@ -17,11 +17,11 @@ from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
-from nbclient.exceptions import CellExecutionError
+from nbclient.exceptions import CellExecutionError, CellTimeoutError
 
 NOTEBOOKS = Path(__file__).parent
 PAGES = NOTEBOOKS.parent / "src" / "notebooks"
-SLOWEST_CELL_S = 120
+SLOWEST_CELL_S = 600
 LARGEST_FIGURE = 60_000
 # Figures without the version of matplotlib, so that they change with their content alone.
 SETUP = "%config InlineBackend.print_figure_kwargs = {'metadata': {'Software': None}, 'bbox_inches': 'tight', 'dpi': 90}"
@@ -53,7 +53,7 @@ def page(path: Path, out: Path) -> bool:
         client = NotebookClient(notebook, timeout=SLOWEST_CELL_S, kernel_name="python3", resources={"metadata": {"path": folder}})
         try:
             client.execute(env={**os.environ, "MPLBACKEND": "module://matplotlib_inline.backend_inline"})
-        except CellExecutionError as error:
+        except (CellExecutionError, CellTimeoutError) as error:
             print(f"{path.name}: {error}", file=sys.stderr)
             return False
         text, figures = markdown(notebook.cells[1:], path.stem, folder)
