@@ -26,6 +26,8 @@ const LARGEST: u64 = 25_000_000;
 /// Versions of numpy: the newest, and the oldest that the package names.
 const NEWEST: &str = "numpy";
 const OLDEST: &str = "numpy==1.26.*";
+/// Packages that run the notebooks, and all that these packages need.
+const NOTEBOOKS: &str = "xtask/notebooks.txt";
 /// Other versions of Python, where they are.
 const OTHERS: [&str; 2] = ["python3.12", "python3.13"];
 
@@ -42,7 +44,7 @@ pub(crate) fn check(python: Option<&Path>) -> Result<bool, String> {
     Ok(true)
 }
 
-/// The same, with the oldest numpy and other versions of Python.
+/// The same, with the oldest numpy, other versions of Python, and the notebooks.
 pub(crate) fn deep() -> Result<(), String> {
     let Some(python) = python::interpreter()? else {
         return Err("the wheel cannot be built without Python".to_owned());
@@ -61,7 +63,7 @@ pub(crate) fn deep() -> Result<(), String> {
             Err(_) => println!("not run: {other}, which is not there"),
         }
     }
-    Ok(())
+    notebooks(&python, &wheel)
 }
 
 fn build(python: &Path) -> Result<PathBuf, String> {
@@ -134,6 +136,15 @@ impl Alone {
         let demo = ["demo", "--quiet", "--overwrite", "--out", "demo"];
         run("the demonstration", self.program("dynoid").args(demo))
     }
+}
+
+/// Runs the notebooks on the wheel, and writes their pages of the book.
+fn notebooks(python: &Path, wheel: &Path) -> Result<(), String> {
+    let alone = Alone::new(python, "notebooks", NEWEST)?;
+    // Without further dependencies: all of them are pinned.
+    alone.install(&["--no-deps", "--requirement"], &folder::root().join(NOTEBOOKS))?;
+    let alone = alone.start(wheel)?;
+    run("the notebooks", alone.program("python").arg(folder::root().join("docs/notebooks/run.py")))
 }
 
 /// Runs the tests in `python/tests` on the wheel, beside the packages that they compare with.
