@@ -19,9 +19,7 @@ const EXAMPLES: &str = "  dynoid demo                 try everything without rec
   dynoid init recordings/     write bench.toml; then fill in what it asks for
   dynoid study bench.toml     write study/report.html";
 
-const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but the verdict is bad; 2 wrong command line;
-  3 unreadable input; 4 output not written; 5 a fault in dynoid itself";
+const EXIT_CODES: &str = "Exit codes: 1 bad verdict; faults: 2 command, 3 input, 4 output, 5 in dynoid";
 
 /// The program with its commands listed under headings.
 pub(super) fn grouped(command: Command) -> Command {
