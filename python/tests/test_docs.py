@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,11 @@ def test_exact_examples_of_the_package() -> None:
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/src/python.md"])
-def test_exact_examples_of_the_pages(page: str, bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(bench.parent)
+def test_exact_examples_of_the_pages(
+    page: str, bench: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A copy, since the examples write files that other tests have to find absent.
+    monkeypatch.chdir(shutil.copytree(bench.parent, tmp_path / "bench"))
     monkeypatch.setenv("MPLBACKEND", "Agg")
     random = np.random.default_rng(3)
     time, u = np.arange(3000) * 0.01, random.standard_normal((3000, 2))
