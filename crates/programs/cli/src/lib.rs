@@ -1,7 +1,7 @@
 //! The program: recordings of a dynamometer test bench in, a validated bench model out.
 //!
 //! This crate reads arguments, talks to the person at the terminal, and calls the library `dynoid` and the crates below
-//! it; it holds no formulas. One module a command. [`terminal`] alone prints, and the library alone reads and writes
+//! it; it holds no formulas. One module a command. `terminal` alone prints, and the library alone reads and writes
 //! files.
 
 #![warn(missing_docs)]
