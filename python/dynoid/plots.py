@@ -13,10 +13,7 @@ if TYPE_CHECKING:
 
 def bode(response: Bode, axes: Any = None) -> Any:
     """Magnitude and phase with their bands."""
-    if axes is None:
-        import matplotlib.pyplot as plt
-
-        _, axes = plt.subplots(2, 1, sharex=True)
+    axes = _axes(axes, 2)
     magnitude, phase = axes
     magnitude.loglog(response.w, response.magnitude)
     magnitude.fill_between(response.w, response.low, response.high, alpha=0.3)
@@ -30,10 +27,7 @@ def bode(response: Bode, axes: Any = None) -> Any:
 
 def step(response: Step, axes: Any = None) -> Any:
     """The response with its band."""
-    if axes is None:
-        import matplotlib.pyplot as plt
-
-        _, axes = plt.subplots()
+    axes = _axes(axes)
     axes.plot(response.time, response.response)
     axes.fill_between(response.time, response.low, response.high, alpha=0.3)
     axes.set_xlabel("time, s")
@@ -43,10 +37,7 @@ def step(response: Step, axes: Any = None) -> Any:
 
 def nyquist(response: Bode, axes: Any = None) -> Any:
     """The response in the complex plane, with the point −1."""
-    if axes is None:
-        import matplotlib.pyplot as plt
-
-        _, axes = plt.subplots()
+    axes = _axes(axes)
     axes.plot(response.response.real, response.response.imag)
     axes.plot(-1.0, 0.0, "+", color="black")
     axes.set_xlabel(f"real part of {response.output} / {response.input}")
@@ -59,10 +50,7 @@ def poles(fit: Fit, axes: Any = None, *, level: float = 0.95, y: str | int | Non
     """Poles as crosses and zeros as circles, with the ellipses that hold them with this probability; in discrete time with the unit circle."""
     from matplotlib.patches import Circle, Ellipse
 
-    if axes is None:
-        import matplotlib.pyplot as plt
-
-        _, axes = plt.subplots()
+    axes = _axes(axes)
     found = {"x": fit.poles(level=level, y=y, u=u), "o": fit.zeros(level=level, y=y, u=u)}
     # The quantile of χ² with two degrees of freedom.
     reach = np.sqrt(-2.0 * np.log(1.0 - level))
@@ -80,3 +68,12 @@ def poles(fit: Fit, axes: Any = None, *, level: float = 0.95, y: str | int | Non
     axes.set_ylabel("imaginary part")
     axes.set_aspect("equal", adjustable="datalim")
     return axes
+
+
+def _axes(given: Any, rows: int = 1) -> Any:
+    """The axes that were given, or else new ones, one below the other."""
+    if given is not None:
+        return given
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(rows, 1, sharex=True)[1]

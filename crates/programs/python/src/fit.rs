@@ -333,10 +333,7 @@ impl Fit {
         y: Option<Which>,
         u: Option<Which>,
     ) -> Result<Vec<Bound<'py, PyAny>>, Fault> {
-        check_level(level)?;
-        let (output, input) = (self.output(y)?, self.input(u)?);
-        let roots = interrupt::quietly(py, || self.estimate.poles(output, input))??;
-        self.roots(py, &roots, level)
+        self.roots(py, Estimate::poles, level, (y, u))
     }
 
     /// Zeros of a channel, as its poles.
@@ -348,10 +345,7 @@ impl Fit {
         y: Option<Which>,
         u: Option<Which>,
     ) -> Result<Vec<Bound<'py, PyAny>>, Fault> {
-        check_level(level)?;
-        let (output, input) = (self.output(y)?, self.input(u)?);
-        let roots = interrupt::quietly(py, || self.estimate.zeros(output, input))??;
-        self.roots(py, &roots, level)
+        self.roots(py, Estimate::zeros, level, (y, u))
     }
 
     /// The system from inputs to outputs in state space, in the model's own time: A, B, C, D, the sample time (none in
@@ -451,12 +445,17 @@ impl Fit {
 const FREQUENCIES: usize = 200;
 
 impl Fit {
+    /// Poles or zeros of a channel, as `find` finds them.
     fn roots<'py>(
         &self,
         py: Python<'py>,
-        roots: &[UncertainRoot],
+        find: impl FnOnce(&Estimate<AnyModel>, usize, usize) -> Result<Vec<UncertainRoot>, IdentError> + Send,
         level: f64,
+        (y, u): (Option<Which>, Option<Which>),
     ) -> Result<Vec<Bound<'py, PyAny>>, Fault> {
+        check_level(level)?;
+        let (output, input) = (self.output(y)?, self.input(u)?);
+        let roots = interrupt::quietly(py, || find(&self.estimate, output, input))??;
         let sample_time_s = self.estimate.model.system()?.sample_time_s();
         let one = |root: &UncertainRoot| -> PyResult<Bound<'py, PyAny>> {
             let mode = root.mode(sample_time_s);

@@ -283,6 +283,15 @@ impl Recording {
         }
     }
 
+    /// A recording of no file, as Python gets it.
+    pub(crate) fn made<'py>(
+        py: Python<'py>,
+        recording: recording::Recording,
+        name: &str,
+    ) -> PyResult<Bound<'py, Self>> {
+        Bound::new(py, Self::of(py, recording, name, String::new()))
+    }
+
     /// The recording with the samples of all channels.
     pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<recording::Recording> {
         self.decoded(py, &self.names())

@@ -37,7 +37,7 @@ impl FoundStudy {
     }
 
     pub(crate) fn into_python(self, py: Python<'_>) -> PyResult<Studied<'_>> {
-        let series = self.series.map(|series| Bound::new(py, Recording::of(py, series, "series", String::new())));
+        let series = self.series.map(|series| Recording::made(py, series, "series"));
         Ok((Bound::new(py, self.made)?, self.model, series.transpose()?))
     }
 }

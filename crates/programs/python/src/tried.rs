@@ -229,9 +229,8 @@ pub(crate) fn design<'py>(
         let made = made.with_notes(notes.into_iter().chain(unpredicted));
         Ok((made, designed.recording(), designed.responses()))
     })?;
-    let demands = Bound::new(bench.py(), Recording::of(bench.py(), demands, "demands", String::new()))?;
-    let response =
-        response.map(|one| Bound::new(bench.py(), Recording::of(bench.py(), one, "predicted", String::new())));
+    let demands = Recording::made(bench.py(), demands, "demands")?;
+    let response = response.map(|one| Recording::made(bench.py(), one, "predicted"));
     Ok((made, demands, response.transpose()?))
 }
 
@@ -273,7 +272,7 @@ pub(crate) fn simulate<'py>(
         Ok((Made::new(&run.facts(), run.page())?.with_notes(notes), run))
     })?;
     let name = run.label().to_string();
-    let recording = Bound::new(bench.py(), Recording::of(bench.py(), run.recording, &name, String::new()))?;
-    let truth = run.truth.map(|truth| Bound::new(bench.py(), Recording::of(bench.py(), truth, "truth", String::new())));
+    let recording = Recording::made(bench.py(), run.recording, &name)?;
+    let truth = run.truth.map(|truth| Recording::made(bench.py(), truth, "truth"));
     Ok((made, recording, truth.transpose()?))
 }
