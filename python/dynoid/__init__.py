@@ -23,7 +23,7 @@ from . import errors, fit, plots, result, results
 from ._dynoid import Dataset, Fit, Recording, compare, dataset
 from ._version import __version__
 from .bench import Bench
-from .explore import delay, order, spectrum
+from .explore import delay, order, recursive, spectrum
 from .frames import from_frame, read
 from .model import BenchModel, diff, export
 from .study import Study
@@ -48,6 +48,7 @@ __all__ = [
     "order",
     "plots",
     "read",
+    "recursive",
     "result",
     "results",
     "spectrum",

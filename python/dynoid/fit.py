@@ -13,6 +13,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from . import _dynoid
 from ._dynoid import Dataset, Fit
 from .errors import ArgumentError
@@ -26,11 +28,13 @@ Weighting = Literal["auto", "cva", "n4sid", "moesp", "ssarx"]
 
 def arx(data: Dataset, *, na: int, nb: PerInput, nk: PerInput = 1) -> Fit:
     """ARX by least squares: A y = B u + e."""
+    _check_orders(na=na, nb=nb, nk=nk)
     return _dynoid.arx(data, na, nb, nk, False)
 
 
 def iv4(data: Dataset, *, na: int, nb: PerInput, nk: PerInput = 1) -> Fit:
-    """ARX by instrumental variables in four steps, right under coloured noise."""
+    """ARX by instrumental variables in four steps: right under coloured noise, unless the input follows the output (closed loop)."""
+    _check_orders(na=na, nb=nb, nk=nk)
     return _dynoid.arx(data, na, nb, nk, True)
 
 
@@ -50,6 +54,7 @@ def armax(
 
     `focus` says whose errors are made small, `band` from which to which frequency in Hz they count, and `hold` which coefficients are known.
     """
+    _check_orders(na=na, nb=nb, nc=nc, nk=nk)
     return _dynoid.polynomial(data, "ARMAX", na, nb, nc, 0, 0, nk, focus, initial, band, dict(hold or {}))
 
 
@@ -64,6 +69,7 @@ def oe(
     hold: Mapping[str, float] | None = None,
 ) -> Fit:
     """Output error: y = B/F u + e."""
+    _check_orders(nb=nb, nf=nf, nk=nk)
     return _dynoid.polynomial(data, "output error", 0, nb, 0, 0, nf, nk, "prediction", initial, band, dict(hold or {}))
 
 
@@ -81,6 +87,7 @@ def bj(
     hold: Mapping[str, float] | None = None,
 ) -> Fit:
     """Box–Jenkins: y = B/F u + C/D e."""
+    _check_orders(nb=nb, nc=nc, nd=nd, nf=nf, nk=nk)
     return _dynoid.polynomial(data, "Box–Jenkins", 0, nb, nc, nd, nf, nk, focus, initial, band, dict(hold or {}))
 
 
@@ -99,6 +106,7 @@ def polynomial(
     hold: Mapping[str, float] | None = None,
 ) -> Fit:
     """All polynomials: A y = B/F u + C/D e."""
+    _check_orders(na=na, nb=nb, nc=nc, nd=nd, nf=nf, nk=nk)
     return _dynoid.polynomial(data, "polynomial", na, nb, nc, nd, nf, nk, focus, initial, band, dict(hold or {}))
 
 
@@ -106,7 +114,7 @@ def tf(
     data: Dataset,
     *,
     poles: PerInput,
-    zeros: PerInput,
+    zeros: PerInput | None = None,
     delay: Delay | Sequence[Delay] | None = None,
     integrators: int = 0,
     offset: bool = False,
@@ -114,10 +122,14 @@ def tf(
     initial: Initial = "estimated",
     method: Literal["output-error", "instruments"] = "output-error",
 ) -> Fit:
-    """Transfer functions in continuous time, with so many poles and zeros.
+    """Transfer functions in continuous time, with so many poles and zeros. Without a number of zeros there is one less than there are poles.
 
     `delay` is in seconds: a number if it is known, two numbers between which it is searched, or a list with one of these for each input.
+    `offset` estimates a level of the outputs besides, `fit.offsets`. Predictions and comparisons with data that have their mean contain it.
     """
+    if zeros is None:
+        zeros = max(poles - 1, 0) if isinstance(poles, int) else [max(order - 1, 0) for order in poles]
+    _check_orders(poles=poles, zeros=zeros)
     return _dynoid.transfer_function(
         data, poles, zeros, _ranges(delay, len(data.inputs)), integrators, offset, unstable, initial, method
     )
@@ -132,7 +144,10 @@ def process(
     hold: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
 ) -> Fit:
-    """Process models such as `"P1D"`: one pole and a delay; `Z` adds a zero, `I` an integrator, `U` a complex pair."""
+    """Process models such as `"P1D"`: one pole and a delay; `Z` adds a zero, `I` an integrator, `U` a complex pair.
+
+    `offset` estimates a level of the outputs besides, `fit.offsets`. Predictions and comparisons with data that have their mean contain it.
+    """
     if delay is not None and "D" not in structure:
         raise ArgumentError(f'delay: the structure "{structure}" has no delay; add the letter D')
     delays = _ranges(delay, len(data.inputs))
@@ -177,6 +192,15 @@ def greybox(
     if not isinstance(structure, Mapping):
         structure = tomllib.loads(Path(structure).read_text(encoding="utf-8"))
     return _dynoid.grey_box(data, json.dumps(structure), initial, starts)
+
+
+def _check_orders(**orders: PerInput) -> None:
+    """Refuses numbers below zero."""
+    for name, given in orders.items():
+        least = int(np.min(np.asarray(given, dtype=np.int64), initial=0))
+        if least < 0:
+            remedy = "shift the input by hand if the output comes first" if name == "nk" else "it counts coefficients"
+            raise ArgumentError(f"{name}={given}: {least} is below zero; give 0 or more: {remedy}")
 
 
 def _ranges(delay: Delay | Sequence[Delay] | None, inputs: int) -> list[tuple[float, float]]:

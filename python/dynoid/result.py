@@ -293,7 +293,8 @@ class Check(Answer):
 
     table = "limits"
     label: str
-    speed_rpm: float
+    speeds_rpm: tuple[float, float]
+    """The lowest and the highest speed demanded."""
     duration_s: float
     verdict: str
     samples: int

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import pandas
     import polars
 
+    from .plots import Backend
+
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 Interval = tuple[float, float]
@@ -95,17 +97,17 @@ class Bode(Columns):
         """The response as complex numbers."""
         return np.asarray(self.magnitude * np.exp(1j * np.deg2rad(self.phase)), dtype=np.complex128)
 
-    def plot(self, axes: Any = None) -> Any:
-        """Draws magnitude and phase with matplotlib, and returns the two axes."""
+    def plot(self, axes: Any = None, *, backend: Backend = "matplotlib") -> Any:
+        """Draws magnitude and phase. Returns the two axes of matplotlib, or the figure of plotly."""
         from .plots import bode
 
-        return bode(self, axes)
+        return bode(self, axes, backend=backend)
 
-    def nyquist(self, axes: Any = None) -> Any:
-        """Draws the response in the complex plane with matplotlib, and returns the axes."""
+    def nyquist(self, axes: Any = None, *, backend: Backend = "matplotlib") -> Any:
+        """Draws the response in the complex plane. Returns the axes of matplotlib, or the figure of plotly."""
         from .plots import nyquist
 
-        return nyquist(self, axes)
+        return nyquist(self, axes, backend=backend)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +124,11 @@ class Step(Columns):
     output: str
     input: str
 
-    def plot(self, axes: Any = None) -> Any:
-        """Draws the response with matplotlib, and returns the axes."""
+    def plot(self, axes: Any = None, *, backend: Backend = "matplotlib") -> Any:
+        """Draws the response. Returns the axes of matplotlib, or the figure of plotly."""
         from .plots import step
 
-        return step(self, axes)
+        return step(self, axes, backend=backend)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,6 +177,26 @@ class Innovations:
     K: Floats
     noise_covariance: Floats
     sample_time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Parameters that follow the data, after each sample."""
+
+    names: list[str]
+    parameters: Floats
+    """Samples × parameters."""
+    standard_errors: Floats
+    """Of the same shape; NaN as long as there are none."""
+    prediction: Floats
+    """Prediction of each sample by the parameters before it; NaN at the start."""
+    error: Floats
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The parameters as a frame of pandas, a row a sample."""
+        import pandas
+
+        return pandas.DataFrame(self.parameters, columns=self.names)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import pickle
 from pathlib import Path
 
@@ -30,6 +31,20 @@ def test_exact_channels_of_a_file(file: Path) -> None:
     assert list(channel.values) == [row[1] for row in ROWS] and list(channel.time) == [row[0] for row in ROWS]
     assert recording.format == "CSV" and len(recording.sha256) == 64
     assert dynoid.read(file, ["N*"]).names == ["N"]
+
+
+def test_exact_the_hash_is_of_the_file_as_it_was_read(file: Path) -> None:
+    expected = hashlib.sha256(file.read_bytes()).hexdigest()
+    early, late = dynoid.read(file), dynoid.read(file)
+    data = late.dataset("N", "T")
+    assert early.sha256 == expected
+    file.write_text(file.read_text(encoding="utf-8") + "0.04,1.0,2.0\n", encoding="utf-8")
+    assert early.sha256 == expected
+    with pytest.raises(dynoid.errors.FileError, match="has changed since it was read") as changed:
+        _ = late.sha256
+    assert changed.value.file == str(file)
+    # What was read stays usable.
+    assert pickle.loads(pickle.dumps(data)).samples == 4 and pickle.loads(pickle.dumps(late)).names == late.names
 
 
 def test_exact_arrays_are_the_decoders_own(file: Path) -> None:

@@ -29,6 +29,12 @@ def test_exact_a_study_is_that_of_the_program(bench: Path, study: dynoid.Study, 
     assert study.to_polars("findings").height == len(study.findings)
 
 
+def test_regress_a_full_study_in_a_folder_has_its_full_report(bench: Path, tmp_path: Path) -> None:
+    study = dynoid.Study.run(bench, out=tmp_path / "out", full=True)
+    assert study.full is not None and study.full.document is not None
+    assert (tmp_path / "out" / "report-full.html").is_file() and (tmp_path / "out" / "study.json").is_file()
+
+
 def test_exact_progress_of_a_study(bench: Path) -> None:
     heard: list[tuple[float, str]] = []
     dynoid.Study.run(bench, progress=lambda share, step: heard.append((share, step)))

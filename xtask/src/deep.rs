@@ -8,8 +8,8 @@ use std::time::{Instant, SystemTime};
 use serde_json::Value;
 
 use crate::skipped::Skipped;
-use crate::steps::{cargo_command, output, step, surroundings};
-use crate::{fmu, folder, fuzz, python, wheel};
+use crate::steps::{cargo, cargo_command, output, step, surroundings};
+use crate::{fmu, folder, fuzz, python, release, wheel};
 
 /// The page that a person commits.
 const PAGE: &str = "docs/deep-check.md";
@@ -23,7 +23,9 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     }
     if filter.is_none() {
         step("fuzz targets", fuzz::check)?;
+        without_features()?;
         step("wheel", wheel::deep)?;
+        step("release", release::deep)?;
     }
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;
@@ -48,6 +50,14 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
         results.iter().filter(|result| !result.passed()).map(|result| result.suite.as_str()).collect();
     println!("{}", if filter.is_none() { format!("{PAGE} is written") } else { text });
     if failed.is_empty() { Ok(()) } else { Err(format!("these suites failed: {}", failed.join(", "))) }
+}
+
+/// Builds the library without features, and tests what the readers say of formats that are left out.
+fn without_features() -> Result<(), String> {
+    let less = ["--no-default-features", "--release", "--quiet"];
+    cargo("library without features", &[&["check", "--package", "dynoid", "--lib"], &less[..]].concat())?;
+    let tests = ["test", "--package", "dynoid-recording", "--test", "it"];
+    cargo("readers without features", &[&tests, &less[..], &["features::"]].concat())
 }
 
 fn write(text: &str) -> Result<(), String> {

@@ -26,7 +26,9 @@ const USAGE: &str = "usage: cargo xtask <task>
   check    what every change must pass: format, layers, wording, licences, lints, fast tests, docs
   deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
            NAME runs the suites whose name contains it, and prints their results instead.
-  release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
+  release  archives, packages, wheels, sums and manifests in target/release-files, for all targets or the TARGETs named
+           (with cargo-zigbuild, ziglang and maturin). --program FILE packs a finished program, without wheels.
+           --sums builds nothing: it writes sums and manifests of the files that are there.
   wheel    the wheel of the module dynoid in target/wheels, installed alone, started and tested
   fmu      build the runtime of the FMUs for every platform into crates/bench/export/runtime/binaries
   schemas  write docs/schemas from the types of the results

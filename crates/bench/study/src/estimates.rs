@@ -46,6 +46,8 @@ const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
+/// Gains of two recordings this many standard errors of their difference apart contradict each other.
+const GAINS_APART: f64 = 8.0;
 /// Gains that differ by this part of the smaller are of another controller, or of another bench, or in another scale.
 /// Terms beside PI, such as a filter on N_d*, change what recordings with a moving N_d* give by 20 % and less, which is
 /// 25 % of the smaller.
@@ -73,13 +75,13 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         findings.note_use(choice);
     }
     let comparing = findings.context.step("comparing the recordings", 0);
-    doubt_controllers(findings, parts, &fits);
+    doubt_controllers(findings, parts, &mut fits);
     let pulses = clocks_and_pulses::doubt_firing(findings);
     clocks_and_pulses::doubt_clocks(findings, &pulses);
     doubt_exchange(findings, parts);
     let mut timing = timing(findings, parts);
     if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
-        let answer = Answer::of(fits.controller.as_ref().ok().copied(), fits.torque_control.as_ref().ok());
+        let answer = Answer::of(fits.controller.as_ref().ok(), fits.torque_control.as_ref().ok());
         clocks_and_pulses::doubt_pulse_path(findings, &parts.experiments, shaft, answer);
         cross_check(findings, parts, shaft, chosen.experiment);
     }
@@ -100,7 +102,7 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
         recorded_torque,
         choices: fits.choices,
         timing: timing.into(),
-        speed_controller: fits.controller.map(|c| c.result.clone()).into(),
+        speed_controller: fits.controller.map(|c| c.result).into(),
         feed_forward: fits.feed_forward.into(),
         torque_control: fits.torque_control.map(|t| t.result).into(),
         shaft: fits.shaft.into(),
@@ -111,8 +113,8 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
 }
 
 /// The doubts about speed controller, feed-forward and torque control.
-fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &Fits<'_>) {
-    if let Ok(fit) = fits.controller {
+fn doubt_controllers(findings: &mut Findings<'_>, parts: &Parts<'_>, fits: &mut Fits) {
+    if let Ok(fit) = &mut fits.controller {
         doubt_gains(findings, parts, fit);
         findings.doubt_residuals(Part::SpeedController, &fit.result.validation);
         doubt_smoothing(findings, fit);
@@ -149,13 +151,14 @@ fn doubt_smoothing(findings: &mut Findings<'_>, controller: &SpeedControllerFit)
 }
 
 /// Doubts the recordings that contradict each other in the gains of the speed controller: the one that it is from where
-/// most of the others give other gains, else these.
-fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &SpeedControllerFit) {
-    let own = &controller.result.validation.stretch.file;
-    let candidates = Sought::FeedForward.candidates(&parts.experiments);
-    let others = candidates.into_iter().filter(|other| &other.file != own);
-    let found: Vec<Result<(), EstimateError>> =
-        others.map(|other| parts.controllers.feed_forward(other, controller).map(|_| ())).collect();
+/// most of the others give other gains, else these. The intervals cover what the others give.
+fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &mut SpeedControllerFit) {
+    let own = controller.result.validation.stretch.file.clone();
+    let mut others = Sought::FeedForward.candidates(&parts.experiments);
+    others.retain(|other| other.file != own);
+    let of_others: Vec<OtherGain> = others.iter().flat_map(|other| other_gains(parts, other, controller)).collect();
+    let found: Vec<_> = others.iter().map(|other| parts.controllers.feed_forward(other, controller)).collect();
+    cover_other_gains(findings, &mut controller.result.estimate, &of_others);
     let agreeing = found.iter().filter(|one| one.is_ok()).count();
     let contradictions = found.into_iter().filter_map(|one| match one {
         Err(EstimateError::Contradiction { file, quantity, here, known }) => {
@@ -169,8 +172,55 @@ fn doubt_gains(findings: &mut Findings<'_>, parts: &Parts<'_>, controller: &Spee
         let apart = |first: f64, second: f64| (second - first).abs() > OTHER_GAINS * first.abs().min(second.abs());
         let is_other = matches!(finding, Finding::RoutesDisagree { first, second, .. } if apart(first.0, second.0));
         let severity = if is_other { Severity::Error } else { Severity::Warning };
-        findings.doubt(if of_own { own } else { &file }, severity, finding);
+        findings.doubt(if of_own { &own } else { &file }, severity, finding);
     }
+}
+
+/// A gain of the controller as another recording gives it, with its standard error.
+struct OtherGain {
+    file: String,
+    quantity: Quantity,
+    gain: (f64, f64),
+    /// True where the recording is refused, and warned of.
+    is_refused: bool,
+}
+
+impl OtherGain {
+    fn is_apart(&self, known: &Parameter) -> bool {
+        (self.gain.0 - known.value).abs() > GAINS_APART * self.gain.1.hypot(known.standard_error)
+    }
+}
+
+/// K_p and K_i as another recording gives them.
+fn other_gains(parts: &Parts<'_>, other: &Experiment, controller: &SpeedControllerFit) -> Vec<OtherGain> {
+    let gains = parts.controllers.gains(other, controller).map_or_else(|_| Vec::new(), |gains| gains.parameters);
+    let is_refused = parts.controllers.feed_forward(other, controller).is_err();
+    let of = |gain: Parameter| {
+        let Parameter { quantity, value, standard_error, .. } = gain;
+        OtherGain { file: other.file.clone(), quantity, gain: (value, standard_error), is_refused }
+    };
+    gains.into_iter().map(of).collect()
+}
+
+/// Widens the intervals of K_p and K_i to what contradicts them, and notes it, where half or more of the other
+/// recordings do: nothing shows which of them is right. Both move together, as the scale of the torques moves them.
+fn cover_other_gains(findings: &mut Findings<'_>, own: &mut Estimate, others: &[OtherGain]) {
+    let mut distance = |known: &Parameter| {
+        let all: Vec<&OtherGain> = others.iter().filter(|other| other.quantity == known.quantity).collect();
+        let far: Vec<&&OtherGain> = all.iter().filter(|other| other.is_apart(known)).collect();
+        if 2 * far.len() < all.len() {
+            return 0.0;
+        }
+        for other in far.iter().filter(|other| !other.is_refused) {
+            let first = (known.value, known.standard_error);
+            let finding = Finding::RoutesDisagree { quantity: known.quantity, first, second: other.gain };
+            findings.doubt(&other.file, Severity::Note, finding);
+        }
+        let mut distances: Vec<f64> = far.iter().map(|other| other.gain.0 - known.value).collect();
+        upper_median(&mut distances).unwrap_or(0.0)
+    };
+    let moves: Vec<f64> = own.parameters.iter().map(&mut distance).collect();
+    own.add_moves(&moves);
 }
 
 /// Doubts the channels of the speeds where the first recording that the shaft was sought in explains more with them

@@ -12,8 +12,8 @@ use work::Context;
 use crate::whole::Pieces;
 
 /// The parts that the recordings allow.
-pub(super) struct Fits<'p> {
-    pub(super) controller: Result<&'p SpeedControllerFit, Vec<Reason>>,
+pub(super) struct Fits {
+    pub(super) controller: Result<SpeedControllerFit, Vec<Reason>>,
     pub(super) feed_forward: Result<FeedForward, Vec<Reason>>,
     /// Its delays are without the skew of T_d,calc, where the shaft shows one.
     pub(super) torque_control: Result<TorqueControlFit, Vec<Reason>>,
@@ -24,9 +24,9 @@ pub(super) struct Fits<'p> {
     pub(super) choices: Vec<Choice>,
 }
 
-impl<'p> Fits<'p> {
+impl Fits {
     /// Estimates them, each as a part of a step of the work.
-    pub(super) fn of(parts: &'p Parts<'_>, context: &Context) -> Self {
+    pub(super) fn of(parts: &Parts<'_>, context: &Context) -> Self {
         let step = context.step("estimating", 4);
         let part = |what: &str| step.step(format!("estimating: {what}"), 0);
         let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
@@ -52,7 +52,7 @@ impl<'p> Fits<'p> {
         let inertias = inertias.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
         Fits {
             choices,
-            controller: controller.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
+            controller: controller.map(|chosen| chosen.fit.as_ref().clone()).map_err(Clone::clone),
             feed_forward: feed_forward.map(|chosen| chosen.fit.as_ref().clone()),
             torque_control_as_recorded: torque_control.ok().map(|chosen| chosen.fit.as_ref().clone()),
             torque_control: torque_control.map(|chosen| without_skew(&chosen.fit, torque_skew)).map_err(Clone::clone),
@@ -64,7 +64,7 @@ impl<'p> Fits<'p> {
     pub(super) fn pieces(&self) -> Option<Pieces<'_>> {
         Some(Pieces {
             shaft: self.shaft.as_ref().ok()?,
-            controller: self.controller.as_ref().ok().copied(),
+            controller: self.controller.as_ref().ok(),
             feed_forward: self.feed_forward.as_ref().ok(),
             torque_control: self.torque_control.as_ref().ok(),
         })

@@ -216,15 +216,26 @@ impl Gain {
     pub fn is_worth_while(&self) -> bool {
         !self.is_enough_now && self.narrowing().is_none_or(|narrowing| narrowing * (1.0 - SAME) > 1.0)
     }
+
+    /// Tells whether a number that is known within this part of itself would no longer be: the recording takes the
+    /// place of a better one.
+    pub fn is_spoiled(&self, enough: f64) -> bool {
+        self.is_enough_now && self.then > enough * self.value.abs()
+    }
 }
 
 impl Candidate {
     /// How many numbers it makes known that are not, and the sum of the logarithms by which it narrows intervals that
-    /// are too wide; one that it leaves wider costs nothing, since a recording can be left out.
-    pub fn worth(&self) -> (usize, f64) {
+    /// are too wide, less those by which it spoils numbers that are known within this part of themselves. One that is
+    /// too wide and gets wider costs nothing.
+    pub fn worth(&self, enough: f64) -> (usize, f64) {
         let new = self.gains.iter().filter(|gain| gain.now.is_none()).count();
-        let narrowed = self.gains.iter().filter(|gain| !gain.is_enough_now).filter_map(Gain::narrowing);
-        (new, narrowed.map(|narrowing| narrowing.ln().max(0.0)).sum())
+        let of = |gain: &Gain| match gain.narrowing() {
+            Some(narrowing) if gain.is_spoiled(enough) => narrowing.ln(),
+            Some(narrowing) if !gain.is_enough_now => narrowing.ln().max(0.0),
+            _ => 0.0,
+        };
+        (new, self.gains.iter().map(of).sum())
     }
 
     /// Tells whether it buys anything.
@@ -294,7 +305,8 @@ pub(super) fn beside(parts: &Parts<'_>, options: NextOptions, context: &Context)
     };
     let candidates = parallel::map_as_step(context, "trying experiments on a bench like this one", &plans, tried);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
-    candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
+    let worth = |candidate: &Candidate| candidate.worth(options.enough);
+    candidates.sort_by(|a, b| worth(b).partial_cmp(&worth(a)).unwrap_or(std::cmp::Ordering::Equal));
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
 }
 
@@ -316,7 +328,7 @@ impl Known {
 }
 
 /// The parameters of the parts that people ask for.
-fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
+fn of_parts(fits: &Fits) -> Vec<Parameter> {
     let shaft = fits.shaft.as_ref().ok();
     let inertias = shaft.and_then(|shaft| shaft.inertias.as_ref()).map(|(_, estimate)| estimate);
     let parts: [(Option<&Estimate>, &[Quantity]); 5] = [

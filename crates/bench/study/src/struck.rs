@@ -7,7 +7,7 @@ use crate::findings::Findings;
 use crate::fits::Fits;
 
 /// Strikes every part that an error concerns, and every part that rests on one of these.
-pub(super) fn strike(fits: &mut Fits<'_>, timing: &mut Result<Timing, Vec<Reason>>, findings: &mut Findings<'_>) {
+pub(super) fn strike(fits: &mut Fits, timing: &mut Result<Timing, Vec<Reason>>, findings: &mut Findings<'_>) {
     let on = |part: Part, errors: &[Reason]| if errors.is_empty() { None } else { Some(Reason::Part { part }) };
     let controller = errors_of(Part::SpeedController, findings);
     let torque_control = errors_of(Part::TorqueControl, findings);

@@ -8,6 +8,7 @@
 //! that pictures look alike everywhere.
 
 pub mod decimal;
+#[cfg(feature = "pdf")]
 mod drawing;
 mod empty_figures;
 mod figure;
@@ -18,6 +19,10 @@ mod markdown;
 pub mod markup;
 mod model;
 pub mod number;
+#[cfg(feature = "pdf")]
+mod pdf;
+#[cfg(not(feature = "pdf"))]
+#[path = "pdf/absent.rs"]
 mod pdf;
 mod png;
 mod prose;

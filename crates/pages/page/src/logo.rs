@@ -1,78 +1,31 @@
 //! The logo of a page: a small picture from outside.
 
+mod file;
+#[cfg(feature = "pdf")]
+mod picture;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use resvg::{tiny_skia, usvg};
+pub use file::LogoError;
+use file::{Kind, MOST_BYTES};
+#[cfg(feature = "pdf")]
+pub(crate) use picture::{Picture, Pixels};
 use serde::{Serialize, Serializer};
-
-/// Most pixels of a side.
-const MOST_PIXELS: u32 = 3000;
-/// Pixels that an SVG becomes on paper, at most: sharp at the size of a logo.
-const DRAWN_WIDTH: f32 = 960.0;
-const DRAWN_HEIGHT: f32 = 440.0;
 
 /// A picture at the top of a page: PNG, JPEG or SVG.
 #[derive(Debug, Clone)]
 pub struct Logo {
     kind: Kind,
     bytes: Vec<u8>,
+    #[cfg(feature = "pdf")]
     picture: Picture,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    Png,
-    Jpeg,
-    Svg,
-}
-
-/// A picture as a PDF takes it.
-#[derive(Debug, Clone)]
-pub(crate) struct Picture {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) content: Pixels,
-}
-
-/// The pixels of a picture.
-#[derive(Debug, Clone)]
-pub(crate) enum Pixels {
-    /// Red, green and blue of each, and how opaque it is.
-    Plain { colours: Vec<u8>, opacities: Vec<u8> },
-    /// A JPEG file, grey or in colour.
-    Jpeg { file: Vec<u8>, is_grey: bool },
-}
-
-/// Why a file is no logo.
-#[derive(Debug, thiserror::Error)]
-pub enum LogoError {
-    /// The file is larger than a logo may be.
-    #[error("the file has more than {} kB; save it smaller", Logo::MOST_BYTES / 1024)]
-    Large,
-    /// The picture has more pixels than a logo may have.
-    #[error("the picture has {width} × {height} pixels and a logo may have {MOST_PIXELS} each way; scale it down")]
-    ManyPixels {
-        /// Pixels across.
-        width: u32,
-        /// Pixels down.
-        height: u32,
-    },
-    /// The file is of another kind.
-    #[error("the file is no PNG, JPEG or SVG; save the logo as one of these")]
-    Kind,
-    /// The file is damaged.
-    #[error("the picture cannot be read: {0}; save it anew")]
-    Broken(String),
-    /// The colours are those of a printing press.
-    #[error("the JPEG has {0} colour channels; save it in RGB or grey")]
-    Channels(u8),
 }
 
 impl Logo {
     /// Most bytes of a logo: it is a part of each report.
-    pub const MOST_BYTES: usize = 1 << 20;
+    pub const MOST_BYTES: usize = MOST_BYTES;
 
-    /// Reads a file.
+    /// Reads a file. Without the feature `pdf` its kind is looked at, and not its content.
     ///
     /// # Errors
     /// [`LogoError`] where the file is too large, of another kind, or damaged.
@@ -80,12 +33,18 @@ impl Logo {
         if bytes.len() > Self::MOST_BYTES {
             return Err(LogoError::Large);
         }
-        let (kind, picture) = match bytes.as_slice() {
-            [0x89, b'P', b'N', b'G', ..] => (Kind::Png, png(&bytes)?),
-            [0xff, 0xd8, ..] => (Kind::Jpeg, jpeg(&bytes)?),
-            _ => (Kind::Svg, svg(&bytes)?),
+        let kind = match bytes.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] => Kind::Png,
+            [0xff, 0xd8, ..] => Kind::Jpeg,
+            _ if std::str::from_utf8(&bytes).is_ok_and(|text| text.contains("<svg")) => Kind::Svg,
+            _ => return Err(LogoError::Kind),
         };
-        Ok(Logo { kind, bytes, picture })
+        Ok(Logo {
+            kind,
+            #[cfg(feature = "pdf")]
+            picture: Picture::of(kind, &bytes)?,
+            bytes,
+        })
     }
 
     /// The file as an address that has all of it.
@@ -98,6 +57,7 @@ impl Logo {
         format!("data:image/{kind};base64,{}", STANDARD.encode(&self.bytes))
     }
 
+    #[cfg(feature = "pdf")]
     pub(crate) fn picture(&self) -> &Picture {
         &self.picture
     }
@@ -107,77 +67,4 @@ impl Serialize for Logo {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&self.data_uri())
     }
-}
-
-fn check_size(width: u32, height: u32) -> Result<(), LogoError> {
-    match width.max(height) > MOST_PIXELS {
-        true => Err(LogoError::ManyPixels { width, height }),
-        false => Ok(()),
-    }
-}
-
-/// The pixels of a PNG. Its size is checked before any memory is taken for it.
-fn png(bytes: &[u8]) -> Result<Picture, LogoError> {
-    let side = |at: usize| bytes.get(at..at + 4).and_then(|four| four.try_into().ok()).map(u32::from_be_bytes);
-    let (Some(width), Some(height)) = (side(16), side(20)) else {
-        return Err(LogoError::Broken("the file ends early".to_owned()));
-    };
-    check_size(width, height)?;
-    let pixels = tiny_skia::Pixmap::decode_png(bytes).map_err(|error| LogoError::Broken(error.to_string()))?;
-    Ok(plain(&pixels))
-}
-
-fn plain(pixels: &tiny_skia::Pixmap) -> Picture {
-    let colours: Vec<_> = pixels.pixels().iter().map(|pixel| pixel.demultiply()).collect();
-    Picture {
-        width: pixels.width(),
-        height: pixels.height(),
-        content: Pixels::Plain {
-            colours: colours.iter().flat_map(|colour| [colour.red(), colour.green(), colour.blue()]).collect(),
-            opacities: colours.iter().map(|colour| colour.alpha()).collect(),
-        },
-    }
-}
-
-/// A JPEG stays as it is; its size and channels are in the head of its frame.
-fn jpeg(bytes: &[u8]) -> Result<Picture, LogoError> {
-    let broken = || LogoError::Broken("the file has no frame".to_owned());
-    let mut at = 2;
-    loop {
-        let [0xff, marker, high, low] = *bytes.get(at..at + 4).ok_or_else(broken)? else { return Err(broken()) };
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        // The heads of frames, without tables of codes and the like that are between them.
-        if matches!(marker, 0xc0..=0xc2) {
-            let head = bytes.get(at + 4..at + 10).ok_or_else(broken)?;
-            let side = |at: usize| u32::from(u16::from_be_bytes([head[at], head[at + 1]]));
-            let (height, width, channels) = (side(1), side(3), head[5]);
-            check_size(width, height)?;
-            if width == 0 || height == 0 {
-                return Err(broken());
-            }
-            if channels != 1 && channels != 3 {
-                return Err(LogoError::Channels(channels));
-            }
-            let content = Pixels::Jpeg { file: bytes.to_vec(), is_grey: channels == 1 };
-            return Ok(Picture { width, height, content });
-        }
-        at += 2 + length;
-    }
-}
-
-/// An SVG as pixels. It may not read other files.
-fn svg(bytes: &[u8]) -> Result<Picture, LogoError> {
-    let text = std::str::from_utf8(bytes).map_err(|_| LogoError::Kind)?;
-    if !text.contains("<svg") {
-        return Err(LogoError::Kind);
-    }
-    let options = crate::drawing::options();
-    let tree = usvg::Tree::from_str(text, &options).map_err(|error| LogoError::Broken(error.to_string()))?;
-    let broken = || LogoError::Broken("it has no size".to_owned());
-    let (width, height) = (tree.size().width(), tree.size().height());
-    let scale = (DRAWN_WIDTH / width).min(DRAWN_HEIGHT / height);
-    let size = tree.size().to_int_size().scale_by(scale).ok_or_else(broken)?;
-    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or_else(broken)?;
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    Ok(plain(&pixels))
 }

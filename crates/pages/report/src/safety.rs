@@ -21,8 +21,8 @@ use crate::wording::{self, number};
 pub struct CheckedPlan<'a> {
     /// The experiment.
     pub plan: &'a ExperimentPlan,
-    /// The first speed demanded, rad/s: nobody may have stated it.
-    pub speed_rad_s: f64,
+    /// The lowest and the highest speed demanded, rad/s: nobody may have stated them.
+    pub speeds_rad_s: (f64, f64),
     /// Result of the check.
     pub check: &'a SafetyCheck,
     /// True where the benches were drawn from the covariance of a study.
@@ -40,7 +40,11 @@ pub struct CheckedPlan<'a> {
 /// The verdict with what it rests on.
 pub fn page(checked: &CheckedPlan<'_>) -> Page {
     let CheckedPlan { plan, check, .. } = *checked;
-    let speed = number::significant(checked.speed_rad_s / RPM_RAD_S, 5);
+    let rpm = |speed_rad_s: f64| number::significant(speed_rad_s / RPM_RAD_S, 5);
+    let speed = match (rpm(checked.speeds_rad_s.0), rpm(checked.speeds_rad_s.1)) {
+        (low, high) if low == high => low,
+        (low, high) => format!("{low} … {high}"),
+    };
     let mut all = Blocks::from(Block::Callout {
         tone: overall_tone(check),
         kicker: "Safety check".to_owned(),

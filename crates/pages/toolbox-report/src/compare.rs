@@ -30,6 +30,7 @@ pub fn page(all: &[Met]) -> Page {
 
 /// A model and the recordings it met, in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum MetFacts {
     /// Its responses were judged.

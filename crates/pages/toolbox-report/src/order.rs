@@ -1,11 +1,13 @@
 //! Orders and delay of ARX models, by several criteria.
 
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use ident::{Criterion, OrderTable, ScannedStructure};
+use ident::{Criteria, Criterion, OrderTable, ScannedStructure};
+use numerics::null::nan_if_null;
 use page::decimal::{percent, significant};
 use page::{Align, Axis, Block, Figure, Layer, Page, Panel, Style, Table, Tone};
-use serde_json::{Map, Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::blocks::{finding, line};
 use crate::figures::figure;
@@ -33,17 +35,15 @@ impl Orders {
     }
 
     /// The structures in numbers.
-    pub fn json(&self) -> Value {
+    pub fn facts(&self) -> OrderFacts {
         let (table, criteria) = (&self.table, self.criteria());
-        let one = |s: &ScannedStructure| {
-            json!({"na": s.na, "nb": s.nb, "nk": s.nk, "parameters": s.parameters, "loss": s.loss,
-                "validation_fit_percent": s.validation_fit, "criteria": s.criteria})
-        };
-        let best: Map<String, Value> =
-            criteria.iter().map(|(name, c)| ((*name).to_owned(), one(table.best(*c)))).collect();
-        let all: Vec<_> = table.structures().iter().map(one).collect();
-        let edges: Vec<_> = edges(table, &criteria, &self.ranges).iter().map(Edge::json).collect();
-        json!({"best": best, "at_edge": edges, "structures": all})
+        let best =
+            |(name, criterion): &(&str, Criterion)| ((*name).to_owned(), StructureFacts::of(table.best(*criterion)));
+        OrderFacts {
+            best: criteria.iter().map(best).collect(),
+            at_edge: edges(table, &criteria, &self.ranges),
+            structures: table.structures().iter().map(StructureFacts::of).collect(),
+        }
     }
 
     fn criteria(&self) -> Vec<(&'static str, Criterion)> {
@@ -58,6 +58,53 @@ impl Orders {
             criteria.push(("unseen data", Criterion::Validation));
         }
         criteria
+    }
+}
+
+/// Structures that were compared, in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OrderFacts {
+    /// The structure that each criterion likes best, by the name of the criterion.
+    pub best: BTreeMap<String, StructureFacts>,
+    /// Ends of ranges at which criteria find their best.
+    pub at_edge: Vec<EdgeFacts>,
+    /// All structures.
+    pub structures: Vec<StructureFacts>,
+}
+
+/// An ARX structure that was fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StructureFacts {
+    /// Coefficients of outputs.
+    pub na: usize,
+    /// Coefficients of inputs.
+    pub nb: usize,
+    /// Delay, in samples.
+    pub nk: usize,
+    /// Coefficients in all.
+    pub parameters: usize,
+    /// Determinant of the mean square of the errors on the data of the estimate.
+    #[serde(deserialize_with = "nan_if_null")]
+    pub loss: f64,
+    /// Fit of the prediction on unseen data, %; none where there are no such data.
+    pub validation_fit_percent: Option<f64>,
+    /// Information criteria.
+    pub criteria: Criteria,
+}
+
+impl StructureFacts {
+    fn of(s: &ScannedStructure) -> Self {
+        StructureFacts {
+            na: s.na,
+            nb: s.nb,
+            nk: s.nk,
+            parameters: s.parameters,
+            loss: s.loss,
+            validation_fit_percent: s.validation_fit,
+            criteria: s.criteria,
+        }
     }
 }
 
@@ -81,30 +128,32 @@ fn best(table: &OrderTable, criteria: &[(&str, Criterion)]) -> Table {
 }
 
 /// An end of a range at which criteria find their best: what lies beyond may be better.
-struct Edge {
-    option: &'static str,
-    at: usize,
-    wider: String,
-    by: Vec<String>,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EdgeFacts {
+    /// The option with this range.
+    pub option: String,
+    /// The end.
+    pub at: usize,
+    /// A wider range to try.
+    pub wider: String,
+    /// Names of these criteria.
+    pub criteria: Vec<String>,
 }
 
-impl Edge {
+impl EdgeFacts {
     fn words(&self) -> String {
-        let Edge { option, at, wider, by } = self;
+        let EdgeFacts { option, at, wider, criteria } = self;
         format!(
             "the best by {} is at the end of {option} ({at}); there may be better beyond: try {option} {wider}",
-            by.join(", ")
+            criteria.join(", ")
         )
-    }
-
-    fn json(&self) -> Value {
-        json!({"option": self.option, "at": self.at, "wider": self.wider, "criteria": self.by})
     }
 }
 
 /// The ends that are best. A range of one number is meant so; nothing lies below one but what is asked for.
-fn edges(table: &OrderTable, criteria: &[(&str, Criterion)], ranges: &[RangeInclusive<usize>; 3]) -> Vec<Edge> {
-    let mut found: Vec<Edge> = Vec::new();
+fn edges(table: &OrderTable, criteria: &[(&str, Criterion)], ranges: &[RangeInclusive<usize>; 3]) -> Vec<EdgeFacts> {
+    let mut found: Vec<EdgeFacts> = Vec::new();
     for (name, criterion) in criteria {
         let s = table.best(*criterion);
         for ((option, at), range) in [("--na", s.na), ("--nb", s.nb), ("--nk", s.nk)].into_iter().zip(ranges) {
@@ -116,8 +165,10 @@ fn edges(table: &OrderTable, criteria: &[(&str, Criterion)], ranges: &[RangeIncl
                 _ => continue,
             };
             match found.iter_mut().find(|edge| edge.option == option && edge.at == at) {
-                Some(edge) => edge.by.push((*name).to_owned()),
-                None => found.push(Edge { option, at, wider, by: vec![(*name).to_owned()] }),
+                Some(edge) => edge.criteria.push((*name).to_owned()),
+                None => {
+                    found.push(EdgeFacts { option: option.to_owned(), at, wider, criteria: vec![(*name).to_owned()] });
+                }
             }
         }
     }

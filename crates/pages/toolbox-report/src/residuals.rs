@@ -25,6 +25,7 @@ pub fn page(report: &ResidualReport, data: &Dataset) -> Page {
 
 /// Tests of the residuals of a model on data, in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ResidualFacts {
     /// The tests.
     #[serde(flatten)]
@@ -92,6 +93,7 @@ fn finding(test: &JointTest, good: String, bad: String) -> Block {
 
 /// Tests of residuals in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TestFacts {
     /// Confidence of the regions.
     pub level: f64,
@@ -107,6 +109,7 @@ pub struct TestFacts {
 
 /// Test for whiteness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WhitenessFacts {
     /// All lags together.
     pub joint: JointFacts,
@@ -120,6 +123,7 @@ pub struct WhitenessFacts {
 
 /// Test for independence of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IndependenceFacts {
     /// Correlation that missing dynamics cause.
     pub dynamics: JointFacts,
@@ -137,6 +141,7 @@ pub struct IndependenceFacts {
 
 /// Test of several lags together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointFacts {
     /// Probability of such correlations by chance.
     #[serde(deserialize_with = "nan_if_null")]

@@ -27,6 +27,7 @@ pub struct Responded<'a> {
 
 /// Response of an output to a recording, in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ResponseFacts {
     /// Name of the recording.
     pub recording: String,

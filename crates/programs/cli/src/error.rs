@@ -25,6 +25,11 @@ pub(crate) const INTERNAL: u8 = 5;
 /// The option that gives the model of a study, behind a text that asks for one.
 pub(crate) const WITH_MODEL: &str = " with --model";
 
+/// Tells whether a command of this exit code has written its results.
+pub(crate) fn has_results(code: u8) -> bool {
+    code < USAGE
+}
+
 /// How a command ended that did its work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {

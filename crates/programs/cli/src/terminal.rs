@@ -70,6 +70,20 @@ impl Terminal {
         }
     }
 
+    /// A terminal for messages beside those of a command.
+    pub(crate) fn plain() -> Self {
+        Terminal::new(&Global { quiet: true, ..Global::default() }, Files::new("", false))
+    }
+
+    /// Waits for Enter where the window closes as soon as the program ends: on Windows, if no shell started it. Only
+    /// the shell sets PROMPT.
+    pub(crate) fn wait_if_it_closes() {
+        if cfg!(windows) && io::stdin().is_terminal() && std::env::var_os("PROMPT").is_none() {
+            let _ = writeln!(io::stderr(), "\nPress Enter to close this window.");
+            let _ = io::stdin().read_line(&mut String::new());
+        }
+    }
+
     /// Tells whether nothing but warnings and errors is to be shown.
     pub(crate) fn is_quiet(&self) -> bool {
         self.quiet

@@ -105,6 +105,9 @@ pub enum Error {
     /// A result whose ending names no format.
     #[error("{}: the ending of the output says what it is: {endings}", .path.display())]
     OutputEnding { path: PathBuf, endings: &'static str },
+    /// A file of a format that this build leaves out.
+    #[error("{}: this build of dynoid writes no {format}; build it with the feature `{feature}`, or choose another format", .path.display())]
+    LeftOut { path: PathBuf, format: &'static str, feature: &'static str },
     /// A page whose ending names no kind.
     #[error("{}: a page ends in .html, .pdf, .svg or .png", .path.display())]
     PageEnding { path: PathBuf },

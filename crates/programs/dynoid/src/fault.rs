@@ -35,6 +35,7 @@ impl Error {
             | Error::Encode { .. } => Fault::Output,
             Error::IsRead { .. }
             | Error::OutputEnding { .. }
+            | Error::LeftOut { .. }
             | Error::ModelEnding { .. }
             | Error::PageEnding { .. }
             | Error::NotABench { .. }

@@ -6,6 +6,7 @@ use std::path::Path;
 use recording::{Recording, RecordingError};
 
 use crate::error::Error;
+use crate::features;
 use crate::files::Files;
 use crate::mark::Mark;
 use crate::output::Staging;
@@ -56,9 +57,15 @@ impl FileFormat {
         })
     }
 
-    /// As [`Self::of`], of a file to be written.
+    /// As [`Self::of`], of a file to be written. Fails for a format that this build leaves out.
     pub fn of_output(path: &Path) -> Result<Self, Error> {
-        Self::of(path).ok_or_else(|| Error::OutputEnding { path: path.to_owned(), endings: ENDINGS })
+        let format = Self::of(path).ok_or_else(|| Error::OutputEnding { path: path.to_owned(), endings: ENDINGS })?;
+        match format {
+            FileFormat::Parquet => features::PARQUET.check(path, "Parquet")?,
+            FileFormat::Arrow => features::PARQUET.check(path, "Arrow")?,
+            FileFormat::Mf4 | FileFormat::Csv | FileFormat::Tsv | FileFormat::Mat => {}
+        }
+        Ok(format)
     }
 
     /// Tells whether its files are text.
@@ -194,6 +201,6 @@ fn left_out(format: &str) -> RecordingError {
     RecordingError::CannotExpress {
         format: format.into(),
         name: "the recording".into(),
-        what: "anything: this build of the program leaves the format out".into(),
+        what: "anything: this build of dynoid lacks the feature `parquet`".into(),
     }
 }

@@ -67,6 +67,7 @@ pub mod experiments;
 mod exports;
 pub mod facts;
 mod fault;
+mod features;
 mod files;
 mod find;
 mod formats;

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::mark::{Mark, in_png, in_svg};
 use crate::output::{Staging, check_file};
-use crate::{date, paths};
+use crate::{date, features, paths};
 
 /// Writes a page, or its figures, as the file's ending asks for: .html, .pdf, .svg or .png. Returns in words which
 /// characters the file does not show.
@@ -38,10 +38,14 @@ pub fn stage_page(path: &Path, page: &Page, staging: &mut Staging) -> Result<Opt
 /// Checks before any work that a page can be written there, and is of a kind that can be drawn.
 ///
 /// # Errors
-/// A file that must stay, and another ending.
+/// A file that must stay, another ending, and a format that this build leaves out.
 pub fn check_page(path: &Path, files: &Files) -> Result<(), Error> {
     check_file(path, &Mark::of_run(files), files)?;
-    kind(path).map(|_| ())
+    match kind(path)? {
+        Kind::Pdf => features::PDF.check(path, "PDF"),
+        Kind::Png => features::PDF.check(path, "PNG"),
+        Kind::Page | Kind::Svg => Ok(()),
+    }
 }
 
 /// The characters of a page that a file with fonts of its own cannot show, in words.

@@ -11,6 +11,7 @@ use work::Context;
 
 use crate::bench::Bench;
 use crate::error::Error;
+use crate::features;
 use crate::files::Files;
 use crate::formats::encode_table;
 use crate::mark::{Kind, Mark};
@@ -69,6 +70,8 @@ pub struct StudyFolder {
 pub struct WrittenStudy {
     /// The study.
     pub study: Study,
+    /// All analyses, where they were wanted.
+    pub analyses: Option<Analyses>,
     /// The report.
     pub report: PathBuf,
     /// The report with all analyses, where they were wanted.
@@ -173,6 +176,7 @@ impl StudyFolder {
             earlier,
             without_glyph: on_paper.flatten(),
             study,
+            analyses,
         })
     }
 }
@@ -189,6 +193,10 @@ fn check_results(out: &Path, options: StudyOptions, files: &Files) -> Result<(),
         (SUMMARY_PDF, summary.is_some()),
     ];
     let pages = pages.into_iter().filter(|(_, is_written)| *is_written).map(|(name, _)| (name, Mark::of_run(files)));
+    let on_paper = [(REPORT_PDF, pdf.is_some()), (SUMMARY_PDF, summary.is_some())];
+    for (name, _) in on_paper.into_iter().filter(|(_, is_written)| *is_written) {
+        features::PDF.check(&out.join(name), "PDF")?;
+    }
     let documents = [(DATA, Mark::Document(Kind::Study)), (MODEL, Mark::Document(Kind::Bench))];
     pages.chain(documents).try_for_each(|(name, mark)| check_replaceable(&out.join(name), Some(&mark), files))
 }

@@ -12,6 +12,18 @@ use crate::errors::Fault;
 /// Numbers of any type that numpy makes floats of.
 pub(crate) type Floats<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
+/// Numbers of an array, or one number alone.
+pub(crate) fn numbers(what: &str, given: &Bound<'_, PyAny>) -> Result<Vec<f64>, Fault> {
+    let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> = given.extract()?;
+    let view = array.as_array();
+    match view.ndim() {
+        0 | 1 => Ok(view.iter().copied().collect()),
+        dimensions => {
+            Err(Fault::argument(format!("{what}: an array of {dimensions} dimensions; give a list of numbers")))
+        }
+    }
+}
+
 /// A vector, whose memory numpy takes over; it cannot be written to.
 pub(crate) fn vector(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     let array = values.into_pyarray(py);

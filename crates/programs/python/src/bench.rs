@@ -80,6 +80,7 @@ impl Bench {
         if let Some(given) = recordings {
             let source = |one: &Bound<'_, Recording>| -> PyResult<Source> {
                 let (name, sha256) = one.get().source();
+                let sha256 = sha256.known();
                 // Named as the bench file would list it.
                 let file = paths::name_in(Path::new(&name), &bench.folder());
                 Ok(Source { file, sha256, recording: Ok(one.get().whole(py)?) })
@@ -140,16 +141,19 @@ impl Bench {
             let step = context.step("study", 3);
             let session = self.session(&step)?;
             let origin = self.bench.origin();
-            match (folder, full) {
-                (Some(folder), _) => Ok((FoundStudy::of(&folder.write(session, &step)?.study, &origin)?, None)),
-                (None, false) => Ok((FoundStudy::of(&session.study(&step)?, &origin)?, None)),
-                (None, true) => {
-                    let (study, analyses) = session.study_full(&step)?;
-                    let page = report::full_study(&study, &origin, &analyses);
-                    let full = Made::whole(&StudyFacts::of(&study), page, &document::ANALYSES, &analyses)?;
-                    Ok::<_, Error>((FoundStudy::of(&study, &origin)?, Some(full)))
+            let (study, analyses) = match folder {
+                Some(folder) => {
+                    let written = folder.write(session, &step)?;
+                    (written.study, written.analyses)
                 }
-            }
+                None if full => session.study_full(&step).map(|(study, analyses)| (study, Some(analyses)))?,
+                None => (session.study(&step)?, None),
+            };
+            let full = analyses.map(|analyses| {
+                let page = report::full_study(&study, &origin, &analyses);
+                Made::whole(&StudyFacts::of(&study), page, &document::ANALYSES, &analyses)
+            });
+            Ok::<_, Error>((FoundStudy::of(&study, &origin)?, full.transpose()?))
         })??;
         Ok((found.into_python(py)?, analyses))
     }

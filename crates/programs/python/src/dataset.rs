@@ -9,6 +9,7 @@ use serde_json::json;
 use toolbox_report::data::{Purpose, adjustment};
 
 use crate::arrays::{Columns, matrix, vector};
+use crate::content::ContentHash;
 use crate::errors::Fault;
 use crate::interrupt;
 use crate::recording::Recording;
@@ -38,7 +39,7 @@ pub(crate) struct Dataset {
     pub(crate) between: Intersample,
     pub(crate) trend: Option<Trend>,
     /// The recordings: the name of the experiment, and the hash of the file.
-    files: Vec<(String, String)>,
+    files: Vec<(String, ContentHash)>,
     notes: Vec<String>,
 }
 
@@ -119,11 +120,20 @@ impl Dataset {
     /// Where each experiment comes from, if it is of a file.
     pub(crate) fn sources(&self) -> Vec<Source> {
         let source = |e: &Experiment| {
-            let (file, sha256) = self.files.iter().find(|(name, sha256)| *name == e.name && !sha256.is_empty())?;
+            let of_it = self.files.iter().filter(|(name, _)| *name == e.name);
+            let (file, sha256) = of_it.map(|(name, hash)| (name, hash.known())).find(|(_, hash)| !hash.is_empty())?;
             let to_s = e.start_s + e.len().saturating_sub(1) as f64 * self.data.sample_time_s();
-            Some(Source { file: file.clone(), sha256: sha256.clone(), from_s: e.start_s, to_s })
+            Some(Source { file: file.clone(), sha256, from_s: e.start_s, to_s })
         };
         self.data.experiments().iter().filter_map(source).collect()
+    }
+
+    /// The recording of every experiment; without a hash where it is of no file.
+    pub(crate) fn sources_of_all(&self) -> Vec<Source> {
+        let known = self.sources();
+        let of = |e: &Experiment| known.iter().find(|source| source.file == e.name).cloned();
+        let none = || Source { file: String::new(), sha256: String::new(), from_s: 0.0, to_s: 0.0 };
+        self.data.experiments().iter().map(|e| of(e).unwrap_or_else(none)).collect()
     }
 
     /// The rows of all experiments, one after the other.
@@ -326,7 +336,7 @@ impl Dataset {
             "outputs": own.data.output_labels(),
             "between": own.between,
             "trend": own.trend,
-            "files": own.files,
+            "files": own.files.iter().map(|(name, hash)| (name, hash.known())).collect::<Vec<_>>(),
             "notes": own.notes,
             "experiments": experiments.iter().map(|e| (&e.name, e.start_s)).collect::<Vec<_>>(),
         });
@@ -350,7 +360,8 @@ impl Dataset {
         }
         let data = data.ok_or_else(|| Fault::argument("data without an experiment"))?;
         let data = data.with_intersample(state.intersample).with_labels(state.inputs, state.outputs)?;
-        Ok(Dataset { data, between: state.between, trend: state.trend, files: state.files, notes: state.notes })
+        let files = state.files.into_iter().map(|(name, hash)| (name, ContentHash::known_as(hash))).collect();
+        Ok(Dataset { data, between: state.between, trend: state.trend, files, notes: state.notes })
     }
 }
 

@@ -133,6 +133,7 @@ impl From<Error> for Fault {
             | Error::IsDevice { path: of }
             | Error::AmongRecordings { path: of, .. }
             | Error::OutputEnding { path: of, .. }
+            | Error::LeftOut { path: of, .. }
             | Error::PageEnding { path: of }
             | Error::Study { path: of, .. }
             | Error::BenchModel { path: of, .. }

@@ -32,7 +32,7 @@ impl PerInput {
         }
     }
 
-    fn spread(&self, what: &str, inputs: usize) -> Result<Vec<usize>, Fault> {
+    pub(crate) fn spread(&self, what: &str, inputs: usize) -> Result<Vec<usize>, Fault> {
         match self {
             PerInput::All(one) => Ok(vec![*one; inputs]),
             PerInput::Each(values) if values.len() == inputs => Ok(values.clone()),

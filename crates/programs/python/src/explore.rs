@@ -2,15 +2,21 @@
 
 use ident::{IdentError, OrderScan};
 use pyo3::prelude::*;
-use serde_json::json;
+use serde::Serialize;
 use toolbox_report::delay::{Delays, Known, spacing};
 use toolbox_report::order::Orders;
-use toolbox_report::spectrum::{self, Periods, SpectrumMethod, SpectrumOptions};
+use toolbox_report::spectrum::{self, Periods, SpectrumFacts, SpectrumMethod, SpectrumOptions};
 
 use crate::dataset::{Dataset, one_of};
 use crate::errors::Fault;
 use crate::interrupt;
 use crate::made::Made;
+
+/// The spectra under the name of the list.
+#[derive(Serialize)]
+struct SpectraFacts {
+    spectra: Vec<SpectrumFacts>,
+}
 
 /// Of each experiment the power spectra of the outputs, or their responses to the inputs.
 #[pyfunction]
@@ -36,7 +42,7 @@ pub(crate) fn spectra(
     let periods = period.map_or(Periods::Found, Periods::Given);
     let options = SpectrumOptions { method, periods, window };
     let found = interrupt::quietly(data.py(), || spectrum::spectra(own, &options))?.map_err(IdentError::from)?;
-    Ok(Made::new(&json!({ "spectra": spectrum::json(&found) }), spectrum::page(&found))?)
+    Ok(Made::new(&SpectraFacts { spectra: spectrum::facts(&found) }, spectrum::page(&found))?)
 }
 
 /// Dead times beside dynamics, and what other methods say.
@@ -47,13 +53,12 @@ pub(crate) fn delays(
     progress: Option<Py<PyAny>>,
     threads: Option<usize>,
 ) -> Result<Made, Fault> {
-    let own = complete(data)?;
+    let own = &data.get().data;
     let known = Known { adjustments: &[], spacing: spacing(own), clock_is_given: false, between_is_given: false };
     let found =
         interrupt::run(data.py(), progress, threads, |context| Delays::of(own.clone(), &known, longest, context))??;
-    let facts = found.json();
-    let notes = facts["notes"].as_array().into_iter().flatten().filter_map(|note| note.as_str().map(str::to_owned));
-    Ok(Made::new(&facts, found.page())?.with_notes(notes))
+    let facts = found.facts();
+    Ok(Made::new(&facts, found.page())?.with_notes(facts.notes))
 }
 
 /// ARX structures, ranked by several criteria; on data that none was fitted to, where there are such.
@@ -73,7 +78,7 @@ pub(crate) fn orders(
     let (own, unseen) = (complete(data)?, validation.map(complete).transpose()?);
     let table = interrupt::run(data.py(), progress, threads, |context| scan.run_as_step(context, own, unseen))??;
     let found = Orders { table, ranges, is_validated: unseen.is_some() };
-    Ok(Made::new(&found.json(), found.page())?)
+    Ok(Made::new(&found.facts(), found.page())?)
 }
 
 /// Data in which nothing is missing.

@@ -1,22 +1,30 @@
 //! An estimate: the model, how certain it is, and what follows from it.
 
+use std::ffi::CString;
 use std::path::PathBuf;
 
+use dynoid::linear::ConvertedModel;
+use dynoid::linear::operating_point::{self, MeetingTrend};
 use dynoid::{Kind, Mark, check_replaceable, replace_file};
+use faer::Mat;
 use ident::prediction::{InitialState, Response, predict, residuals, simulate};
 use ident::uncertainty::{Dynamics, UncertainRoot};
 use ident::validate::{Independence, JointTest, ResidualTest, TestData, Whiteness};
 use ident::{
-    AnyModel, EstimateRecord, Experiment, Fit as Estimate, IdentError, Label, LinearModel, ModelDocument, Origin,
-    Parametric,
+    AnyModel, EstimateRecord, Experiment, Fit as Estimate, IdentError, Label, Line, LinearModel, ModelDocument, Origin,
+    Parametric, Trend,
 };
-use lti::{Complex64, TimeGrid};
+use lti::{Complex64, Discretisation, TimeGrid};
+use numerics::linalg::Cholesky;
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde::{Deserialize, Serialize};
+use signal::excitation::Random;
+use toolbox_report::convert::{Conversion, Form};
 
-use crate::arrays::{Floats, bounds, matrix, vector};
+use crate::arrays::{bounds, matrix, numbers, vector};
 use crate::dataset::{Dataset, one_of};
 use crate::errors::Fault;
 use crate::interrupt;
@@ -54,7 +62,7 @@ impl Fit {
         let (inputs, outputs) = (data.data.input_labels().to_vec(), data.data.output_labels().to_vec());
         let mut document = ModelDocument::new(estimate.model.clone(), inputs, outputs, data.data.sample_time_s());
         document.intersample = data.between;
-        document.trend = data.trend.clone();
+        document.trend = trend_of(&estimate, data);
         document.estimate = Some(EstimateRecord::new(&estimate, method, data.sources()));
         Fit { estimate, document }
     }
@@ -85,23 +93,93 @@ impl Fit {
         place("input", &self.document.inputs, given)
     }
 
-    /// The outputs of a model as data of their own.
+    /// Output of a model, for data about its offset.
     fn respond(
         &self,
         data: &Bound<'_, Dataset>,
         initial: &str,
         response: impl FnOnce(&AnyModel, &ident::Dataset, &InitialState) -> Result<Response, IdentError> + Send,
-    ) -> Result<Dataset, Fault> {
+    ) -> Result<Response, Fault> {
         let initial = initial_state(initial)?;
         let own = data.get();
-        let found = interrupt::quietly(data.py(), || response(&self.estimate.model, &own.data, &initial))??;
-        let mut outputs = found.outputs.into_iter();
-        let replaced = own.data.map_experiments(|e| {
-            let outputs = outputs.next().ok_or(IdentError::NoOutput)?;
-            Ok(Experiment { outputs, ..e.clone() })
-        })?;
-        Ok(own.with(replaced))
+        Ok(interrupt::quietly(data.py(), || response(&self.estimate.model, &self.about_its_offset(own)?, &initial))??)
     }
+
+    /// The outputs of a model, with its offset, as data of their own.
+    fn outputs_for(
+        &self,
+        data: &Bound<'_, Dataset>,
+        initial: &str,
+        response: impl FnOnce(&AnyModel, &ident::Dataset, &InitialState) -> Result<Response, IdentError> + Send,
+    ) -> Result<Dataset, Fault> {
+        let own = data.get();
+        let found = with_outputs(&own.data, self.respond(data, initial, response)?)?;
+        let offset = self.offset_for(own)?;
+        Ok(own.with(offset.map_or(Ok(found.clone()), |offset| offset.restore(&found))?))
+    }
+
+    /// The operating point, where it is a constant of the model: outputs about a level with inputs about zero, as the
+    /// option `offset` estimates.
+    fn offset(&self) -> Option<&Trend> {
+        let trend = self.document.trend.as_ref()?;
+        let mut lines = (0..trend.count()).flat_map(|n| trend.inputs(n));
+        (!self.document.inputs.is_empty() && lines.all(|line| *line == Line::level(0.0))).then_some(trend)
+    }
+
+    /// The offset in data from which nothing was taken: of the estimate's own recordings theirs, of others the mean.
+    fn offset_for(&self, data: &Dataset) -> Result<Option<Trend>, IdentError> {
+        if data.trend.is_some() || self.offset().is_none() {
+            return Ok(None);
+        }
+        let sources = data.sources_of_all();
+        operating_point::trend(&self.document, MeetingTrend::Model, &data.data, &sources)
+    }
+
+    /// The data less the model's offset.
+    pub(crate) fn about_its_offset(&self, data: &Dataset) -> Result<ident::Dataset, IdentError> {
+        self.offset_for(data)?.map_or_else(|| Ok(data.data.clone()), |offset| offset.remove(&data.data))
+    }
+}
+
+/// Trend that was taken off the data of an estimate, and the levels that were estimated with it.
+fn trend_of(estimate: &Estimate<AnyModel>, data: &Dataset) -> Option<Trend> {
+    match estimate.levels.is_empty() {
+        true => data.trend.clone(),
+        false => operating_point::raised(data.trend.as_ref(), &estimate.levels, data.data.inputs()).ok(),
+    }
+}
+
+fn with_outputs(data: &ident::Dataset, response: Response) -> Result<ident::Dataset, IdentError> {
+    let mut outputs = response.outputs.into_iter();
+    data.map_experiments(|e| {
+        let outputs = outputs.next().ok_or(IdentError::NoOutput)?;
+        Ok(Experiment { outputs, ..e.clone() })
+    })
+}
+
+/// Samples of a prediction; infinitely many are a simulation.
+#[derive(FromPyObject)]
+pub(crate) enum Horizon {
+    Samples(i64),
+    Number(f64),
+}
+
+impl Horizon {
+    /// The samples; none for a simulation.
+    pub(crate) fn samples(self) -> Result<Option<usize>, Fault> {
+        match self {
+            Horizon::Number(number) if number == f64::INFINITY => Ok(None),
+            Horizon::Number(number) => Err(wrong_horizon(number)),
+            Horizon::Samples(samples) => match usize::try_from(samples) {
+                Ok(samples) if samples > 0 => Ok(Some(samples)),
+                _ => Err(wrong_horizon(samples)),
+            },
+        }
+    }
+}
+
+fn wrong_horizon(given: impl std::fmt::Display) -> Fault {
+    Fault::argument(format!("horizon={given}: give a number of samples from 1 on, or infinity for a simulation"))
 }
 
 /// The place of a channel, which may be left out where there is one alone.
@@ -219,22 +297,81 @@ impl Fit {
         to_python(py, &self.estimate.doubts)
     }
 
-    /// Prediction of the outputs so many samples ahead.
-    #[pyo3(signature = (data, horizon=1, *, initial="estimated"))]
-    fn predict(&self, data: &Bound<'_, Dataset>, horizon: usize, initial: &str) -> Result<Dataset, Fault> {
-        self.respond(data, initial, move |model, data, initial| predict(model, data, horizon, initial))
+    /// Level of each output that was estimated with the model (`offset=True`): the mean over its data, or nothing.
+    #[getter]
+    fn offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let named = PyDict::new(py);
+        let Some(trend) = self.offset() else { return Ok(named) };
+        for (place, name) in self.outputs().into_iter().enumerate() {
+            let levels = (0..trend.count()).filter_map(|n| trend.outputs(n).get(place)).map(|line| line.level);
+            named.set_item(name, levels.sum::<f64>() / trend.count() as f64)?;
+        }
+        Ok(named)
     }
 
-    /// Simulation of the outputs from the inputs alone.
-    #[pyo3(signature = (data, *, initial="estimated"))]
-    fn simulate(&self, data: &Bound<'_, Dataset>, initial: &str) -> Result<Dataset, Fault> {
-        self.respond(data, initial, simulate)
+    /// Prediction of the outputs so many samples ahead; an infinite horizon is a simulation.
+    #[pyo3(
+        signature = (data, horizon=Horizon::Samples(1), *, initial="estimated"),
+        text_signature = "($self, data, horizon=1, *, initial=\"estimated\")"
+    )]
+    fn predict(&self, data: &Bound<'_, Dataset>, horizon: Horizon, initial: &str) -> Result<Dataset, Fault> {
+        let horizon = horizon.samples()?;
+        self.outputs_for(data, initial, move |model, data, initial| match horizon {
+            Some(samples) => predict(model, data, samples, initial),
+            None => simulate(model, data, initial),
+        })
+    }
+
+    /// Simulation of the outputs from the inputs alone. With `noise_seed`, noise of the model is drawn with this seed
+    /// and added.
+    #[pyo3(signature = (data, *, initial="estimated", noise_seed=None))]
+    fn simulate(&self, data: &Bound<'_, Dataset>, initial: &str, noise_seed: Option<u64>) -> Result<Dataset, Fault> {
+        let simulated = self.outputs_for(data, initial, simulate)?;
+        let Some(seed) = noise_seed else { return Ok(simulated) };
+        let noisy = interrupt::quietly(data.py(), || self.with_noise(&simulated, seed))??;
+        Ok(simulated.with(noisy))
     }
 
     /// Errors of the prediction one step ahead; NaN where an output is missing.
     #[pyo3(signature = (data, *, initial="estimated"))]
     fn residuals(&self, data: &Bound<'_, Dataset>, initial: &str) -> Result<Dataset, Fault> {
-        self.respond(data, initial, residuals)
+        let own = data.get();
+        Ok(own.with(with_outputs(&own.data, self.respond(data, initial, residuals)?)?))
+    }
+
+    /// The state at the first sample of each experiment, experiments × states, in the coordinates of `innovations()`:
+    /// the one that makes the errors of prediction smallest.
+    fn initial_states<'py>(&self, data: &Bound<'py, Dataset>) -> Result<Bound<'py, PyArray2<f64>>, Fault> {
+        let one_step =
+            |model: &AnyModel, data: &ident::Dataset, initial: &InitialState| predict(model, data, 1, initial);
+        let states = self.respond(data, "estimated", one_step)?.initial_states;
+        PyArray2::from_vec2(data.py(), &states).map_err(|error| Fault::argument(error.to_string()))
+    }
+
+    /// The way from the noise `e` to the outputs as an estimate of its own, with the covariance that belongs to it:
+    /// its poles, zeros, responses and bands are those of the noise model.
+    fn noise(&self) -> Result<Self, Fault> {
+        let noise = self.document.of_noise()?;
+        let white =
+            || Fault::argument("the model has no noise model: its noise is white, and the output has it as it is");
+        Self::of_document(noise.ok_or_else(white)?)
+    }
+
+    /// So many models drawn from the distribution of the estimate.
+    #[pyo3(signature = (count, *, seed=0))]
+    fn sample(&self, py: Python<'_>, count: usize, seed: u64) -> Result<Vec<Self>, Fault> {
+        let samples = interrupt::quietly(py, || self.estimate.sample(count, &mut Random::new(seed)))??;
+        let (method, sources) = self.document.estimate.as_ref().map_or((String::new(), Vec::new()), |record| {
+            (format!("{}, drawn", record.method), record.sources.clone())
+        });
+        let drawn = |model: AnyModel| {
+            let estimate = self.estimate.clone().map(|_| model.clone());
+            let mut document = self.document.clone();
+            document.estimate = Some(EstimateRecord::new(&estimate, method.clone(), sources.clone()));
+            document.model = model;
+            Fit { estimate, document }
+        };
+        Ok(samples.models.into_iter().map(|sample| drawn(sample.model)).collect())
     }
 
     /// Tests of the residuals: are they white, and do they follow the inputs? `own` data are those of the estimate.
@@ -250,7 +387,13 @@ impl Fit {
         let py = data.py();
         let (which, given) = (if own { TestData::Own } else { TestData::Unseen }, data.get());
         let test = ResidualTest { lags, level, ..ResidualTest::default() };
-        let report = interrupt::quietly(py, || test.run(&self.estimate, &given.data, which))??;
+        let report = interrupt::quietly(py, || {
+            let about = match own && !self.estimate.levels.is_empty() {
+                true => self.estimate.without_levels(&given.data),
+                false => self.about_its_offset(given),
+            };
+            test.run(&self.estimate, &about?, which)
+        })??;
         let whiteness = report.whiteness.iter().map(|found| white(py, found)).collect::<PyResult<Vec<_>>>()?;
         let row = |row: &Vec<Independence>| {
             PyList::new(py, row.iter().map(|found| independent(py, found)).collect::<PyResult<Vec<_>>>()?)
@@ -259,24 +402,26 @@ impl Fit {
             whiteness: whiteness,
             independence: report.independence.iter().map(row).collect::<PyResult<Vec<_>>>()?,
             joint_whiteness: joint(py, &report.joint_whiteness)?,
-            samples: report.samples, text: report.to_string(),
+            samples: report.samples, text: report.text(&names(&self.document.inputs), &names(&self.document.outputs)),
         );
         Ok(result(py, "ResidualReport", &fields)?)
     }
 
-    /// Frequency response of a channel at angular frequencies in rad/s, with bands that hold with this probability.
+    /// Frequency response of a channel at angular frequencies in rad/s, or at one, with bands that hold with this
+    /// probability.
     #[pyo3(signature = (w=None, *, level=0.95, y=None, u=None))]
     fn bode<'py>(
         &self,
         py: Python<'py>,
-        w: Option<Floats<'py>>,
+        w: Option<Bound<'py, PyAny>>,
         level: f64,
         y: Option<Which>,
         u: Option<Which>,
     ) -> Result<Bound<'py, PyAny>, Fault> {
         check_level(level)?;
         let (output, input) = (self.output(y)?, self.input(u)?);
-        let given = w.map(|w| w.as_array().to_vec());
+        let given = w.map(|w| numbers("w", &w)).transpose()?;
+        warn_above_nyquist(py, self.estimate.model.system()?.sample_time_s(), given.as_deref().unwrap_or_default())?;
         let band = interrupt::quietly(py, || -> Result<_, IdentError> {
             let omega_rad_s = match given {
                 Some(given) => given,
@@ -296,19 +441,21 @@ impl Fit {
         Ok(result(py, "Bode", &fields)?)
     }
 
-    /// Step response of a channel at equally spaced times from zero on, with bands that hold with this probability.
+    /// Step response of a channel at equally spaced times from zero on, or up to one time, with bands that hold with
+    /// this probability.
     #[pyo3(signature = (time=None, *, level=0.95, y=None, u=None))]
     fn step<'py>(
         &self,
         py: Python<'py>,
-        time: Option<Floats<'py>>,
+        time: Option<Bound<'py, PyAny>>,
         level: f64,
         y: Option<Which>,
         u: Option<Which>,
     ) -> Result<Bound<'py, PyAny>, Fault> {
         check_level(level)?;
         let (output, input) = (self.output(y)?, self.input(u)?);
-        let grid = time.map(|time| grid_of(&time.as_array().to_vec())).transpose()?;
+        let sample_time_s = self.estimate.model.system()?.sample_time_s();
+        let grid = time.map(|time| grid_of(&numbers("time", &time)?, sample_time_s)).transpose()?;
         let charts = interrupt::quietly(py, || match grid {
             Some(grid) => self.estimate.step_at(&grid, level),
             None => self.estimate.step(),
@@ -348,14 +495,25 @@ impl Fit {
         self.roots(py, Estimate::zeros, level, (y, u))
     }
 
-    /// The system from inputs to outputs in state space, in the model's own time: A, B, C, D, the sample time (none in
-    /// continuous time), and the delays that the matrices leave out, outputs × inputs, s.
-    fn state_space<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Fault> {
-        let system = self.estimate.model.system()?;
+    /// The system from inputs to outputs in state space: A, B, C, D, the sample time (none in continuous time), and the
+    /// delays that the matrices leave out, outputs × inputs, s. It is in the model's own time, on another sample time,
+    /// or continuous; inputs are held between samples.
+    #[pyo3(signature = (*, sample_time=None, continuous=false))]
+    fn state_space<'py>(
+        &self,
+        py: Python<'py>,
+        sample_time: Option<f64>,
+        continuous: bool,
+    ) -> Result<Bound<'py, PyAny>, Fault> {
+        let model = match sample_time.is_some() || continuous {
+            true => interrupt::quietly(py, || self.converted(sample_time, continuous))??,
+            false => self.estimate.model.clone(),
+        };
+        let system = model.system()?;
         let (outputs, inputs) = (system.outputs(), system.inputs());
         let mut delays = faer::Mat::zeros(outputs, inputs);
         for (output, input) in (0..outputs).flat_map(|output| (0..inputs).map(move |input| (output, input))) {
-            delays[(output, input)] = self.estimate.model.delay_s(output, input)?;
+            delays[(output, input)] = model.delay_s(output, input)?;
         }
         let fields = fields!(py,
             A: matrix(py, system.a()), B: matrix(py, system.b()), C: matrix(py, system.c()), D: matrix(py, system.d()),
@@ -441,10 +599,38 @@ impl Fit {
     }
 }
 
+/// Steps of a response in continuous time up to one time.
+const STEPS: usize = 200;
+/// Steps of a response at most.
+const MOST_STEPS: f64 = 1e7;
 /// Frequencies of a Bode plot.
 const FREQUENCIES: usize = 200;
 
 impl Fit {
+    /// The model on another clock.
+    fn converted(&self, sample_time: Option<f64>, continuous: bool) -> Result<AnyModel, Fault> {
+        if sample_time.is_some() && continuous {
+            return Err(Fault::argument("give either sample_time or continuous=True"));
+        }
+        let rule = Discretisation::ZeroOrderHold;
+        let asked = Conversion { form: Form::StateSpace, sample_time_s: sample_time, continuous, rule };
+        Ok(ConvertedModel::of(self.document.clone(), &asked)?.document()?.model)
+    }
+
+    /// Data whose outputs have a realisation of the model's noise besides.
+    fn with_noise(&self, data: &Dataset, seed: u64) -> Result<ident::Dataset, IdentError> {
+        let own = &data.data;
+        let form = self.estimate.model.innovations(own.sample_time_s(), self.document.intersample)?;
+        let deviations = Cholesky::new(form.noise_covariance())?;
+        let (system, mut random) = (form.noise_system()?, Random::new(seed));
+        let at_rest = vec![0.0; system.states()];
+        own.map_experiments(|e| {
+            let white = Mat::from_fn(e.len(), system.inputs(), |_, _| random.normal());
+            let noise = system.simulate((white * deviations.lower().transpose()).as_ref(), &at_rest)?;
+            Ok(Experiment { outputs: &e.outputs + &noise, ..e.clone() })
+        })
+    }
+
     /// Poles or zeros of a channel, as `find` finds them.
     fn roots<'py>(
         &self,
@@ -484,9 +670,32 @@ fn check_level(level: f64) -> Result<(), Fault> {
     }
 }
 
-/// Equally spaced times from zero on.
-fn grid_of(time_s: &[f64]) -> Result<TimeGrid, Fault> {
-    let wrong = || Fault::argument("time: give equally spaced times from 0 on");
+/// Warns of frequencies at which a sampled model only repeats its response.
+fn warn_above_nyquist(py: Python<'_>, sample_time_s: Option<f64>, omega_rad_s: &[f64]) -> PyResult<()> {
+    let Some(nyquist) = sample_time_s.map(|t| std::f64::consts::PI / t) else { return Ok(()) };
+    if omega_rad_s.iter().all(|omega| *omega <= nyquist * (1.0 + 1e-9)) {
+        return Ok(());
+    }
+    let words =
+        format!("w goes beyond half the sampling rate, {nyquist:.6} rad/s, where the response only repeats itself");
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(words)?, 2)
+}
+
+/// Names of channels.
+fn names(labels: &[Label]) -> Vec<String> {
+    labels.iter().map(|label| label.name.clone()).collect()
+}
+
+/// Equally spaced times from zero on, of a list or up to one time.
+fn grid_of(time_s: &[f64], sample_time_s: Option<f64>) -> Result<TimeGrid, Fault> {
+    let wrong = || Fault::argument("time: give equally spaced times from 0 on, or the last one");
+    if let [last] = time_s {
+        let step_s = sample_time_s.unwrap_or(last / STEPS as f64);
+        // Half a sample of room, so that rounding does not cost the last one.
+        let steps = (last / step_s + 1e-9).floor();
+        let is_possible = *last > 0.0 && last.is_finite() && steps < MOST_STEPS;
+        return is_possible.then_some(TimeGrid { step_s, points: steps as usize + 1 }).ok_or_else(wrong);
+    }
     let [first, second, ..] = time_s else { return Err(wrong()) };
     let step_s = second - first;
     let is_even = |(k, time): (usize, &f64)| (time - k as f64 * step_s).abs() <= 1e-6 * step_s;

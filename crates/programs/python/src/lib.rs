@@ -4,6 +4,7 @@
 mod arrays;
 mod bench;
 mod compare;
+mod content;
 mod dataset;
 mod errors;
 mod estimators;
@@ -14,6 +15,7 @@ mod made;
 mod models;
 mod program;
 mod recording;
+mod recursive;
 mod results;
 mod studied;
 mod tried;
@@ -41,6 +43,8 @@ mod _dynoid {
     use crate::program::program;
     #[pymodule_export]
     use crate::recording::{Recording, read};
+    #[pymodule_export]
+    use crate::recursive::recursive;
     #[pymodule_export]
     use crate::studied::read_study;
     #[pymodule_export]

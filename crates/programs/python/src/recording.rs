@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use recording::{Catalogue, ChannelInfo, Format, RasterInfo, StartTime};
 
 use crate::arrays::{Floats, vector};
+use crate::content::ContentHash;
 use crate::dataset::{Dataset, DatasetArguments};
 use crate::errors::Fault;
 use crate::interrupt;
@@ -20,7 +21,7 @@ use crate::results::{fields, result};
 #[pyclass(frozen, module = "dynoid", mapping)]
 pub(crate) struct Recording {
     name: String,
-    sha256: String,
+    content: ContentHash,
     catalogue: Catalogue,
     times: Vec<Py<PyArray1<f64>>>,
     samples: Vec<Py<PyArray1<f64>>>,
@@ -36,7 +37,7 @@ pub(crate) fn read(
     row_time: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> Result<Recording, Fault> {
-    let read = move |context: &work::Context| -> Result<(recording::Recording, String, String), dynoid::Error> {
+    let read = move |context: &work::Context| -> Result<(recording::Recording, String, ContentHash), dynoid::Error> {
         let files = files(false);
         let mut named = files.named(std::slice::from_ref(&path))?;
         let Some(file) = named.pop().filter(|_| named.is_empty()) else {
@@ -44,11 +45,12 @@ pub(crate) fn read(
         };
         let wanted = selection(&channels.unwrap_or_default());
         let step = context.step(format!("reading {}", file.name), 0);
+        let content = ContentHash::of_file(&file);
         let read = files.read_recording(&file, &wanted, row_time, &step)?;
-        Ok((read.recording, file.name.clone(), files.sha256(&file)?))
+        Ok((read.recording, file.name.clone(), content))
     };
-    let (recording, name, sha256) = interrupt::run(py, progress, None, read)??;
-    Ok(Recording::of(py, recording, &name, sha256))
+    let (recording, name, content) = interrupt::run(py, progress, None, read)??;
+    Ok(Recording::of(py, recording, &name, content))
 }
 
 #[pymethods]
@@ -87,7 +89,8 @@ impl Recording {
             findings: Vec::new(),
         };
         let times = vec![vector(py, time_s).unbind()];
-        Ok(Recording { name: name.to_owned(), sha256: String::new(), catalogue, times, samples })
+        let content = ContentHash::known_as(String::new());
+        Ok(Recording { name: name.to_owned(), content, catalogue, times, samples })
     }
 
     /// Name of the file.
@@ -96,16 +99,16 @@ impl Recording {
         &self.name
     }
 
-    /// SHA-256 of the file; empty for a recording of arrays.
+    /// SHA-256 of the file, which is read for it; empty for a recording of arrays.
     #[getter]
-    fn sha256(&self) -> &str {
-        &self.sha256
+    fn sha256(&self, py: Python<'_>) -> Result<String, Fault> {
+        interrupt::quietly(py, || self.content.read().map(str::to_owned))?
     }
 
     /// Format of the file, such as `MDF 4.10`.
     #[getter]
     fn format(&self) -> String {
-        if self.sha256.is_empty() { "arrays".to_owned() } else { self.catalogue.format.to_string() }
+        if self.content.is_of_no_file() { "arrays".to_owned() } else { self.catalogue.format.to_string() }
     }
 
     /// Comment of the file.
@@ -241,7 +244,7 @@ impl Recording {
         let own = slf.get();
         let catalogue = serde_json::to_string(&own.catalogue).map_err(|error| Fault::argument(error.to_string()))?;
         let samples: Vec<_> = own.samples.iter().map(|samples| samples.bind(py).clone()).collect();
-        let state = (own.name.as_str(), own.sha256.as_str(), catalogue, own.times(py), samples);
+        let state = (own.name.as_str(), own.content.known(), catalogue, own.times(py), samples);
         (slf.get_type().getattr("_restored")?, state).into_pyobject(py).map(Bound::into_any)
     }
 
@@ -254,7 +257,7 @@ impl Recording {
         samples: Vec<Py<PyArray1<f64>>>,
     ) -> Result<Self, Fault> {
         let catalogue = serde_json::from_str(catalogue).map_err(|error| Fault::argument(error.to_string()))?;
-        Ok(Recording { name, sha256, catalogue, times, samples })
+        Ok(Recording { name, content: ContentHash::known_as(sha256), catalogue, times, samples })
     }
 }
 
@@ -273,10 +276,10 @@ impl Recording {
     }
 
     /// A recording that the library has made or read.
-    pub(crate) fn of(py: Python<'_>, recording: recording::Recording, name: &str, sha256: String) -> Self {
+    pub(crate) fn of(py: Python<'_>, recording: recording::Recording, name: &str, content: ContentHash) -> Self {
         Recording {
             name: name.to_owned(),
-            sha256,
+            content,
             catalogue: recording.catalogue(),
             times: recording.rasters.into_iter().map(|raster| vector(py, raster.time_s).unbind()).collect(),
             samples: recording.channels.into_iter().map(|channel| vector(py, channel.samples).unbind()).collect(),
@@ -289,7 +292,7 @@ impl Recording {
         recording: recording::Recording,
         name: &str,
     ) -> PyResult<Bound<'py, Self>> {
-        Bound::new(py, Self::of(py, recording, name, String::new()))
+        Bound::new(py, Self::of(py, recording, name, ContentHash::known_as(String::new())))
     }
 
     /// The recording with the samples of all channels.
@@ -297,9 +300,9 @@ impl Recording {
         self.decoded(py, &self.names())
     }
 
-    /// Name of the recording, and its hash where it is of a file.
-    pub(crate) fn source(&self) -> (String, String) {
-        (self.name.clone(), self.sha256.clone())
+    /// Name of the recording, and the hash of its file.
+    pub(crate) fn source(&self) -> (String, ContentHash) {
+        (self.name.clone(), self.content.clone())
     }
 
     /// The recording with the samples of the channels that are wanted.

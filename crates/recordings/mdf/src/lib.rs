@@ -31,7 +31,7 @@ use std::sync::{Mutex, PoisonError};
 pub use error::MdfError;
 pub use model::{Address, Attachment, Channel, Event, Finding, Group, Kind, Master, Obstacle, Quantity, StartTime};
 pub use source::Source;
-pub use values::{Blobs, Texts, Values};
+pub use values::{Blobs, Numbers, Texts, Values};
 
 use pages::Pages;
 use parts::Parts;

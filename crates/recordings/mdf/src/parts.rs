@@ -35,6 +35,23 @@ pub(crate) struct Data {
     pub(crate) is_mixed: bool,
     /// Indices of the groups.
     pub(crate) groups: Vec<usize>,
-    /// Records of each group, once they were counted.
-    pub(crate) counts: OnceLock<Result<Vec<u64>, MdfError>>,
+    /// Where the records of its groups are, once they were counted.
+    pub(crate) index: OnceLock<Result<Index, MdfError>>,
+}
+
+/// Where the records of a stream are.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Index {
+    /// Records of each member.
+    pub counts: Vec<u64>,
+    /// Places from the first to the last.
+    pub marks: Vec<Mark>,
+}
+
+/// A place of a stream where a record begins.
+#[derive(Debug, Clone)]
+pub(crate) struct Mark {
+    pub place: u64,
+    /// Records of each member before it.
+    pub rows: Vec<u64>,
 }

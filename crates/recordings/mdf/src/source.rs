@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io;
+use std::sync::Arc;
 
 /// Bytes that can be read at any place, by several threads at once.
 pub trait Source: Send + Sync {
@@ -67,6 +68,16 @@ impl Source for File {
             }
         }
         Ok(())
+    }
+}
+
+impl<T: Source + ?Sized> Source for Arc<T> {
+    fn size(&self) -> io::Result<u64> {
+        (**self).size()
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<()> {
+        (**self).read_at(offset, buffer)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::Address;
+
 /// The samples of a channel, one for each record of its group.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -29,6 +31,15 @@ impl Values {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// Numbers of channels, in the order in which these were asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Numbers {
+    /// The numbers of each channel.
+    pub columns: Vec<Vec<f64>>,
+    /// The channels among whose integers were some of 2^53 and more, which are rounded.
+    pub rounded: Vec<Address>,
 }
 
 /// Strings of bytes, one after the other in memory; equal ones may share their place.

@@ -122,6 +122,18 @@ pub enum RecordingError {
         /// The feature.
         feature: String,
     },
+    /// The reader of the format is left out of this build.
+    #[error(
+        "{file}: this build of dynoid reads no {format}; build it with the feature `{feature}`, or save the file as MDF 4 or CSV"
+    )]
+    LeftOut {
+        /// The file.
+        file: String,
+        /// The format.
+        format: String,
+        /// The feature of the build that has the reader.
+        feature: &'static str,
+    },
     /// A channel that was asked for is not in the file.
     #[error("{file}: there is no channel \"{channel}\"{}", the_closest(similar))]
     NoSuchChannel {
@@ -361,6 +373,7 @@ pub(crate) fn of_content(file: &str, offset: Option<u64>, detail: String) -> Rec
 }
 
 /// Runs a decoder of another library. Where it panics, the file is to blame: the panic ends here, as an error.
+#[cfg(any(feature = "hdf5", feature = "parquet", test))]
 pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, RecordingError>) -> Result<T, RecordingError> {
     work::guarded(decode).unwrap_or_else(|| {
         let detail = "its content contradicts itself".into();

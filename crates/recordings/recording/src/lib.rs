@@ -17,6 +17,8 @@
 //! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`write_mat5`]) |
 //! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`write_parquet`, `write_arrow`) |
 //!
+//! HDF5 and level 7.3 are read with the feature `hdf5`.
+//!
 //! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
 //! UTF-16 or Latin-1; bytes of NUL behind it are left out, and said. A heading is one row with a name of time in it,
 //! and up to two more with units and comments; what stands above is the recording's comment, and lines that begin with
@@ -67,16 +69,22 @@ mod csv;
 mod epoch;
 mod error;
 mod finding;
+mod handle;
 mod heading;
+mod kept;
+mod kind;
 mod mat;
 mod mdf;
 mod model;
 pub mod names;
+mod part;
 mod required;
 mod source;
 mod unstated;
 
 use std::sync::Arc;
+
+use kind::Kind;
 use work::Context;
 
 pub use ::mdf::{Attachment, Event, Quantity, Source};
@@ -85,6 +93,7 @@ pub use arrow::{encode_arrow, encode_parquet, write_arrow, write_parquet};
 pub use csv::{encode_csv, encode_tsv, fits_text, write_csv, write_tsv};
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
+pub use handle::{Envelope, Handle, Pyramid, Span, open};
 pub use mat::{encode_mat5, write_mat5};
 pub use mdf::{Extras, encode_mdf4, write_mdf4};
 pub use model::{
@@ -117,13 +126,6 @@ pub use model::{
 /// ```
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     decode_from(name, Arc::new(bytes.to_vec()), selection, None, &Context::new())
-}
-
-fn with_duplicates(mut recording: Recording) -> Recording {
-    let names = recording.channels.iter().map(|c| c.name.as_str());
-    let doubles = finding::duplicate_names(names);
-    recording.findings.extend(doubles);
-    recording
 }
 
 /// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, groups of MDF without a
@@ -188,17 +190,7 @@ pub fn decode_from(
     row_distance_s: Option<f64>,
     context: &Context,
 ) -> Result<Recording, RecordingError> {
-    if let Some(given) = row_distance_s.filter(|given| !(given.is_finite() && *given > 0.0)) {
-        return Err(RecordingError::RowDistance { given: given.to_string() });
-    }
-    let recording = match Kind::detect(name, &*source)? {
-        // Its clocks count from the start, in seconds.
-        Kind::Mdf => return mdf::decode(name, &*source, selection, row_distance_s, context).map(with_duplicates),
-        Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, context),
-        Kind::Mat => mat::decode(name, &source, selection, row_distance_s, context),
-        Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, context),
-    };
-    recording.map(epoch::counted_from_first).map(with_duplicates)
+    open(name, source, row_distance_s, context)?.read(selection, &Span::All, context)
 }
 
 /// Lists as [`catalogue`] does, from a source. The samples of an MDF file are read where records of several groups have
@@ -208,14 +200,7 @@ pub fn decode_from(
 ///
 /// As [`decode_from`].
 pub fn catalogue_from(name: &str, source: Arc<dyn Source>) -> Result<Catalogue, RecordingError> {
-    let mut catalogue = match Kind::detect(name, &*source)? {
-        Kind::Mdf => mdf::catalogue(name, &*source),
-        Kind::Csv => csv::catalogue(name, &*source),
-        Kind::Mat => mat::catalogue(name, &source),
-        Kind::Table(kind) => arrow::catalogue(name, &source, kind),
-    }?;
-    catalogue.note_duplicates();
-    Ok(catalogue)
+    open(name, source, None, &Context::new())?.catalogue()
 }
 
 /// Contents of an MDF file beside its channels; nothing for other formats.
@@ -227,43 +212,5 @@ pub fn extras_from(name: &str, source: &dyn Source) -> Result<Extras, RecordingE
     match Kind::detect(name, source)? {
         Kind::Mdf => mdf::extras(name, source),
         _ => Ok(Extras::default()),
-    }
-}
-
-/// Bytes at the beginning of a file that show its format.
-const HEAD: u64 = 1 << 12;
-
-/// The reader that content calls for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Mdf,
-    Csv,
-    Mat,
-    Table(arrow::Kind),
-}
-
-impl Kind {
-    fn detect(name: &str, source: &dyn Source) -> Result<Self, RecordingError> {
-        let bytes = source::bytes(name, source, 0, HEAD)?;
-        let bytes = bytes.as_slice();
-        if bytes.is_empty() {
-            return Err(RecordingError::Empty { file: name.into() });
-        }
-        if mdf::is_mdf(bytes) {
-            return Ok(Self::Mdf);
-        }
-        if mat::is_mat(bytes) {
-            return Ok(Self::Mat);
-        }
-        if let Some(kind) = arrow::Kind::detect(bytes) {
-            return Ok(Self::Table(kind));
-        }
-        if csv::is_text(bytes) {
-            return Ok(Self::Csv);
-        }
-        Err(RecordingError::UnknownFormat {
-            file: name.into(),
-            start: bytes[..bytes.len().min(8)].escape_ascii().to_string(),
-        })
     }
 }

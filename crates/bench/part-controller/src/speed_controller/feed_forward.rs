@@ -42,35 +42,44 @@ pub fn estimate_feed_forward(
     controller: &SpeedControllerFit,
     torque_limit_nm: Option<f64>,
 ) -> Result<FeedForward, EstimateError> {
-    let data = Data::of(experiment, torque_limit_nm)?;
-    let (known, unseen) = match judge.map(|other| Data::of(other, torque_limit_nm)) {
-        Some(Ok(other)) => (data, other),
-        Some(Err(_)) | None => {
-            let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
-            (data.part(estimation), data.part(validation))
-        }
-    };
-    check_moves(experiment, &known.reference)?;
-    let delay = controller.delay_samples();
-    let candidates = scan(&known, &controller.theta, delay).map_err(|e| ident_error(&known, e))?;
-    let best = candidates.first().map_or(controller.lags, |best| best.lags);
-    let lags = Reading::of(best, delay).first().map_or(best, |reading| reading.lags);
-    let smooth = known.smoothed()?;
-    let fit = fit_with_lags(&smooth, lags, controller, &OWN)?;
-    check_gains(&smooth, lags, controller)?;
-    let found = Found { data: &smooth, lags, fit, controller };
-    let others = found.other_lags(&candidates)?;
-    let readings: Vec<Reading> =
-        [&lags].into_iter().chain(&others).flat_map(|lags| Reading::of(*lags, delay)).collect();
-    let alone: Vec<f64> =
-        (0..inverse::COUNT).map(|j| if j >= inverse::K { 0.0 } else { controller.theta[j] }).collect();
-    Ok(FeedForward {
-        estimate: found.estimate(&others)?,
-        lags,
-        delay_places: places(&readings),
-        validation: validate(&unseen, &found.fit.parameters, lags)?,
-        pi_alone: validate(&unseen, &alone, lags)?,
-    })
+    MovingDemand::of(experiment, judge, controller, torque_limit_nm)?.feed_forward
+}
+
+/// Feed-forward and gains of a recording in which N_d* moves, beside a controller that is known.
+#[derive(Debug)]
+pub(super) struct MovingDemand {
+    /// K_p and K_i as they come out here.
+    pub(super) gains: Estimate,
+    pub(super) feed_forward: Result<FeedForward, EstimateError>,
+}
+
+impl MovingDemand {
+    pub(super) fn of(
+        experiment: &Experiment,
+        judge: Option<&Experiment>,
+        controller: &SpeedControllerFit,
+        torque_limit_nm: Option<f64>,
+    ) -> Result<Self, EstimateError> {
+        let data = Data::of(experiment, torque_limit_nm)?;
+        let (known, unseen) = match judge.map(|other| Data::of(other, torque_limit_nm)) {
+            Some(Ok(other)) => (data, other),
+            Some(Err(_)) | None => {
+                let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
+                (data.part(estimation), data.part(validation))
+            }
+        };
+        check_moves(experiment, &known.reference)?;
+        let delay = controller.delay_samples();
+        let candidates = scan(&known, &controller.theta, delay).map_err(|e| ident_error(&known, e))?;
+        let best = candidates.first().map_or(controller.lags, |best| best.lags);
+        let lags = Reading::of(best, delay).first().map_or(best, |reading| reading.lags);
+        let smooth = known.smoothed()?;
+        let fit = fit_with_lags(&smooth, lags, controller, &OWN)?;
+        let gains = gains(&smooth, lags, controller)?;
+        let feed_forward = check_gains(&smooth, &gains, controller)
+            .and_then(|()| Found { data: &smooth, lags, fit, controller }.feed_forward(&candidates, &unseen));
+        Ok(MovingDemand { gains, feed_forward })
+    }
 }
 
 /// Each place once, in the order of the readings.
@@ -108,8 +117,8 @@ fn fit_with_lags(
     run(data, lags, &start, |j| free.contains(&j))
 }
 
-/// Refuses a recording in which the controller's gains come out far from what they are known to be.
-fn check_gains(data: &Data, lags: DemandLags, controller: &SpeedControllerFit) -> Result<(), EstimateError> {
+/// K_p and K_i as they come out here.
+fn gains(data: &Data, lags: DemandLags, controller: &SpeedControllerFit) -> Result<Estimate, EstimateError> {
     let free = [&OWN[..], &KNOWN[..2]].concat();
     let fit = fit_with_lags(data, lags, controller, &free)?;
     let (covariance, _) = at_least_white(&fit, BATCHES).map_err(|e| ident_error(data, e))?;
@@ -118,8 +127,12 @@ fn check_gains(data: &Data, lags: DemandLags, controller: &SpeedControllerFit) -
         (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
         (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
     ];
-    let here = transformed(&gains, &fit, &covariance, f64::INFINITY, &data.stretch);
-    for own in here.parameters {
+    Ok(transformed(&gains, &fit, &covariance, f64::INFINITY, &data.stretch))
+}
+
+/// Refuses a recording in which the controller's gains come out far from what they are known to be.
+fn check_gains(data: &Data, here: &Estimate, controller: &SpeedControllerFit) -> Result<(), EstimateError> {
+    for own in &here.parameters {
         let Some(known) = controller.result.estimate.parameter(own.quantity) else { continue };
         let (apart, error) = ((own.value - known.value).abs(), own.standard_error.hypot(known.standard_error));
         if apart > CONTRADICTED_STANDARD_ERRORS * error && apart > CONTRADICTED_SHARE * known.value.abs() {
@@ -143,6 +156,23 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
+    /// The feed-forward, judged on data that it has not seen.
+    fn feed_forward(&self, candidates: &[Candidate], unseen: &Data) -> Result<FeedForward, EstimateError> {
+        let others = self.other_lags(candidates)?;
+        let delay = self.controller.delay_samples();
+        let readings: Vec<Reading> =
+            [&self.lags].into_iter().chain(&others).flat_map(|lags| Reading::of(*lags, delay)).collect();
+        let of_controller = |j: usize| if j >= inverse::K { 0.0 } else { self.controller.theta[j] };
+        let alone: Vec<f64> = (0..inverse::COUNT).map(of_controller).collect();
+        Ok(FeedForward {
+            estimate: self.estimate(&others)?,
+            lags: self.lags,
+            delay_places: places(&readings),
+            validation: validate(unseen, &self.fit.parameters, self.lags)?,
+            pi_alone: validate(unseen, &alone, self.lags)?,
+        })
+    }
+
     /// Lags that the data do not exclude, one of those that describe the same sequence.
     fn other_lags(&self, candidates: &[Candidate]) -> Result<Vec<DemandLags>, EstimateError> {
         let (covariance, _) = at_least_white(&self.fit, BATCHES).map_err(|e| ident_error(self.data, e))?;

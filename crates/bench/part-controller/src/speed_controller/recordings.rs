@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
-use rig::results::{FeedForward, Part, Reason};
+use rig::results::{Estimate, FeedForward, Part, Reason};
 
-use super::feed_forward::estimate_feed_forward;
+use super::feed_forward::MovingDemand;
 use super::fit::{SpeedControllerFit, estimate};
 
 /// The speed controller as recordings give it.
@@ -17,7 +17,7 @@ pub struct SpeedControllers<'a> {
     /// Torque that the inverter gives, Nm.
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, SpeedControllerFit>,
-    feed_forwards: OncePerRecording<'a, FeedForward>,
+    moving: OncePerRecording<'a, MovingDemand>,
     chosen: OnceLock<Result<Chosen<'a, SpeedControllerFit>, Vec<Reason>>>,
 }
 
@@ -28,7 +28,7 @@ impl<'a> SpeedControllers<'a> {
             experiments: experiments.to_vec(),
             torque_limit_nm,
             fits: OncePerRecording::new(experiments),
-            feed_forwards: OncePerRecording::new(experiments),
+            moving: OncePerRecording::new(experiments),
             chosen: OnceLock::new(),
         }
     }
@@ -46,7 +46,7 @@ impl<'a> SpeedControllers<'a> {
         };
         let same_judges = !Sought::FeedForward.is_given_by(further);
         if same_judges && self.is_chosen_in(&all) {
-            all.feed_forwards = self.feed_forwards.with(further);
+            all.moving = self.moving.with(further);
         }
         all
     }
@@ -82,16 +82,33 @@ impl<'a> SpeedControllers<'a> {
     /// The feed-forward from one recording beside the chosen controller, judged by the best of the others.
     ///
     /// # Errors
-    /// Those of [`estimate_feed_forward`].
+    /// Those of [`estimate_feed_forward`](super::estimate_feed_forward).
     pub fn feed_forward(
         &self,
         experiment: &Experiment,
         controller: &SpeedControllerFit,
     ) -> Result<Arc<FeedForward>, EstimateError> {
-        self.feed_forwards.get(experiment, || {
+        self.moving_demand(experiment, controller)?.feed_forward.clone().map(Arc::new)
+    }
+
+    /// K_p and K_i as a recording in which N_d* moves gives them beside a feed-forward. They may contradict those of
+    /// the chosen controller.
+    ///
+    /// # Errors
+    /// Those of [`estimate_feed_forward`](super::estimate_feed_forward), but for contradictions.
+    pub fn gains(&self, experiment: &Experiment, controller: &SpeedControllerFit) -> Result<Estimate, EstimateError> {
+        Ok(self.moving_demand(experiment, controller)?.gains.clone())
+    }
+
+    fn moving_demand(
+        &self,
+        experiment: &Experiment,
+        controller: &SpeedControllerFit,
+    ) -> Result<Arc<MovingDemand>, EstimateError> {
+        self.moving.get(experiment, || {
             let others = Sought::FeedForward.candidates(&self.experiments);
             let judge = others.into_iter().find(|other| other.file != experiment.file);
-            estimate_feed_forward(experiment, judge, controller, self.torque_limit_nm)
+            MovingDemand::of(experiment, judge, controller, self.torque_limit_nm)
         })
     }
 

@@ -87,7 +87,7 @@ fn stat_what_is_missing_is_recommended() {
             .iter()
             .any(|gain| gain.quantity == Quantity::EngineInertia || gain.quantity == Quantity::SpeedFeedForward)
     );
-    assert!(found.candidates.windows(2).all(|pair| pair[0].worth() >= pair[1].worth()));
+    assert!(found.candidates.windows(2).all(|pair| pair[0].worth(found.enough) >= pair[1].worth(found.enough)));
 }
 
 /// Within limits that leave room, a designed multisine tells the shaft better than white noise of the method's size.

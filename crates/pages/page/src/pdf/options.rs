@@ -2,7 +2,15 @@
 
 use std::fmt;
 
-use super::paper::Paper;
+/// A size of paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Paper {
+    /// 210 mm × 297 mm.
+    #[default]
+    A4,
+    /// 8.5 in × 11 in.
+    Letter,
+}
 
 /// How a page becomes a PDF, and what the file says of itself.
 #[derive(Debug, Clone, Default)]
@@ -61,4 +69,7 @@ pub enum PdfError {
     /// A font that is built in cannot be used.
     #[error("a font cannot be embedded: {0}")]
     Font(String),
+    /// The feature `pdf` is off.
+    #[error("this build of dynoid makes no PDF; build it with the feature `pdf`")]
+    LeftOut,
 }

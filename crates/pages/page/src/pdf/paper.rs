@@ -2,15 +2,7 @@
 
 use pdf_writer::Rect;
 
-/// A size of paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Paper {
-    /// 210 mm × 297 mm.
-    #[default]
-    A4,
-    /// 8.5 in × 11 in.
-    Letter,
-}
+use super::options::Paper;
 
 /// A page in points: its size, and the margins around its content. Where the page is scaled down, points are those
 /// before it.

@@ -88,6 +88,7 @@ pub(crate) fn embedded(drawing: Drawing, width: f64) -> String {
 }
 
 /// The same for paper, without what a page's script needs.
+#[cfg(feature = "pdf")]
 pub(crate) fn on_paper(drawing: Drawing, width: f64) -> String {
     panels_alone(drawing, Canvas { width, left: LEFT, stretch: 1.0, in_page: false })
 }
@@ -111,12 +112,14 @@ fn panels_alone(drawing: Drawing, canvas: Canvas) -> String {
 }
 
 /// The height of what is around the panels of a drawing in a page, pixels.
+#[cfg(feature = "pdf")]
 pub(crate) fn around_panels(figure: &Figure) -> f64 {
     let count = figure.panels.len() as f64;
     ABOVE_PANEL + (count - 1.0).max(0.0) * BETWEEN + FOOT
 }
 
 /// Description of a figure for readers who do not see it. Its caption is text of its own.
+#[cfg(feature = "pdf")]
 pub(crate) fn alternative(figure: &Figure) -> String {
     let title = figure.title.trim_end_matches('.');
     let joint = if title.is_empty() { "" } else { ". " };

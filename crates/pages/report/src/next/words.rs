@@ -61,7 +61,8 @@ pub fn recommendation(found: &NextExperiments) -> String {
         return if left_out.is_empty() { nothing_to_gain(found) } else { left_out.trim_start().to_owned() };
     };
     let other = first.other.map(|other| format!(" {}.", wording::capitalised(&instead(other)))).unwrap_or_default();
-    format!("Record {} next: {}.{other}{left_out}", what(first.candidate), reasons(first.candidate))
+    let spoiled = spoiled(first.candidate, found.enough);
+    format!("Record {} next: {}.{spoiled}{other}{left_out}", what(first.candidate), reasons(first.candidate))
 }
 
 /// Experiments that would gain, but reach a limit of the bench.
@@ -102,6 +103,15 @@ fn reasons(candidate: &Candidate) -> String {
         buys.push(listed(&narrower));
     }
     buys.join("; ")
+}
+
+/// Numbers for which a study would take it in place of a better recording.
+fn spoiled(candidate: &Candidate, enough: f64) -> String {
+    let all: Vec<String> = candidate.gains.iter().filter(|gain| gain.is_spoiled(enough)).map(narrowed).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" In a study with it {}: keep a study without it.", listed(&all)),
+    }
 }
 
 /// Why no experiment is recommended.

@@ -63,3 +63,17 @@ fn regress_an_experiment_that_reaches_a_limit_is_not_recommended() {
     let words = recommendation(&found);
     assert!(best(&found).is_empty() && words.starts_with("Not recommended:"), "{words}");
 }
+
+/// Half an interval of 0.87 % became one of 29 % without a word.
+#[test]
+fn regress_a_number_that_gets_worse_is_said_and_ranks_lower() {
+    let spoiled = Gain { is_enough_now: true, ..gain(Quantity::ResonanceFrequency, Some(0.87), 29.0) };
+    let spoiling =
+        candidate(ExperimentLabel::RAMP_N_NT, false, vec![gain(Quantity::Stiffness, Some(10.0), 1.0), spoiled]);
+    let other = candidate(ExperimentLabel::BS_T_NT, false, vec![gain(Quantity::Stiffness, Some(10.0), 2.0)]);
+    assert!(spoiling.worth(0.01) < other.worth(0.01));
+    let found = NextExperiments { now: Vec::new(), candidates: vec![spoiling], enough: 0.01, assumptions: Vec::new() };
+    let words = recommendation(&found);
+    let said = "In a study with it f_r becomes known within ± 29 % instead of ± 0.87 %: keep a study without it.";
+    assert!(words.ends_with(said), "{words}");
+}

@@ -6,9 +6,9 @@ mod ratio;
 mod system;
 
 use ident::{IdentError, Label, LinearModel, ModelDocument};
-use lti::TransferFunction;
+use lti::{TransferFunction, ZeroPoleGain};
 use page::{Blocks, Figure, Page};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::level::LEVEL;
 use crate::models::{Model, bode};
@@ -23,6 +23,16 @@ pub struct Converted {
     source: ModelDocument,
     form: Form,
     content: Content,
+}
+
+/// Zeros, poles and gain of the way from an input to an output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ZeroPoleGainFacts {
+    /// Names of the input and of the output.
+    pub channel: String,
+    /// Zeros, poles and gain.
+    pub zpk: ZeroPoleGain,
 }
 
 enum Content {
@@ -98,11 +108,11 @@ impl Converted {
     ///
     /// # Errors
     /// Where the roots cannot be computed.
-    pub fn zeros_and_poles(&self) -> Result<Vec<Value>, ConvertError> {
+    pub fn zeros_and_poles(&self) -> Result<Vec<ZeroPoleGainFacts>, ConvertError> {
         let Content::Ratios(all) = &self.content else { return Ok(Vec::new()) };
-        let value =
-            |(name, h): (String, &TransferFunction)| Ok(json!({"channel": name, "zpk": h.to_zero_pole_gain()?}));
-        names(&self.source).into_iter().zip(all).map(value).collect()
+        let of =
+            |(channel, h): (String, &TransferFunction)| Ok(ZeroPoleGainFacts { channel, zpk: h.to_zero_pole_gain()? });
+        names(&self.source).into_iter().zip(all).map(of).collect()
     }
 
     /// The new form in words and tables, without [`Converted::figures`].

@@ -1,6 +1,7 @@
 //! Dead times beside dynamics, what other methods say, and what to make of it where they disagree.
 
 mod excerpt;
+mod facts;
 mod level;
 mod modelled;
 mod others;
@@ -10,7 +11,6 @@ use ident::delay::ModelledDelay;
 use ident::{Dataset, Experiment, IdentError};
 use page::decimal::significant;
 use page::{Align, Block, Page, Table, Tone};
-use serde_json::{Value, json};
 use work::Context;
 
 use crate::blocks::{finding, line};
@@ -18,6 +18,8 @@ use crate::level::LEVEL;
 use level::DATED;
 use modelled::Modelled;
 use others::Others;
+
+pub use facts::{ArxDelayFacts, Attempt, CandidateFacts, ClaimFacts, DelayEstimateFacts, DelayFacts, DelayModelFacts};
 
 /// More data are read for intervals that could become shorter by this part.
 const WORTHWHILE: f64 = 0.2;
@@ -94,15 +96,19 @@ impl Delays {
     }
 
     /// The same in numbers.
-    pub fn json(&self) -> Value {
-        let mut result = self.others.json();
-        result["sample_time_s"] = self.data.sample_time_s().into();
-        result["clock"] = self.clock().into();
-        result["delay"] = self.modelled.claims_json(&self.data);
-        result["models"] = self.modelled.json(&self.data);
-        result["notes"] = json!(self.notes());
-        result["doubts"] = json!(self.doubts());
-        result
+    pub fn facts(&self) -> DelayFacts {
+        DelayFacts {
+            sample_time_s: self.data.sample_time_s(),
+            clock: self.clock(),
+            delay: self.modelled.claim_facts(&self.data),
+            models: self.modelled.facts(&self.data),
+            arx: self.others.arx_facts(),
+            impulse_response: self.others.impulse_response_facts(),
+            phase: self.others.phase_facts(),
+            arx_fraction: self.others.fraction_facts(),
+            notes: self.notes(),
+            doubts: self.doubts(),
+        }
     }
 
     fn notes(&self) -> Vec<String> {

@@ -5,9 +5,9 @@ use ident::delay::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_li
 use ident::{Dataset, IdentError, Intersample};
 use page::decimal::{probability, range, significant};
 use page::{Block, Table, Tone};
-use serde_json::{Value, json};
 use signal::distributions::normal_quantile;
 
+use super::facts::{Attempt, ClaimFacts, DelayModelFacts};
 use super::others::Others;
 use crate::blocks::{finding, name};
 use crate::level::LEVEL;
@@ -140,43 +140,43 @@ impl Modelled {
         data.input_labels().iter().enumerate().map(claim).collect()
     }
 
-    pub(super) fn claims_json(&self, data: &Dataset) -> Value {
+    pub(super) fn claim_facts(&self, data: &Dataset) -> Vec<ClaimFacts> {
         let t = data.sample_time_s();
         let claim = |(input, label): (usize, &ident::Label)| {
             let best = self.found.as_ref().ok().map(DelayModels::best);
             let claimed = best.filter(|_| self.unclaimed[input].is_none());
             let (low, high) = self.span[input];
-            let span = (low.is_finite() && high.is_finite()).then_some([low * t, high * t]);
-            json!({
-                "input": label.name,
-                "delay_s": claimed.map(|m| m.dead_times[input].samples.clamp(m.intervals[input].0, m.intervals[input].1) * t),
-                "interval_95_s": claimed.map(|m| [m.intervals[input].0 * t, m.intervals[input].1 * t]),
-                "model": claimed.map(structure),
-                "unclaimed": self.unclaimed[input],
-                "range_of_methods_s": span,
-            })
+            ClaimFacts {
+                input: label.name.clone(),
+                delay_s: claimed.map(|model| {
+                    let (low, high) = model.intervals[input];
+                    model.dead_times[input].samples.clamp(low, high) * t
+                }),
+                interval_95_s: claimed.map(|model| seconds(model.intervals[input], t)),
+                model: claimed.map(structure),
+                unclaimed: self.unclaimed[input].clone(),
+                range_of_methods_s: (low.is_finite() && high.is_finite()).then_some([low * t, high * t]),
+            }
         };
         data.input_labels().iter().enumerate().map(claim).collect()
     }
 
-    pub(super) fn json(&self, data: &Dataset) -> Value {
+    pub(super) fn facts(&self, data: &Dataset) -> Attempt<Vec<DelayModelFacts>> {
         let t = data.sample_time_s();
-        if let Err(reason) = &self.found {
-            return json!({"error": reason.to_string()});
-        }
-        let one = |model: &DelayModel| {
-            json!({
-                "zeros": model.zeros, "poles": model.poles, "loss": model.loss, "fit_percent": model.fit_percent,
-                "ripple_hz": model.ripple_hz,
-                "dead_time_s": model.dead_times.iter().map(|d| d.samples * t).collect::<Vec<_>>(),
-                "standard_error_s": model.dead_times.iter().map(|d| d.standard_error * t).collect::<Vec<_>>(),
-                "interval_95_s": model.intervals.iter().map(|(low, high)| [low * t, high * t]).collect::<Vec<_>>(),
-                "late_by_s": model.late_by.iter().map(|late| late.map(|d| d.samples * t)).collect::<Vec<_>>(),
-                "late_by_interval_95_s": model.late_intervals.iter().map(|ends| ends.map(|(low, high)| [low * t, high * t])).collect::<Vec<_>>(),
-                "faults": model.faults.iter().map(|fault| words(fault, "")).collect::<Vec<_>>(),
-            })
+        let one = |model: &DelayModel| DelayModelFacts {
+            zeros: model.zeros,
+            poles: model.poles,
+            loss: model.loss,
+            fit_percent: model.fit_percent,
+            ripple_hz: model.ripple_hz.clone(),
+            dead_time_s: model.dead_times.iter().map(|d| d.samples * t).collect(),
+            standard_error_s: model.dead_times.iter().map(|d| d.standard_error * t).collect(),
+            interval_95_s: model.intervals.iter().map(|ends| seconds(*ends, t)).collect(),
+            late_by_s: model.late_by.iter().map(|late| late.map(|d| d.samples * t)).collect(),
+            late_by_interval_95_s: model.late_intervals.iter().map(|ends| ends.map(|ends| seconds(ends, t))).collect(),
+            faults: model.faults.iter().map(|fault| words(fault, "")).collect(),
         };
-        self.models().iter().map(one).collect()
+        Attempt::of(self.found.as_ref(), |found| found.models.iter().map(one).collect())
     }
 
     /// Notes about quantities that were estimated beside the delays.
@@ -278,6 +278,11 @@ fn span(found: Option<&DelayModels>, others: &Others, longest: usize, input: usi
     let ranked = others.allowed(input).into_iter().flat_map(<[f64; 2]>::from);
     let all = best.chain(allowed).chain(ranked).map(|samples| samples.clamp(0.0, longest as f64));
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// An interval in samples of so many seconds.
+fn seconds((low, high): (f64, f64), sample_time_s: f64) -> [f64; 2] {
+    [low * sample_time_s, high * sample_time_s]
 }
 
 fn structure(model: &DelayModel) -> String {

@@ -9,8 +9,8 @@ use ident::validate::{ResidualTest, TestData};
 use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label, StructureError};
 use page::decimal::{digits, range, significant};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
-use serde_json::{Value, json};
 
+use super::facts::{ArxDelayFacts, Attempt, CandidateFacts, DelayEstimateFacts};
 use super::level::DATED;
 use crate::blocks::name;
 use crate::figures::figure;
@@ -170,30 +170,24 @@ impl Others {
         all
     }
 
-    pub(super) fn json(&self) -> Value {
-        let estimate = |e: &Fine| match e {
-            Some(Ok(e)) if e.standard_error.is_finite() => {
-                json!({"samples": e.samples, "standard_error": e.standard_error})
-            }
-            Some(Ok(e)) => json!({"samples": e.samples, "standard_error": null}),
-            Some(Err(reason)) => json!({"error": reason.to_string()}),
-            None => Value::Null,
-        };
-        let candidate = |c: &DelayCandidate| json!({"samples": c.delays, "loss": c.loss, "weight": c.weight});
-        let arx = self.ranking.as_ref().map(|ranking| {
-            let candidates: Vec<_> = ranking.candidates.iter().take(LISTED).map(candidate).collect();
-            json!({"samples": ranking.delays, "errors_are_white": self.is_white, "candidates": candidates})
-        });
-        let starts = match &self.starts {
-            Ok(starts) => json!(starts.iter().map(|start| start.delay).collect::<Vec<_>>()),
-            Err(reason) => json!({"error": reason.to_string()}),
-        };
-        json!({
-            "arx": arx,
-            "impulse_response": starts,
-            "phase": estimate(&self.phase),
-            "arx_fraction": estimate(&self.fraction),
+    pub(super) fn arx_facts(&self) -> Option<ArxDelayFacts> {
+        self.ranking.as_ref().map(|ranking| ArxDelayFacts {
+            samples: ranking.delays.clone(),
+            errors_are_white: self.is_white,
+            candidates: ranking.candidates.iter().take(LISTED).map(CandidateFacts::of).collect(),
         })
+    }
+
+    pub(super) fn impulse_response_facts(&self) -> Attempt<Vec<Option<usize>>> {
+        Attempt::of(self.starts.as_ref(), |starts| starts.iter().map(|start| start.delay).collect())
+    }
+
+    pub(super) fn phase_facts(&self) -> Option<Attempt<DelayEstimateFacts>> {
+        fine_facts(&self.phase)
+    }
+
+    pub(super) fn fraction_facts(&self) -> Option<Attempt<DelayEstimateFacts>> {
+        fine_facts(&self.fraction)
     }
 
     /// For each input the error over the delay and the coefficients of past inputs, with what the models say shaded.
@@ -231,6 +225,10 @@ impl Others {
             Layer::dots("ARX comparison", Style::Modelled, &x, &y),
         ]
     }
+}
+
+fn fine_facts(estimate: &Fine) -> Option<Attempt<DelayEstimateFacts>> {
+    estimate.as_ref().map(|estimate| Attempt::of(estimate.as_ref(), DelayEstimateFacts::of))
 }
 
 /// Coefficients with the bars beyond which they matter.

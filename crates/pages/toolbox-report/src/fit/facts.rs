@@ -11,6 +11,7 @@ use crate::residuals::TestFacts;
 
 /// Numbers of [`super::Estimated`]. What is not known is NaN, and null in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EstimateFacts {
     /// The model as a file holds it.
     pub model: ModelDocument,
@@ -43,6 +44,7 @@ pub struct EstimateFacts {
 
 /// A quantity that follows from parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DerivedFacts {
     /// Its name.
     pub name: String,
@@ -59,6 +61,7 @@ pub struct DerivedFacts {
 
 /// Judgement of a model on data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JudgedFacts {
     /// Which data: those of the estimate, or unseen ones.
     pub data: String,

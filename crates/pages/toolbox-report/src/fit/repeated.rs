@@ -20,6 +20,7 @@ const FEWEST: usize = 9;
 
 /// Judgement of a simulation by the mean over the periods of the inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RepeatedFacts {
     /// Name of the experiment.
     pub experiment: String,

@@ -9,7 +9,8 @@ use page::Axis;
 use page::decimal::{digits, with_range};
 use signal::Complex64;
 
-use super::curves::{Curve, Curves, Fact, Quantity, unstable};
+use super::curves::{Curve, Curves, Over, Quantity, unstable};
+use super::facts::Fact;
 use super::model::{LoopMargins, Model, channel_name, channels};
 use crate::words::ratio_unit;
 
@@ -35,7 +36,7 @@ pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
             curves.push(curve(model, number, output, input, &omega, level)?);
         }
     }
-    Ok(Curves { models, curves, x: Axis::frequency(), level })
+    Ok(Curves { models, curves, over: Over::Frequency, level })
 }
 
 fn curve(

@@ -3,8 +3,8 @@
 use lti::Mode;
 use page::decimal::{range, significant, with_range};
 use page::{Abscissa, Align, Axis, Block, Blocks, Figure, Layer, Page, Panel, Style, Table, rounded};
-use serde_json::{Value, json};
 
+use super::facts::{CurveFacts, Fact, Points, QuantityFacts};
 use super::model::Model;
 use crate::blocks::{heading, line, name};
 use crate::figures::figure;
@@ -14,10 +14,32 @@ use crate::words::growing_pole;
 pub struct Curves {
     pub(super) models: Vec<Model>,
     pub(super) curves: Vec<Curve>,
-    /// Axis they are drawn over.
-    pub(super) x: Axis,
+    pub(super) over: Over,
     /// Confidence of the bands.
     pub(super) level: f64,
+}
+
+/// Quantity over which curves are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Over {
+    Frequency,
+    Time,
+}
+
+impl Over {
+    fn axis(self) -> Axis {
+        match self {
+            Over::Frequency => Axis::frequency(),
+            Over::Time => Axis::time(),
+        }
+    }
+
+    fn points(self, x: Vec<f64>) -> Points {
+        match self {
+            Over::Frequency => Points::Frequency(x),
+            Over::Time => Points::Time(x),
+        }
+    }
 }
 
 /// How much of a curve is put into words.
@@ -45,35 +67,6 @@ pub(super) struct Quantity {
     pub(super) band: Option<Vec<(f64, f64)>>,
 }
 
-/// A number that sums up a curve, or a remark that stands for it.
-pub(super) struct Fact {
-    pub(super) name: String,
-    pub(super) value: Option<f64>,
-    pub(super) unit: String,
-    pub(super) interval: Option<(f64, f64)>,
-    pub(super) remark: String,
-}
-
-impl Fact {
-    pub(super) fn number(name: &str, value: f64, unit: &str, interval: Option<(f64, f64)>) -> Self {
-        Fact { name: name.to_owned(), value: Some(value), unit: unit.to_owned(), interval, remark: String::new() }
-    }
-
-    pub(super) fn remark(name: &str, remark: &str) -> Self {
-        let (name, remark) = (name.to_owned(), remark.to_owned());
-        Fact { name, value: None, unit: String::new(), interval: None, remark }
-    }
-
-    pub(super) fn noted(self, remark: String) -> Self {
-        Fact { remark, ..self }
-    }
-
-    fn json(&self) -> Value {
-        json!({"name": self.name, "value": self.value, "unit": self.unit,
-            "interval": self.interval.map(|(low, high)| [low, high]), "remark": self.remark})
-    }
-}
-
 /// That a model is not stable, and what follows.
 pub(super) fn unstable(mode: &Mode, what: &str) -> Fact {
     Fact::remark("not stable", &format!("{}: {what}", growing_pole(mode)))
@@ -86,7 +79,7 @@ impl Curves {
         for curve in &self.curves {
             all.push(heading(format!("{}: {}", self.models[curve.model].name, curve.channel)));
             match detail {
-                Detail::Points => all.push(points(curve, &self.x, self.level)),
+                Detail::Points => all.push(points(curve, &self.over.axis(), self.level)),
                 Detail::Summary => all.push(summary(curve, self.level)),
             }
         }
@@ -96,24 +89,31 @@ impl Curves {
 
     /// Models of the same channel in one figure.
     pub fn figures(&self) -> Vec<Figure> {
-        figures(&self.curves, &self.models, &self.x)
+        figures(&self.curves, &self.models, &self.over.axis())
     }
 
     /// The curves in numbers.
-    pub fn json(&self) -> Value {
-        self.curves.iter().map(|curve| curve_json(curve, &self.models[curve.model].name, &self.x)).collect()
+    pub fn facts(&self) -> Vec<CurveFacts> {
+        self.curves.iter().map(|curve| curve.facts(&self.models[curve.model], self.over)).collect()
     }
 }
 
-fn curve_json(curve: &Curve, model: &str, x: &Axis) -> Value {
-    let quantity = |q: &Quantity| {
-        let band = q.band.as_ref().map(|b| b.iter().map(|(l, h)| [*l, *h]).collect::<Vec<_>>());
-        json!({"name": q.axis.label, "unit": q.axis.unit, "values": q.values, "band": band})
-    };
-    let quantities: Vec<_> = curve.quantities.iter().map(quantity).collect();
-    let summary: Vec<_> = curve.summary.iter().map(Fact::json).collect();
-    json!({"model": model, "channel": curve.channel, x.label.as_str(): curve.x,
-        "quantities": quantities, "summary": summary})
+impl Curve {
+    fn facts(&self, model: &Model, over: Over) -> CurveFacts {
+        let quantity = |q: &Quantity| QuantityFacts {
+            name: q.axis.label.clone(),
+            unit: q.axis.unit.clone(),
+            values: q.values.clone(),
+            band: q.band.clone(),
+        };
+        CurveFacts {
+            model: model.name.clone(),
+            channel: self.channel.clone(),
+            at: over.points(self.x.clone()),
+            quantities: self.quantities.iter().map(quantity).collect(),
+            summary: self.summary.clone(),
+        }
+    }
 }
 
 fn figures(curves: &[Curve], models: &[Model], x: &Axis) -> Vec<Figure> {

@@ -2,6 +2,7 @@
 
 mod bode;
 mod curves;
+mod facts;
 mod model;
 mod plane;
 pub(crate) mod poles;
@@ -10,6 +11,7 @@ mod step;
 
 pub use bode::bode;
 pub use curves::{Curves, Detail};
+pub use facts::{CurveFacts, Fact, ModelRootsFacts, Points, QuantityFacts, RootFacts, RootsFacts};
 pub use model::{LoopMargins, Model};
 pub use poles::{Poles, poles};
 pub use step::step;

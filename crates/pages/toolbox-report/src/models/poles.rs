@@ -7,9 +7,9 @@ use ident::{IdentError, ModelDocument};
 use lti::{Complex64, LtiError};
 use page::decimal::{digits, with_range};
 use page::{Align, Block, Blocks, Page, Table};
-use serde_json::{Value, json};
 
 use super::curves::interval_heading;
+use super::facts::{ModelRootsFacts, RootFacts, RootsFacts};
 use super::model::{Model, channel_name, channels};
 use super::plane;
 use super::roots::Roots;
@@ -55,8 +55,8 @@ impl Poles {
     }
 
     /// The roots in numbers.
-    pub fn json(&self) -> Value {
-        let of = |(number, model)| model_json(model, self.of(number), self.level);
+    pub fn facts(&self) -> Vec<ModelRootsFacts> {
+        let of = |(number, model)| model_facts(model, self.of(number), self.level);
         self.models.iter().enumerate().map(of).collect()
     }
 
@@ -187,26 +187,32 @@ fn row(root: &UncertainRoot, mode: &UncertainMode, level: f64) -> [page::Cell; 4
     [value.into(), frequency.into(), with_range(mode.mode.damping, "", mode.damping(level)).into(), time.into()]
 }
 
-fn model_json<'a>(model: &Model, roots: impl Iterator<Item = &'a Roots>, level: f64) -> Value {
-    let pair = |interval: Option<(f64, f64)>, scale: f64| interval.map(|(low, high)| [low / scale, high / scale]);
-    let root = |r: &UncertainRoot| {
-        let mode = r.mode(model.sample_time_s());
-        json!({
-            "re": r.value.re, "im": r.value.im, "covariance": r.covariance, "near_multiple": r.near_multiple,
-            "natural_frequency_hz": mode.mode.natural_frequency_rad_s / TAU,
-            "natural_frequency_interval_hz": pair(mode.natural_frequency_rad_s(level), TAU),
-            "damping": mode.mode.damping, "damping_interval": pair(mode.damping(level), 1.0),
-            "time_constant_s": mode.mode.time_constant_s(),
-            "time_constant_interval_s": pair(mode.time_constant_s(level), 1.0),
-        })
-    };
+fn model_facts<'a>(model: &Model, roots: impl Iterator<Item = &'a Roots>, level: f64) -> ModelRootsFacts {
     let all: Vec<String> = channels(model).map(|(output, input)| channel_name(model, output, input)).collect();
     let (mut poles, mut zeros) = (Vec::new(), Vec::new());
     for set in roots {
-        let channels = if set.channels.is_empty() { &all } else { &set.channels };
-        let value = json!({"channels": channels, "roots": set.roots.iter().map(root).collect::<Vec<_>>()});
-        if set.is_pole { poles.push(value) } else { zeros.push(value) }
+        let facts = RootsFacts {
+            channels: if set.channels.is_empty() { all.clone() } else { set.channels.clone() },
+            roots: set.roots.iter().map(|root| root_facts(root, model.sample_time_s(), level)).collect(),
+        };
+        if set.is_pole { poles.push(facts) } else { zeros.push(facts) }
     }
-    json!({"model": model.name, "sample_time_s": model.sample_time_s(), "level": level,
-        "poles": poles, "zeros": zeros})
+    ModelRootsFacts { model: model.name.clone(), sample_time_s: model.sample_time_s(), level, poles, zeros }
+}
+
+fn root_facts(root: &UncertainRoot, sample_time_s: Option<f64>, level: f64) -> RootFacts {
+    let mode = root.mode(sample_time_s);
+    let frequency = mode.natural_frequency_rad_s(level);
+    RootFacts {
+        re: root.value.re,
+        im: root.value.im,
+        covariance: root.covariance,
+        near_multiple: root.near_multiple,
+        natural_frequency_hz: mode.mode.natural_frequency_rad_s / TAU,
+        natural_frequency_interval_hz: frequency.map(|(low, high)| (low / TAU, high / TAU)),
+        damping: mode.mode.damping,
+        damping_interval: mode.damping(level),
+        time_constant_s: mode.mode.time_constant_s(),
+        time_constant_interval_s: mode.time_constant_s(level),
+    }
 }

@@ -5,7 +5,8 @@ use ident::{AnyModel, IdentError, LinearModel};
 use lti::TimeGrid;
 use page::Axis;
 
-use super::curves::{Curve, Curves, Fact, Quantity, unstable};
+use super::curves::{Curve, Curves, Over, Quantity, unstable};
+use super::facts::Fact;
 use super::model::{Model, channel_name, channels, longest_delay_s};
 
 /// Time constants for which a growing response is followed: to hundreds of millions of its beginning.
@@ -28,7 +29,7 @@ pub fn step(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
             curves.push(curve(model, number, output, input, &own[number], &drawn, level)?);
         }
     }
-    Ok(Curves { models, curves, x: Axis::time(), level })
+    Ok(Curves { models, curves, over: Over::Time, level })
 }
 
 /// The response of a way, drawn on one grid and summed up on the model's own.

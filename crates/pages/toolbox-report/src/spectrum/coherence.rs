@@ -2,11 +2,11 @@
 
 use page::decimal::digits;
 use page::{Abscissa, Axis, Layer, Panel, Style, rounded};
-use serde_json::{Value, json};
 use signal::SignalError;
 use signal::spectrum::{Welch, cross_spectrum};
 
 use super::confidence::FALSE_ALARM;
+use super::facts::CoherenceFacts;
 use crate::level::LEVEL;
 
 /// Coherence by Welch's method. At rest and at half the sample rate nothing is known of it: they are left out.
@@ -47,9 +47,13 @@ impl Coherence {
         Some(*value <= self.by_chance)
     }
 
-    pub(super) fn json(&self) -> Value {
-        json!({"frequency_hz": self.freq_hz, "coherence": self.value, "interval_95": self.band,
-            "chance_exceeds_at_1_in_20": self.by_chance})
+    pub(super) fn facts(&self) -> CoherenceFacts {
+        CoherenceFacts {
+            frequency_hz: self.freq_hz.clone(),
+            coherence: self.value.clone(),
+            interval_95: self.band.clone(),
+            chance_exceeds_at_1_in_20: self.by_chance,
+        }
     }
 
     pub(super) fn panel(&self) -> Panel {

@@ -3,11 +3,11 @@
 use ident::Experiment;
 use page::decimal::{digits, range};
 use page::{Align, Blocks, Layer, Style, Table, Tone, rounded};
-use serde_json::{Value, json};
 use signal::Complex64;
 use signal::frf::{Estimated, FrequencyResponse, RepeatedResponse, Resonance, resonance};
 use signal::spectrum::{SpectralPeak, top_range};
 
+use super::facts::{PeakFacts, PeakWidth, PeriodicFacts};
 use crate::blocks::{finding, line, name};
 use crate::level::LEVEL;
 use crate::words::counted;
@@ -179,22 +179,31 @@ impl Lines {
         all
     }
 
-    pub(super) fn json(&self) -> Value {
-        json!({"period_s": self.period_s, "periods": self.periods, "from_s": self.from_s,
-            "periods_left_out": self.unsettled, "still_settling": self.still_settling,
-            "lines_shared_by_inputs_hz": self.shared_hz})
+    pub(super) fn facts(&self) -> PeriodicFacts {
+        PeriodicFacts {
+            period_s: self.period_s,
+            periods: self.periods,
+            from_s: self.from_s,
+            periods_left_out: self.unsettled,
+            still_settling: self.still_settling,
+            lines_shared_by_inputs_hz: self.shared_hz.clone(),
+        }
     }
 
-    pub(super) fn peak_json(&self, s: Curve<'_>, peak: &SpectralPeak, excess_db: f64) -> Value {
+    pub(super) fn peak_facts(&self, s: Curve<'_>, peak: &SpectralPeak, excess_db: f64) -> PeakFacts {
         let top = self.top(s, peak);
-        let width = top.bandwidth_hz;
-        json!({"frequency_hz": top.freq_hz, "frequency_interval_95_hz": <[f64; 2]>::from(top.freq_range_hz),
-            "is_between_lines": top.magnitude_range.is_some(),
-            "magnitude": top.magnitude,
-            "interval_95": <[f64; 2]>::from(top.magnitude_range.unwrap_or(s.band[peak.index])),
-            "bandwidth_hz": width.map(|w| w.value),
-            "bandwidth_interval_95_hz": width.map(|w| <[f64; 2]>::from(w.interval(LEVEL))),
-            "excess_db": excess_db})
+        PeakFacts {
+            frequency_hz: top.freq_hz,
+            frequency_interval_95_hz: top.freq_range_hz,
+            magnitude: top.magnitude,
+            interval_95: top.magnitude_range.unwrap_or(s.band[peak.index]),
+            excess_db,
+            width: PeakWidth::AtLines {
+                is_between_lines: top.magnitude_range.is_some(),
+                bandwidth_hz: top.bandwidth_hz.map(|width| width.value),
+                bandwidth_interval_95_hz: top.bandwidth_hz.map(|width| width.interval(LEVEL)),
+            },
+        }
     }
 }
 

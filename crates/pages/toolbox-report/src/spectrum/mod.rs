@@ -3,12 +3,12 @@
 mod coherence;
 mod confidence;
 mod excitation;
+mod facts;
 mod lines;
 
 use ident::{Dataset, Experiment};
 use page::decimal::{digits, fixed, range};
 use page::{Abscissa, Align, Axis, Blocks, Figure, Layer, Page, Panel, Style, Table, Tone, rounded};
-use serde_json::{Value, json};
 use signal::SignalError;
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalKind, LocalModel, repeated_response, suited_response};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
@@ -21,6 +21,8 @@ use coherence::Coherence;
 use confidence::FALSE_ALARM;
 use excitation::Excitation;
 use lines::{Curve, Lines};
+
+pub use facts::{CoherenceFacts, PeakFacts, PeakWidth, PeriodicFacts, SpectrumFacts};
 
 /// Decibels by which a peak stands out of what is around it, at least.
 const PROMINENCE_DB: f64 = 6.0;
@@ -87,6 +89,35 @@ impl Spectrum {
             (self.band[k], self.all_hold[k]) = ((f64::NAN, f64::NAN), (f64::NAN, f64::NAN));
         }
         Spectrum { known, ..self }
+    }
+
+    fn facts(&self) -> SpectrumFacts {
+        SpectrumFacts {
+            channel: self.channel.clone(),
+            unit: self.unit.clone(),
+            frequency_hz: self.freq_hz.clone(),
+            magnitude: self.magnitude.clone(),
+            phase_deg: self.phase_deg.clone(),
+            interval_95: self.band.clone(),
+            peaks: self.peaks().iter().map(|peak| self.peak_facts(peak)).collect(),
+            coherence: self.coherence.as_ref().map(Coherence::facts),
+            periodic: self.lines.as_ref().map(Lines::facts),
+            without_value_hz: excitation::ranges(&self.freq_hz, &self.known),
+        }
+    }
+
+    fn peak_facts(&self, peak: &SpectralPeak) -> PeakFacts {
+        match &self.lines {
+            Some(lines) => lines.peak_facts(self.curve(), peak, self.excess_db(peak)),
+            None => PeakFacts {
+                frequency_hz: self.freq_hz[peak.index],
+                frequency_interval_95_hz: self.top_hz(peak),
+                magnitude: self.magnitude[peak.index],
+                interval_95: self.band[peak.index],
+                excess_db: self.excess_db(peak),
+                width: PeakWidth::OfCurve { resolution_hz: self.resolution_hz() },
+            },
+        }
     }
 
     fn excess_db(&self, peak: &SpectralPeak) -> f64 {
@@ -164,23 +195,8 @@ pub fn page(spectra: &[Spectrum]) -> Page {
 }
 
 /// The spectra in numbers.
-pub fn json(spectra: &[Spectrum]) -> Value {
-    spectra.iter().map(numbers).collect()
-}
-
-fn numbers(s: &Spectrum) -> Value {
-    let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
-    let peak = |p: &SpectralPeak| match &s.lines {
-        Some(lines) => lines.peak_json(s.curve(), p, s.excess_db(p)),
-        None => json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
-            "resolution_hz": s.resolution_hz(),
-            "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)}),
-    };
-    let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
-    json!({"channel": s.channel, "unit": s.unit, "frequency_hz": s.freq_hz,
-        "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks,
-        "coherence": s.coherence.as_ref().map(Coherence::json), "periodic": s.lines.as_ref().map(Lines::json),
-        "without_value_hz": excitation::ranges(&s.freq_hz, &s.known).iter().map(|(a, b)| [*a, *b]).collect::<Vec<_>>()})
+pub fn facts(spectra: &[Spectrum]) -> Vec<SpectrumFacts> {
+    spectra.iter().map(Spectrum::facts).collect()
 }
 
 fn text(s: &Spectrum) -> Blocks {

@@ -1,9 +1,8 @@
 //! Delays of long data.
 
 use ident::Dataset;
-use serde_json::Value;
 use signal::excitation::Random;
-use toolbox_report::delay::{Delays, Known};
+use toolbox_report::delay::{DelayFacts, Delays, Known};
 
 const SAMPLES: usize = 60_000;
 const STEP_S: f64 = 1e-3;
@@ -15,18 +14,18 @@ fn signals() -> (Vec<f64>, Vec<f64>) {
     ((0..SAMPLES).map(|t| levels[t / 20]).collect(), (0..SAMPLES).map(|_| random.normal()).collect())
 }
 
-fn found(u: &[f64], y: &[f64]) -> Value {
+fn found(u: &[f64], y: &[f64]) -> DelayFacts {
     let known = Known { adjustments: &[], spacing: Some(1), clock_is_given: false, between_is_given: true };
-    Delays::of(Dataset::siso(STEP_S, u, y).unwrap(), &known, 30, &work::Context::new()).unwrap().json()
+    Delays::of(Dataset::siso(STEP_S, u, y).unwrap(), &known, 30, &work::Context::new()).unwrap().facts()
 }
 
-fn is_of_a_part(found: &Value) -> bool {
-    found["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains("25000 of 60000 samples"))
+fn is_of_a_part(found: &DelayFacts) -> bool {
+    found.notes.iter().any(|note| note.contains("25000 of 60000 samples"))
 }
 
-fn holds(found: &Value, delay_s: f64) -> bool {
-    let ends = &found["delay"][0]["interval_95_s"];
-    ends[0].as_f64().unwrap() <= delay_s && delay_s <= ends[1].as_f64().unwrap()
+fn holds(found: &DelayFacts, delay_s: f64) -> bool {
+    let [low, high] = found.delay[0].interval_95_s.unwrap();
+    low <= delay_s && delay_s <= high
 }
 
 /// A lag of ten samples after a delay of seven: with little noise a part is enough, with much it is not.
@@ -41,8 +40,8 @@ fn regress_a_part_of_long_data_serves_where_more_would_not_sharpen_the_interval(
     for (size, is_enough) in [(0.005, true), (0.5, false)] {
         let y: Vec<f64> = lag.iter().zip(&noise).map(|(y, e)| y + size * e).collect();
         let found = found(&u, &y);
-        assert_eq!(is_of_a_part(&found), is_enough, "{found}");
-        assert!(holds(&found, 7.0 * STEP_S), "{found}");
+        assert_eq!(is_of_a_part(&found), is_enough, "{found:?}");
+        assert!(holds(&found, 7.0 * STEP_S), "{found:?}");
     }
 }
 
@@ -52,11 +51,9 @@ fn regress_a_part_of_long_data_serves_for_a_gain() {
     let (u, noise) = signals();
     let y: Vec<f64> = (0..SAMPLES).map(|t| if t < 3 { 0.0 } else { 2.0 * u[t - 3] } + 0.1 * noise[t]).collect();
     let found = found(&u, &y);
-    assert!(is_of_a_part(&found), "{found}");
-    let ends = &found["delay"][0]["interval_95_s"];
-    for (end, samples) in [(0, 2.0), (1, 3.0)] {
-        let off = ends[end].as_f64().unwrap() / STEP_S - samples;
-        assert!(off.abs() < 0.1, "{found}");
+    assert!(is_of_a_part(&found), "{found:?}");
+    for (end, samples) in found.delay[0].interval_95_s.unwrap().into_iter().zip([2.0, 3.0]) {
+        assert!((end / STEP_S - samples).abs() < 0.1, "{found:?}");
     }
 }
 
@@ -72,10 +69,7 @@ fn regress_an_output_ahead_of_its_input_is_named_with_its_interval() {
     let u: Vec<f64> = (0..3020).map(next).collect();
     let y: Vec<f64> = (0..3000).map(|k| u[k + 20] + 0.05 * random.normal()).collect();
     let found = found(&u[..3000], &y);
-    let reason = found["delay"][0]["unclaimed"].as_str().unwrap();
+    let reason = found.delay[0].unclaimed.as_deref().unwrap();
     assert!(reason.contains("ahead of the input by 0.0"), "{reason}");
-    assert!(
-        found["delay"][0]["range_of_methods_s"].is_null() && found["doubts"].as_array().unwrap().is_empty(),
-        "{found}"
-    );
+    assert!(found.delay[0].range_of_methods_s.is_none() && found.doubts.is_empty(), "{found:?}");
 }

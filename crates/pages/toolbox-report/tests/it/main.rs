@@ -3,6 +3,7 @@
 
 mod delay;
 mod periodic;
+mod written;
 
 use ident::validate::judge;
 use ident::{AnyModel, Arx, Dataset, EstimateRecord, Fit, InitialState, ModelDocument};
@@ -95,5 +96,5 @@ fn snap_data_before_a_model() {
     let table = ident::OrderScan::new(na, nb, nk).run(&data).unwrap();
     let orders = Orders { table, ranges, is_validated: false };
     assert_says(&orders.page(), &["best by", "12 structures"]);
-    assert_eq!(orders.json()["best"]["BIC"]["na"], 2);
+    assert_eq!(orders.facts().best["BIC"].na, 2);
 }

@@ -6,7 +6,7 @@ use ident::{AnyModel, ContinuousTransferFunction, Dataset};
 use signal::Sos;
 use signal::excitation::Random;
 use signal::filter::Section;
-use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, json, page, spectra};
+use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, facts, page, spectra};
 
 use super::lines;
 
@@ -54,19 +54,17 @@ fn regress_a_multisine_gives_values_at_its_lines_and_the_resonance_between_them(
     let methods = [None, Some(SpectrumMethod::Lpm), Some(SpectrumMethod::Lrm), Some(SpectrumMethod::Welch)];
     for method in methods {
         let found = spectra(&data, &options(method, Periods::Found)).unwrap();
-        let numbers = &json(&found)[0];
-        let freq_hz: Vec<f64> =
-            numbers["frequency_hz"].as_array().unwrap().iter().map(|f| f.as_f64().unwrap()).collect();
+        let numbers = &facts(&found)[0];
+        let freq_hz = &numbers.frequency_hz;
         assert_eq!((freq_hz.len(), freq_hz[0], freq_hz[47]), (48, 1.0, 95.0));
         for (k, f) in freq_hz.iter().enumerate() {
             let truth = system().response(*f).norm();
-            let gain = numbers["magnitude"][k].as_f64().unwrap();
+            let gain = numbers.magnitude[k];
             assert!((gain - truth).abs() < 0.02, "{f} Hz: {gain}, {truth}");
         }
-        assert_eq!(numbers["periodic"]["periods"], 20);
-        let peaks = numbers["peaks"].as_array().unwrap();
-        let [low, high] = [0, 1].map(|i| peaks[0]["frequency_interval_95_hz"][i].as_f64().unwrap());
-        assert!(peaks.len() == 1 && low < PEAK_HZ && PEAK_HZ < high && high - low < 0.2, "{low} {high}");
+        assert_eq!(numbers.periodic.as_ref().map(|periodic| periodic.periods), Some(20));
+        let (low, high) = numbers.peaks[0].frequency_interval_95_hz;
+        assert!(numbers.peaks.len() == 1 && low < PEAK_HZ && PEAK_HZ < high && high - low < 0.2, "{low} {high}");
         let text = lines(&page(&found)).split_whitespace().collect::<Vec<_>>().join(" ");
         for words in ["repeats every 1 s", "mean of 20 periods", "48 lines", "no value at other frequencies"] {
             assert!(text.contains(words), "{words}: {text}");
@@ -100,16 +98,16 @@ fn regress_there_is_no_value_where_an_input_has_no_power() {
     use SpectrumMethod::{BlackmanTukey, Etfe, Lpm, Lrm, Welch};
     for method in [Lpm, Lrm, Welch, BlackmanTukey, Etfe] {
         let found = spectra(&data, &options(Some(method), Periods::Found)).unwrap();
-        let numbers = &json(&found)[0];
-        let freq_hz = numbers["frequency_hz"].as_array().unwrap();
+        let numbers = &facts(&found)[0];
+        let freq_hz = &numbers.frequency_hz;
         let nearest = |wanted: f64| {
-            let distance = |k: &usize| (freq_hz[*k].as_f64().unwrap() - wanted).abs();
+            let distance = |k: &usize| (freq_hz[*k] - wanted).abs();
             (0..freq_hz.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
         };
-        assert!(numbers["magnitude"][nearest(400.0)].is_null(), "{method:?}");
-        assert!(numbers["magnitude"][nearest(40.0)].is_number(), "{method:?}");
+        assert!(numbers.magnitude[nearest(400.0)].is_nan(), "{method:?}");
+        assert!(numbers.magnitude[nearest(40.0)].is_finite(), "{method:?}");
         assert!(lines(&page(&found)).contains("next to no power at"), "{method:?}");
-        assert_eq!(numbers["periodic"], serde_json::Value::Null);
+        assert!(numbers.periodic.is_none());
     }
 }
 

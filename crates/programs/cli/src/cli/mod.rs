@@ -24,7 +24,7 @@ mod suggest;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use dynoid::Files;
@@ -57,6 +57,11 @@ impl Cli {
         inputs.iter().for_each(|path| run.reads(path));
         (cli, run)
     }
+
+    /// Tells whether a word is the name of a command.
+    pub(crate) fn is_command(word: &OsStr) -> bool {
+        Cli::command().find_subcommand(word).is_some() || word == "help"
+    }
 }
 
 /// The arguments with `--json` behind all options, so that it may stand anywhere: the command that it belongs to comes
@@ -75,7 +80,7 @@ fn negative_numbers(command: clap::Command) -> clap::Command {
     args.mut_subcommands(negative_numbers)
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct Global {
     /// Show no progress and no summary; warnings and errors stay
     #[arg(long, short, global = true, help_heading = "Global options")]
@@ -98,8 +103,9 @@ pub(crate) struct Global {
     pub(crate) color: ColorWhen,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ColorWhen {
+    #[default]
     Auto,
     Always,
     Never,

@@ -24,7 +24,7 @@ const EXIT_CODES: &str = "Exit codes: 1 bad verdict; faults: 2 command, 3 input,
 /// The program with its commands listed under headings.
 pub(super) fn grouped(command: Command) -> Command {
     let (heading, literal) = (*command.get_styles().get_header(), *command.get_styles().get_literal());
-    let mut page = String::from("{about}\n\n{usage-heading} {usage}\n");
+    let mut page = String::from("{about}\n\n{usage-heading} {usage}, or dynoid FOLDER: init, study, report\n");
     for (title, names) in GROUPS {
         let _ = write!(page, "\n{heading}{title}:{heading:#}\n");
         for name in names {

@@ -73,7 +73,7 @@ fn signals_can_be_reset() -> bool {
     can
 }
 
-fn within_a_minute(mut is_so: impl FnMut() -> bool) {
+pub(crate) fn within_a_minute(mut is_so: impl FnMut() -> bool) {
     let since = Instant::now();
     while !is_so() {
         assert!(since.elapsed() < Duration::from_secs(60), "the program does not come so far");

@@ -10,6 +10,8 @@ mod convert_recordings;
 mod datasets;
 mod demo;
 mod diff;
+#[cfg(target_os = "linux")]
+mod dropped;
 #[cfg(unix)]
 mod ended;
 mod engine;

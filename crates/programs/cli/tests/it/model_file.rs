@@ -88,7 +88,7 @@ fn use_of(document: &BenchModelDocument) {
     let _ = export::matlab::bench(document, &names);
     for (name, linear) in export::toolbox_models(document).unwrap_or_default() {
         if let Ok(models) = Model::with_noise(name, linear, false) {
-            let _ = bode(models, 0.95).map(|curves| curves.json());
+            let _ = bode(models, 0.95).map(|curves| curves.facts());
         }
     }
     let plan = ExperimentPlan::bs_t_nt(1200.0, 0.3);

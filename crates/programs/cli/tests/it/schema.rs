@@ -4,7 +4,7 @@ use bench_testkit::schemas::assert_valid;
 use serde_json::Value;
 
 use crate::support::{Campaign, bs, dynoid, white_noise};
-use crate::{can, friction};
+use crate::{can, friction, identify};
 
 /// What commands print, by the name of the schema; those that think for a second or two.
 const QUICK: [(&str, &str); 10] = [
@@ -30,6 +30,22 @@ const SLOW: [(&str, &str); 7] = [
     ("experiment-next-output", "experiment next bench.toml --json"),
 ];
 
+/// Commands for linear models, in an order in which each finds the model that it needs.
+const LINEAR: [(&str, &str); 12] = [
+    ("data-spectrum-output", "data spectrum run.csv -u valve -y speed --json"),
+    ("data-delay-output", "data delay run.csv -u valve -y speed --longest 5 --json"),
+    ("data-order-output", "data order run.csv -u valve -y speed --na 1:2 --nb 1:2 --nk 1:2 --json"),
+    ("fit-output", "fit arx run.csv -u valve -y speed --validate unseen.csv --out arx.json --json"),
+    ("model-bode-output", "model bode arx.json --json"),
+    ("model-step-output", "model step arx.json --json"),
+    ("model-poles-output", "model poles arx.json --json"),
+    ("model-convert-zpk-output", "model convert arx.json --to zpk --json"),
+    ("model-compare-output", "model compare arx.json --on unseen.csv --json"),
+    ("model-residuals-output", "model residuals arx.json --on unseen.csv --json"),
+    ("model-simulate-output", "model simulate arx.json --on unseen.csv --json"),
+    ("model-predict-output", "model predict arx.json --on unseen.csv --horizon 5 --json"),
+];
+
 fn check_all(campaign: &Campaign, runs: &[(&str, &str)]) {
     for (name, line) in runs {
         let words: Vec<&str> = line.split(' ').collect();
@@ -49,6 +65,16 @@ fn exact_what_quick_commands_print_has_the_form_of_its_schema() {
 #[ignore = "slow"]
 fn exact_what_slow_commands_print_has_the_form_of_its_schema() {
     check_all(&friction::campaign(), &SLOW);
+}
+
+#[test]
+fn exact_what_commands_for_linear_models_print_has_the_form_of_its_schema() {
+    let folder = identify::folder();
+    for (name, line) in LINEAR {
+        let ran = identify::run(&folder, line);
+        assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
+        assert_valid(name, &ran.json());
+    }
 }
 
 #[test]

@@ -25,8 +25,8 @@ use crate::known::{Draws, KnownBench, PulsesFrom};
 #[derive(Debug, Clone)]
 pub struct CheckedExperiment {
     plan: ExperimentPlan,
-    /// The first speed demanded.
-    speed_rad_s: f64,
+    /// The lowest and the highest speed demanded.
+    speeds_rad_s: (f64, f64),
     check: SafetyCheck,
     beyond: Vec<Beyond>,
     has_study: bool,
@@ -49,7 +49,7 @@ impl CheckedExperiment {
         }
         let stated = bench.virtual_bench();
         Ok(CheckedExperiment {
-            speed_rad_s: demands.speed_rad_s[0],
+            speeds_rad_s: range(&demands.speed_rad_s),
             check,
             beyond,
             has_study: bench.assembled().is_some(),
@@ -75,7 +75,7 @@ impl CheckedExperiment {
     pub fn page(&self) -> Page {
         report::safety::page(&CheckedPlan {
             plan: &self.plan,
-            speed_rad_s: self.speed_rad_s,
+            speeds_rad_s: self.speeds_rad_s,
             check: &self.check,
             has_study: self.has_study,
             pulses: &self.pulses,
@@ -90,7 +90,7 @@ impl CheckedExperiment {
         let check = &self.check;
         CheckFacts {
             label: self.plan.label.to_string(),
-            speed_rpm: self.speed_rad_s / RPM_RAD_S,
+            speeds_rpm: (self.speeds_rad_s.0 / RPM_RAD_S, self.speeds_rad_s.1 / RPM_RAD_S),
             duration_s: self.plan.duration_s,
             verdict: check.safety,
             samples: check.unstable.of,
@@ -107,6 +107,10 @@ impl CheckedExperiment {
             beyond: self.beyond.iter().map(report::can::beyond).collect(),
         }
     }
+}
+
+fn range(x: &[f64]) -> (f64, f64) {
+    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }
 
 fn checked(
@@ -151,7 +155,8 @@ fn beyond(bench: &KnownBench, plan: &ExperimentPlan, demands: &Demands) -> Vec<B
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CheckFacts<'a> {
     label: String,
-    speed_rpm: f64,
+    /// The lowest and the highest speed demanded.
+    speeds_rpm: (f64, f64),
     duration_s: f64,
     verdict: Safety,
     samples: usize,

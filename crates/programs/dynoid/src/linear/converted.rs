@@ -2,8 +2,7 @@
 
 use ident::ModelDocument;
 use page::{Figure, Page};
-use serde_json::Value;
-use toolbox_report::convert::{Conversion, Converted, convert};
+use toolbox_report::convert::{Conversion, Converted, ZeroPoleGainFacts, convert};
 
 use crate::error::Error;
 
@@ -42,7 +41,7 @@ impl ConvertedModel {
     ///
     /// # Errors
     /// A model without them.
-    pub fn zeros_and_poles(&self) -> Result<Vec<Value>, Error> {
+    pub fn zeros_and_poles(&self) -> Result<Vec<ZeroPoleGainFacts>, Error> {
         self.converted.zeros_and_poles().map_err(|source| Error::NotConverted { source })
     }
 

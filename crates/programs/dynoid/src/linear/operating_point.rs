@@ -115,8 +115,11 @@ fn level_of(recording: usize, fit: &Fit<AnyModel>, data: &Loaded) -> Vec<f64> {
     (0..data.data.outputs()).map(mean).collect()
 }
 
-/// Trend that was taken off, with these levels of the outputs besides.
-fn raised(trend: Option<&Trend>, levels: &[Vec<f64>], inputs: usize) -> Result<Trend, IdentError> {
+/// Trend that was taken off, with these levels of the outputs besides, one list a recording.
+///
+/// # Errors
+/// None for a trend of the same channels.
+pub fn raised(trend: Option<&Trend>, levels: &[Vec<f64>], inputs: usize) -> Result<Trend, IdentError> {
     let rest = vec![Line::level(0.0); inputs];
     let of_inputs = |n: usize| trend.map_or_else(|| rest.clone(), |trend| trend.inputs(n).to_vec());
     let of_outputs = |(n, levels): (usize, &Vec<f64>)| {

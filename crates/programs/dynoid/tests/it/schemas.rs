@@ -26,6 +26,15 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use serde_json::{Value, json};
 use study::{NextExperiments, Study, document};
+use toolbox_report::compare::MetFacts;
+use toolbox_report::convert::ZeroPoleGainFacts;
+use toolbox_report::delay::DelayFacts;
+use toolbox_report::fit::EstimateFacts;
+use toolbox_report::models::{CurveFacts, ModelRootsFacts};
+use toolbox_report::order::OrderFacts;
+use toolbox_report::residuals::ResidualFacts;
+use toolbox_report::response::ResponseFacts;
+use toolbox_report::spectrum::SpectrumFacts;
 
 /// The form of a result as a document.
 #[derive(JsonSchema)]
@@ -54,6 +63,9 @@ fn all() -> Vec<(&'static str, Value)> {
         ("capability-map", of_result(&capabilities::MAP, "The largest sines that a bench can do")),
         ("controller-output", of::<SpeedControlFacts>("What `dynoid controller --json` prints")),
         ("cycle-validation", of_result(&capabilities::VALIDATION, "Judgement of a run of a cycle")),
+        ("data-delay-output", of::<DelayFacts>("What `dynoid data delay --json` prints")),
+        ("data-order-output", of::<OrderFacts>("What `dynoid data order --json` prints")),
+        ("data-spectrum-output", of::<Vec<SpectrumFacts>>("What `dynoid data spectrum --json` prints")),
         ("easier", of_result(&capabilities::EASIER, "Changes with which a bench can run a test")),
         ("engine-output", of::<EngineFacts>("What `dynoid engine --json` prints")),
         ("engine-torque", of_result(&document::ENGINE_TORQUE, "The torque of the engine")),
@@ -62,6 +74,7 @@ fn all() -> Vec<(&'static str, Value)> {
         ("experiment-design-output", of::<DesignFacts>("What `dynoid experiment design --json` prints")),
         ("experiment-next-output", of::<NextExperiments>("What `dynoid experiment next --json` prints")),
         ("experiment-simulate-output", of::<SimulationFacts>("What `dynoid experiment simulate --json` prints")),
+        ("fit-output", of::<EstimateFacts>("What `dynoid fit --json` prints")),
         ("friction", of_result(&document::FRICTION, "Friction of the dynamometer")),
         ("friction-output", of::<FrictionFacts>("What `dynoid friction --json` prints")),
         ("gradients", of_result(&capabilities::GRADIENTS, "The largest gradients of the speed")),
@@ -72,7 +85,21 @@ fn all() -> Vec<(&'static str, Value)> {
         ("lines", of_result(&document::LINES, "Lines of the spectra")),
         ("lines-output", of::<LinesFacts>("What `dynoid lines --json` prints")),
         ("model", with_header_of(of::<BenchModelDocument>("A bench model, such as model.json"), &bench_model())),
+        ("model-bode-output", of::<Vec<CurveFacts>>("What `dynoid model bode --json` prints")),
+        ("model-compare-output", of::<Vec<MetFacts>>("What `dynoid model compare --json` prints of linear models")),
         ("model-comparison", of_result(&document::MODEL_COMPARISON, "Two bench models, compared")),
+        (
+            "model-convert-zpk-output",
+            of::<Vec<ZeroPoleGainFacts>>("What `dynoid model convert --to zpk --json` prints"),
+        ),
+        ("model-poles-output", of::<Vec<ModelRootsFacts>>("What `dynoid model poles --json` prints")),
+        ("model-predict-output", of::<Vec<ResponseFacts>>("What `dynoid model predict --json` prints")),
+        ("model-residuals-output", of::<ResidualFacts>("What `dynoid model residuals --json` prints")),
+        (
+            "model-simulate-output",
+            of::<Vec<ResponseFacts>>("What `dynoid model simulate --json` prints of linear models"),
+        ),
+        ("model-step-output", of::<Vec<CurveFacts>>("What `dynoid model step --json` prints")),
         ("next-experiments", of_result(&document::NEXT_EXPERIMENTS, "Experiments to record next")),
         ("noise-test", of_result(&document::NOISE_TEST, "Effect of noise on the estimate of a PI controller")),
         ("safety-check", of_result(&SafetyCheck::DOCUMENT, "Check of an experiment against the limits of a bench")),

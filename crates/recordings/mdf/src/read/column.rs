@@ -227,6 +227,19 @@ impl Column {
         }
     }
 
+    /// Makes it so many rows long; their cells hold anything.
+    pub(crate) fn resize(&mut self, rows: usize) {
+        match self {
+            Self::Numbers(numbers) => numbers.resize(rows, 0.0),
+            Self::Bytes { width, bytes } => bytes.resize(rows * *width, 0),
+        }
+    }
+
+    /// Removes all rows, and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.resize(0);
+    }
+
     /// Appends `rows` cells of zeros and returns them.
     pub(crate) fn grow(&mut self, rows: usize) -> Cells<'_> {
         match self {

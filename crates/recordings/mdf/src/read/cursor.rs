@@ -20,7 +20,12 @@ pub(crate) struct Cursor<'a, S: ?Sized> {
 
 impl<'a, S: Source + ?Sized> Cursor<'a, S> {
     pub(crate) fn new(source: &'a S, stream: &'a Stream) -> Self {
-        Self { stream, loader: Loader::new(source, stream), start: 0, bytes: Vec::new(), given_up: 0 }
+        Self::from(source, stream, 0)
+    }
+
+    /// A window that begins at a place of the stream.
+    pub(crate) fn from(source: &'a S, stream: &'a Stream, start: u64) -> Self {
+        Self { stream, loader: Loader::new(source, stream), start, bytes: Vec::new(), given_up: 0 }
     }
 
     /// The place in the stream up to which the window reaches.

@@ -1,5 +1,6 @@
 //! Groups that have their stream for themselves: records at a fixed distance, read by several workers.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::column::{Block, Cells, Column, Invalid, Task, columns};
@@ -19,12 +20,12 @@ struct Piece {
     rows: usize,
 }
 
-/// The pieces of a stream of `rows` records: compressed fragments whole, plain ones as they come.
-fn pieces(stream: &Stream, stride: u64, rows: u64) -> Vec<Piece> {
+/// The pieces of some records of a stream: compressed fragments whole, plain ones as they come.
+fn pieces(stream: &Stream, stride: u64, rows: Range<u64>) -> Vec<Piece> {
     let mut pieces = Vec::new();
-    let mut first = 0;
+    let mut first = rows.start;
     let mut until = |end: u64| {
-        let end = end.min(rows);
+        let end = end.min(rows.end);
         if end > first {
             pieces.push(Piece { first, rows: (end - first) as usize });
             first = end;
@@ -32,22 +33,26 @@ fn pieces(stream: &Stream, stride: u64, rows: u64) -> Vec<Piece> {
         first
     };
     let per_piece = (PIECE / stride).max(1);
-    let mut done = 0;
-    for fragment in &stream.fragments {
+    let mut done = rows.start;
+    let begin = stream.at(rows.start.saturating_mul(stride)).unwrap_or(stream.fragments.len());
+    for fragment in &stream.fragments[begin..] {
         // A record belongs to the fragment it begins in.
         let end = fragment.end().div_ceil(stride);
         if fragment.packing == Packing::Plain {
             while end - done.min(end) >= per_piece {
                 done = until(done + per_piece);
-                if done >= rows {
+                if done >= rows.end {
                     return pieces;
                 }
             }
         } else if (end - done.min(end)) * stride >= PIECE / 2 {
             done = until(end);
         }
+        if done >= rows.end {
+            return pieces;
+        }
     }
-    until(rows);
+    until(rows.end);
     pieces
 }
 
@@ -58,45 +63,61 @@ struct Queue<'c> {
     done_bytes: u64,
 }
 
-/// Reads `rows` records into a column for each task.
-pub(crate) fn read<S: Source + ?Sized>(
-    source: &S,
-    shape: &Shape<'_>,
-    rows: u64,
-    tasks: &[Task],
-    progress: &Progress<'_>,
-) -> Result<Vec<Column>, MdfError> {
-    let count = usize::try_from(rows).map_err(|_| MdfError::TooLarge { numbers: rows })?;
-    let mut columns = columns(tasks, count)?;
-    let stride = shape.stride() as u64;
-    let pieces = match stride {
-        0 => vec![Piece { first: 0, rows: count }],
-        _ => pieces(shape.stream, stride, rows),
-    };
-    let workers = rayon::current_num_threads().min(MOST_WORKERS).min(pieces.len());
-    let rest = columns.iter_mut().map(Column::cells).collect();
-    let queue = Mutex::new(Queue { pieces: pieces.into_iter(), rest, failure: None, done_bytes: 0 });
-    rayon::scope(|scope| {
-        for _ in 1..workers {
-            scope.spawn(|_| work(source, shape, tasks, &queue, progress));
-        }
-        work(source, shape, tasks, &queue, progress);
-    });
-    match queue.into_inner().unwrap_or_else(PoisonError::into_inner).failure {
-        Some(error) => Err(error),
-        None => Ok(columns),
+/// Receives numbers of a task: its place, the number of the first record, and the numbers from there on.
+pub(crate) type Each<'a> = &'a (dyn Fn(usize, u64, &[f64]) + Sync);
+
+/// Records of a group that are read, and what is taken from them.
+#[derive(Clone, Copy)]
+pub(crate) struct Job<'a, S: ?Sized> {
+    pub source: &'a S,
+    pub shape: Shape<'a>,
+    pub tasks: &'a [Task],
+    pub progress: &'a Progress<'a>,
+    /// Receiver of the numbers, where they are not gathered.
+    pub each: Option<Each<'a>>,
+}
+
+impl<S: Source + ?Sized> Job<'_, S> {
+    /// Reads records into a column for each task.
+    pub(crate) fn read(&self, rows: Range<u64>) -> Result<Vec<Column>, MdfError> {
+        let mut columns = columns(self.tasks, count(&rows)?)?;
+        let rest = columns.iter_mut().map(Column::cells).collect();
+        self.run(rows, rest)?;
+        Ok(columns)
+    }
+
+    /// Hands on the numbers of records, piece by piece in any order.
+    pub(crate) fn visit(&self, rows: Range<u64>) -> Result<(), MdfError> {
+        self.run(rows, Vec::new())
+    }
+
+    fn run(&self, rows: Range<u64>, rest: Vec<Cells<'_>>) -> Result<(), MdfError> {
+        let pieces = match self.shape.stride() as u64 {
+            0 => vec![Piece { first: rows.start, rows: count(&rows)? }],
+            stride => pieces(self.shape.stream, stride, rows),
+        };
+        let workers = rayon::current_num_threads().min(MOST_WORKERS).min(pieces.len());
+        let queue = Mutex::new(Queue { pieces: pieces.into_iter(), rest, failure: None, done_bytes: 0 });
+        rayon::scope(|scope| {
+            for _ in 1..workers {
+                scope.spawn(|_| work(self, &queue));
+            }
+            work(self, &queue);
+        });
+        queue.into_inner().unwrap_or_else(PoisonError::into_inner).failure.map_or(Ok(()), Err)
     }
 }
 
-fn work<S: Source + ?Sized>(
-    source: &S,
-    shape: &Shape<'_>,
-    tasks: &[Task],
-    queue: &Mutex<Queue<'_>>,
-    progress: &Progress<'_>,
-) {
+fn count(rows: &Range<u64>) -> Result<usize, MdfError> {
+    let numbers = rows.end.saturating_sub(rows.start);
+    usize::try_from(numbers).map_err(|_| MdfError::TooLarge { numbers })
+}
+
+fn work<S: Source + ?Sized>(job: &Job<'_, S>, queue: &Mutex<Queue<'_>>) {
+    let Job { shape, tasks, progress, .. } = job;
     let lock = || queue.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut reader = PieceReader::new(source, shape);
+    let mut reader = PieceReader::new(job.source, shape);
+    let mut columns = Vec::new();
     loop {
         let mut guard = lock();
         if guard.failure.is_some() {
@@ -105,7 +126,10 @@ fn work<S: Source + ?Sized>(
         let Some(piece) = guard.pieces.next() else { return };
         let mut cells: Vec<_> = guard.rest.iter_mut().map(|c| c.split(piece.rows)).collect();
         drop(guard);
-        let result = reader.read(piece, tasks, &mut cells);
+        let result = match job.each {
+            None => reader.read(piece, tasks, &mut cells),
+            Some(each) => reader.visit(piece, tasks, &mut columns, each),
+        };
         let mut guard = lock();
         guard.done_bytes += piece.rows as u64 * shape.stride() as u64;
         progress.report(guard.done_bytes);
@@ -133,6 +157,28 @@ impl<'a, S: Source + ?Sized> PieceReader<'a, S> {
             invalid_bytes: Vec::new(),
             scratch: Vec::new(),
         }
+    }
+
+    /// Reads a piece into columns that are used again, and hands on its numbers.
+    fn visit(
+        &mut self,
+        piece: Piece,
+        tasks: &[Task],
+        columns: &mut Vec<Column>,
+        each: Each<'_>,
+    ) -> Result<(), MdfError> {
+        if columns.is_empty() {
+            *columns = super::column::columns(tasks, piece.rows)?;
+        }
+        columns.iter_mut().for_each(|column| column.resize(piece.rows));
+        let mut cells: Vec<_> = columns.iter_mut().map(Column::cells).collect();
+        self.read(piece, tasks, &mut cells)?;
+        for (task, column) in columns.iter().enumerate() {
+            if let Column::Numbers(numbers) = column {
+                each(task, piece.first, numbers);
+            }
+        }
+        Ok(())
     }
 
     fn read(&mut self, piece: Piece, tasks: &[Task], cells: &mut [Cells<'_>]) -> Result<(), MdfError> {

@@ -1,13 +1,14 @@
 //! Streams with records of several groups, each with the identifier of its group: read in one pass.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::column::{Block, Column, Invalid, Task};
 use super::cursor::Cursor;
-use super::shape::Progress;
 use super::varying::Varying;
 use crate::bytes::u32_at;
 use crate::error::damaged;
+use crate::parts::{Index, Mark};
 use crate::stream::{Stream, View};
 use crate::{MdfError, Source};
 
@@ -25,9 +26,21 @@ pub(crate) struct Member {
     pub keep_values: bool,
     pub tasks: Vec<Task>,
     pub columns: Vec<Column>,
+    /// Records that were passed.
     pub rows: u64,
+    /// Records that are wanted; all of them where it is none.
+    pub kept: Option<Range<u64>>,
+    /// Number of the record after the last that was gathered.
+    pub next: u64,
     pub values: Varying,
     pub gathered: Vec<u8>,
+}
+
+/// The last mark before which none of the wanted records is.
+pub(crate) fn before<'i>(index: &'i Index, members: &[Member]) -> Option<&'i Mark> {
+    let wanted: Vec<(usize, u64)> = members.iter().enumerate().filter_map(|(i, m)| Some((i, m.first()?))).collect();
+    let is_before = |mark: &Mark| wanted.iter().all(|&(i, first)| mark.rows.get(i).is_none_or(|&r| r <= first));
+    index.marks.partition_point(is_before).checked_sub(1).and_then(|last| index.marks.get(last))
 }
 
 /// How the records of a stream are set apart.
@@ -42,13 +55,24 @@ pub(crate) struct Framing {
 }
 
 impl Member {
+    /// The first record that is wanted.
+    pub(super) fn first(&self) -> Option<u64> {
+        let kept = self.kept.as_ref().filter(|_| !self.tasks.is_empty())?;
+        (kept.start < kept.end).then_some(kept.start)
+    }
+
+    /// Tells whether no further record is wanted.
+    fn is_done(&self) -> bool {
+        self.tasks.is_empty() || self.kept.as_ref().is_some_and(|kept| self.rows >= kept.end)
+    }
+
     fn flush(&mut self, scratch: &mut Vec<u8>) {
         let count = self.gathered.len() / self.record_bytes.max(1);
         let block = Block {
             view: View::Rows(&self.gathered),
             stride: self.record_bytes,
             shift: 0,
-            first: self.rows - count as u64,
+            first: self.next - count as u64,
             invalid: Invalid::After(self.data_bytes),
         };
         let mut cells: Vec<_> = self.columns.iter_mut().map(|c| c.grow(count)).collect();
@@ -57,10 +81,12 @@ impl Member {
     }
 
     fn take(&mut self, record: &[u8], scratch: &mut Vec<u8>) {
+        let row = self.rows;
         self.rows += 1;
-        if self.tasks.is_empty() {
+        if self.tasks.is_empty() || self.kept.as_ref().is_some_and(|kept| !kept.contains(&row)) {
             return;
         }
+        self.next = self.rows;
         if self.record_bytes == 0 {
             // Nothing but indices of records.
             self.gathered.clear();
@@ -78,12 +104,12 @@ impl Member {
 }
 
 /// The member that an identifier stands for.
-enum Index {
+enum Identifiers {
     Small(Box<[Option<usize>; 256]>),
     Large(HashMap<u64, usize>),
 }
 
-impl Index {
+impl Identifiers {
     fn new(members: &[Member], id_bytes: usize) -> Self {
         if id_bytes > 1 {
             return Self::Large(members.iter().enumerate().map(|(i, m)| (m.id, i)).collect());
@@ -109,16 +135,22 @@ impl Index {
     }
 }
 
-/// Goes through the stream once.
+/// Goes through the stream once, or from a mark on to the last of the wanted records. `passed` hears of each place that
+/// was come to, and of the members there.
 pub(crate) fn read<S: Source + ?Sized>(
     source: &S,
     stream: &Stream,
     framing: Framing,
     members: &mut [Member],
-    progress: &Progress<'_>,
+    from: Option<&Mark>,
+    passed: &mut dyn FnMut(u64, &mut [Member]),
 ) -> Result<(), MdfError> {
-    let index = Index::new(members, framing.id_bytes);
-    let mut cursor = Cursor::new(source, stream);
+    let index = Identifiers::new(members, framing.id_bytes);
+    let mut cursor = Cursor::from(source, stream, from.map_or(0, |mark| mark.place));
+    for (member, rows) in members.iter_mut().zip(from.iter().flat_map(|mark| &mark.rows)) {
+        member.rows = *rows;
+    }
+    let is_part = members.iter().any(|member| member.kept.is_some());
     let mut scratch = Vec::new();
     let mut is_more = true;
     while is_more && cursor.extend()? {
@@ -140,9 +172,11 @@ pub(crate) fn read<S: Source + ?Sized>(
             }
         }
         cursor.consume(at);
-        progress.report(cursor.start());
+        is_more &= !(is_part && members.iter().all(Member::is_done));
+        passed(cursor.start(), members);
     }
     members.iter_mut().filter(|m| !m.tasks.is_empty()).for_each(|m| m.flush(&mut scratch));
+    passed(cursor.start(), members);
     Ok(())
 }
 
@@ -162,7 +196,7 @@ fn step(
     at: usize,
     left: u64,
     framing: Framing,
-    index: &Index,
+    index: &Identifiers,
     members: &mut [Member],
     scratch: &mut Vec<u8>,
 ) -> Step {

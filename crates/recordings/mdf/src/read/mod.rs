@@ -4,6 +4,7 @@ mod column;
 mod cursor;
 mod fixed;
 mod mixed;
+mod part;
 mod shape;
 mod varying;
 
@@ -18,8 +19,9 @@ use crate::error::damaged;
 use crate::field::is_integer;
 use crate::model::{Channel, Place, Storage};
 use crate::values::{Blobs, Texts, Values};
-use crate::{Address, Mdf, MdfError, Source};
+use crate::{Address, Mdf, MdfError, Numbers, Source};
 use column::{Column, Take, Task, columns};
+use fixed::Job;
 use mixed::{Framing, Member};
 pub(crate) use shape::{Progress, Shape};
 use varying::Collector;
@@ -80,7 +82,21 @@ impl<S: Source> Mdf<S> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(&self, addresses: &[Address], context: &Context) -> Result<Vec<Values>, MdfError> {
-        self.read_as(addresses, false, context)
+        self.read_as(addresses, false, context).map(|(values, _)| values)
+    }
+
+    /// Reads as [`Mdf::read`] does, of channels that hold numbers. A channel without numbers gives none.
+    ///
+    /// # Errors
+    ///
+    /// As [`Mdf::read`].
+    pub fn numbers(&self, addresses: &[Address], context: &Context) -> Result<Numbers, MdfError> {
+        let (values, rounded) = self.read_as(addresses, false, context)?;
+        let numbers = |values| match values {
+            Values::Numbers(numbers) => numbers,
+            _ => Vec::new(),
+        };
+        Ok(Numbers { columns: values.into_iter().map(numbers).collect(), rounded })
     }
 
     /// Reads as [`Mdf::read`] does, without applying conversions: the numbers and texts as they are stored.
@@ -89,10 +105,16 @@ impl<S: Source> Mdf<S> {
     ///
     /// As [`Mdf::read`].
     pub fn read_raw(&self, addresses: &[Address], context: &Context) -> Result<Vec<Values>, MdfError> {
-        self.read_as(addresses, true, context)
+        self.read_as(addresses, true, context).map(|(values, _)| values)
     }
 
-    fn read_as(&self, addresses: &[Address], raw: bool, context: &Context) -> Result<Vec<Values>, MdfError> {
+    /// The values of channels, and the channels whose integers were rounded.
+    fn read_as(
+        &self,
+        addresses: &[Address],
+        raw: bool,
+        context: &Context,
+    ) -> Result<(Vec<Values>, Vec<Address>), MdfError> {
         // Data group, group, channels.
         let mut wanted: BTreeMap<usize, BTreeMap<usize, Vec<Wanted<'_>>>> = BTreeMap::new();
         for (answer, address) in addresses.iter().enumerate() {
@@ -107,16 +129,17 @@ impl<S: Source> Mdf<S> {
         let total = wanted.keys().map(|&data| self.parts.data[data].stream.length).sum();
         let mut progress = Progress { context, before: 0, total };
         let mut answers: Vec<Option<Values>> = vec![None; addresses.len()];
+        let mut all_rounded = Vec::new();
         for (data, groups) in wanted {
             for (answer, values) in self.read_data(data, &groups, &progress)? {
                 answers[answer] = Some(values);
             }
             let rounded = groups.values().flatten().filter(|wanted| wanted.rounds.load(Ordering::Relaxed));
-            let rounded = rounded.map(|wanted| addresses[wanted.answer]);
-            self.rounded.lock().unwrap_or_else(PoisonError::into_inner).extend(rounded);
+            all_rounded.extend(rounded.map(|wanted| addresses[wanted.answer]));
             progress.before += self.parts.data[data].stream.length;
         }
-        Ok(answers.into_iter().flatten().collect())
+        self.rounded.lock().unwrap_or_else(PoisonError::into_inner).extend(&all_rounded);
+        Ok((answers.into_iter().flatten().collect(), all_rounded))
     }
 
     fn channel(&self, address: Address) -> Result<&Channel, MdfError> {
@@ -135,14 +158,17 @@ impl<S: Source> Mdf<S> {
             for (&group, wanted) in groups {
                 let tasks: Vec<Task> = wanted.iter().flat_map(Wanted::tasks).collect();
                 let rows = self.parts.groups[group].found.unwrap_or(0);
-                let columns = fixed::read(&self.source, &self.shape(group), rows, &tasks, progress)?;
+                let shape = self.shape(group);
+                let job = Job { source: &self.source, shape, tasks: &tasks, progress, each: None };
+                let columns = job.read(0..rows)?;
                 answers.extend(self.finish(wanted, columns, &[])?);
             }
             return Ok(answers);
         }
         let mut members = self.members(data, Some(groups));
         let framing = self.framing(data);
-        mixed::read(&self.source, &self.parts.data[data].stream, framing, &mut members, progress)?;
+        let mut passed = |place, _: &mut [Member]| progress.report(place);
+        mixed::read(&self.source, &self.parts.data[data].stream, framing, &mut members, None, &mut passed)?;
         for (&group, wanted) in groups {
             let place = self.parts.data[data].groups.iter().position(|&g| g == group).unwrap_or(0);
             let columns = std::mem::take(&mut members[place].columns);
@@ -205,15 +231,9 @@ impl<S: Source> Mdf<S> {
             return Ok(found);
         }
         let data = info.records.data;
-        let counts = self.parts.data[data].counts.get_or_init(|| {
-            let mut members = self.members(data, None);
-            let progress = Progress { context: &Context::new(), before: 0, total: 0 };
-            mixed::read(&self.source, &self.parts.data[data].stream, self.framing(data), &mut members, &progress)?;
-            Ok(members.iter().map(|m| m.rows).collect())
-        });
-        let counts = counts.as_ref().map_err(Clone::clone)?;
+        let index = self.index(data, &Context::new())?;
         let place = self.parts.data[data].groups.iter().position(|&g| g == group);
-        Ok(place.and_then(|p| counts.get(p)).copied().unwrap_or(0))
+        Ok(place.and_then(|p| index.counts.get(p)).copied().unwrap_or(0))
     }
 
     fn finish(

@@ -1,62 +1,108 @@
 //! Files and streams of Arrow: the batches that they describe, column by column.
 
+use std::ops::Range;
+
+use arrow_array::{Array, ArrayRef};
+use arrow_schema::DataType;
+
 use super::batch::{Batch, Dictionaries, learn};
 use super::messages::{Messages, Place};
 use super::plan::Plan;
 use super::reader::Reader;
 use super::table::{Flaw, Table, start_of};
-use crate::{Catalogue, Finding, Format, Recording, RecordingError, StartTime};
+use crate::{Catalogue, Finding, Format, RecordingError, StartTime};
 
 /// Rows that are read at once where they are not compressed; a multiple of 8, for values of one bit.
 const ROWS: usize = 1 << 16;
 
-/// An opened file or stream.
-pub(super) struct Ipc<'r> {
-    reader: &'r Reader<'r>,
-    messages: Messages,
-    plan: Plan,
+/// Reads where the batches of a file or stream are.
+pub(super) fn load(reader: &Reader<'_>, is_stream: bool) -> Result<Messages, RecordingError> {
+    let open = if is_stream { Messages::of_stream } else { Messages::of_file };
+    open(&**reader.source).map_err(|detail| reader.damaged(detail))
 }
 
-impl<'r> Ipc<'r> {
-    pub(super) fn open(reader: &'r Reader<'r>, is_stream: bool) -> Result<Self, RecordingError> {
-        let open = if is_stream { Messages::of_stream } else { Messages::of_file };
-        let messages = open(&**reader.source).map_err(|detail| reader.damaged(detail))?;
-        let plan = reader.plan(&messages.schema)?;
-        Ok(Self { reader, messages, plan })
-    }
+/// Columns of a file or stream.
+pub(super) struct Ipc<'r> {
+    pub(super) reader: &'r Reader<'r>,
+    pub(super) messages: &'r Messages,
+    pub(super) plan: Plan,
+}
 
-    pub(super) fn read(self) -> Result<Recording, RecordingError> {
+impl Ipc<'_> {
+    /// Reads all rows.
+    pub(super) fn table(self) -> Result<Table, RecordingError> {
         let Self { reader, messages, plan } = self;
         let columns = plan.columns.clone();
-        let counts = counts(reader, &messages, &plan)?;
+        let counts = counts(reader, messages, &plan)?;
         let most = usize::try_from(reader.size.saturating_mul(8)).unwrap_or(usize::MAX);
         let expected: Vec<usize> = counts.iter().map(|count| *count.min(&most)).collect();
         let all = expected.iter().fold(0_u64, |all, count| all.saturating_add(*count as u64));
         reader.check_size(all, 1)?;
         let mut table = Table::new(plan, reader.row_distance_s, &expected);
-        let mut work =
-            Work { reader, messages: &messages, columns: &columns, dictionaries: Dictionaries::new(), rows: 0 };
+        let mut work = Work { reader, messages, columns: &columns, dictionaries: Dictionaries::new(), rows: 0 };
         for place in &messages.places {
             work.message(*place, &mut table)?;
         }
-        let mut recording = table.finish();
-        if !messages.is_ended {
-            recording.findings.push(Finding::NotFinalised);
-        }
-        Ok(recording)
+        Ok(table)
     }
 
     pub(super) fn list(self) -> Result<Catalogue, RecordingError> {
         let Self { reader, messages, plan } = self;
-        let counts = counts(reader, &messages, &plan)?;
+        let counts = counts(reader, messages, &plan)?;
         let samples: Vec<Option<usize>> = counts.into_iter().map(Some).collect();
-        let start_time = started(reader, &messages, &plan)?;
+        let start_time = started(reader, messages, &plan)?;
         let mut catalogue = plan.into_catalogue(Format::Arrow, &samples, start_time);
         if !messages.is_ended {
             catalogue.findings.push(Finding::NotFinalised);
         }
         Ok(catalogue)
     }
+}
+
+/// Appends a range of rows to a table: of each column the bytes of these rows, or of compressed batches all that have
+/// some.
+pub(super) fn append(
+    reader: &Reader<'_>,
+    messages: &Messages,
+    columns: &[usize],
+    range: &Range<usize>,
+    table: &mut Table,
+) -> Result<(), RecordingError> {
+    let read = |place: usize| -> Result<_, Flaw> {
+        let column = columns.get(place).copied().unwrap_or(usize::MAX);
+        Ok(arrays(reader, messages, column, range)?.into_iter().map(Ok))
+    };
+    table.append(range.len(), read).map_err(|fault| fault.error(reader.file))
+}
+
+/// The arrays of a column with a range of rows.
+fn arrays(
+    reader: &Reader<'_>,
+    messages: &Messages,
+    column: usize,
+    range: &Range<usize>,
+) -> Result<Vec<ArrayRef>, String> {
+    let (source, schema, most) = (&**reader.source, &messages.schema, reader.most_bytes());
+    let has_codes = schema.fields().get(column).is_some_and(|f| matches!(f.data_type(), DataType::Dictionary(..)));
+    let (mut dictionaries, mut found) = (Dictionaries::new(), Vec::new());
+    for (place, rows) in messages.places.iter().zip(messages.rows(source)?) {
+        work::checkpoint();
+        let own = rows.start.max(range.start)..rows.end.min(range.end);
+        match place.is_dictionary {
+            true if has_codes => learn(source, schema, *place, most, &mut dictionaries)?,
+            false if own.start < own.end => {
+                let block = place.block(source)?;
+                let batch = Batch::new(source, schema, *place, &block)?;
+                let first = own.start - rows.start;
+                // Values of one bit begin with a byte.
+                let read = if batch.is_packed() { 0..batch.rows } else { first / 8 * 8..own.end - rows.start };
+                let array = batch.array(column, read.clone(), &dictionaries, most)?;
+                found.push(array.slice(first - read.start, own.len()));
+            }
+            _ => {}
+        }
+    }
+    Ok(found)
 }
 
 /// Does something with each batch; stops where it yields something.

@@ -1,6 +1,9 @@
 //! Where the batches of an Arrow file or stream are, and what they say of themselves: no number in it is believed
 //! before it is compared with the file.
 
+use std::ops::Range;
+use std::sync::OnceLock;
+
 use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::reader::read_footer_length;
 use arrow_ipc::{Endianness, Message, MessageHeader, root_as_footer, root_as_message};
@@ -28,6 +31,8 @@ pub(super) struct Messages {
     pub(super) schema: Schema,
     /// In their order.
     pub(super) places: Vec<Place>,
+    /// The rows of the table in each of them, once they were asked for.
+    rows: OnceLock<Vec<Range<usize>>>,
     /// True if the end is marked.
     pub(super) is_ended: bool,
 }
@@ -52,7 +57,7 @@ impl Messages {
         let batches = footer.recordBatches().into_iter().flatten().map(|block| place(block, false));
         let places: Option<Vec<Place>> = dictionaries.chain(batches).collect();
         let places = places.ok_or("its footer announces a batch of more bytes than its size makes plausible")?;
-        Ok(Self { schema, places, is_ended: true })
+        Ok(Self { schema, places, rows: OnceLock::new(), is_ended: true })
     }
 
     /// The messages of a stream, one after the other. The end may be left out.
@@ -60,7 +65,8 @@ impl Messages {
         let size = source.size().map_err(|e| e.to_string())?;
         let (block, mut at) = next(source, 0)?.ok_or("it holds nothing")?;
         let first = message(&block)?;
-        let mut messages = Self { schema: schema(first.header_as_schema())?, places: Vec::new(), is_ended: false };
+        let schema = schema(first.header_as_schema())?;
+        let mut messages = Self { schema, places: Vec::new(), rows: OnceLock::new(), is_ended: false };
         while at < size {
             let Some((block, body)) = next(source, at)? else {
                 messages.is_ended = true;
@@ -80,6 +86,22 @@ impl Messages {
             }
         }
         Ok(messages)
+    }
+
+    /// The rows of the table in each message, which are none in dictionaries.
+    pub(super) fn rows(&self, source: &dyn Source) -> Result<&[Range<usize>], String> {
+        if let Some(rows) = self.rows.get() {
+            return Ok(rows);
+        }
+        let (mut all, mut begin) = (Vec::new(), 0_usize);
+        for place in &self.places {
+            let block = if place.is_dictionary { None } else { Some(place.block(source)?) };
+            let batch = block.as_deref().map(message).transpose()?.and_then(|message| message.header_as_record_batch());
+            let count = batch.and_then(|batch| usize::try_from(batch.length()).ok()).unwrap_or(0);
+            all.push(begin..begin.saturating_add(count));
+            begin = begin.saturating_add(count);
+        }
+        Ok(self.rows.get_or_init(|| all))
     }
 }
 

@@ -5,13 +5,14 @@ use std::collections::{BTreeSet, HashMap};
 use arrow_schema::{DataType, Field, Metadata, Schema, TimeUnit};
 
 use super::key;
-use super::values::is_numeric;
+use super::values::{is_numeric, is_wide};
 use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word};
 use crate::mat::start_time;
 use crate::required::require_names;
 use crate::{Catalogue, ChannelInfo, Finding, Format, RasterInfo, RecordingError, Selection, SkipReason, StartTime};
 
 /// Plan of the columns to read, and their uses.
+#[derive(Clone)]
 pub(super) struct Plan {
     /// The columns of the file that are read, in order.
     pub(super) columns: Vec<usize>,
@@ -22,11 +23,12 @@ pub(super) struct Plan {
 }
 
 /// Channels that share a clock; columns are counted among those that are read.
+#[derive(Clone)]
 pub(super) struct Group {
     pub(super) clock: Option<(usize, Clock)>,
     pub(super) channels: Vec<Heading>,
-    /// True if rows belong to the group by its first channel, not by its clock.
-    pub(super) is_listed: bool,
+    /// The column that is null in rows of others, and its name; none where all rows are the group's.
+    pub(super) mark: Option<(usize, String)>,
     pub(super) name: Option<String>,
 }
 
@@ -42,11 +44,26 @@ pub(super) enum Clock {
 }
 
 /// A channel.
+#[derive(Clone)]
 pub(super) struct Heading {
     pub(super) column: usize,
     pub(super) name: String,
     pub(super) unit: String,
     pub(super) comment: String,
+    /// True of integers of 64 bits.
+    pub(super) is_wide: bool,
+}
+
+/// The name of clocks in messages.
+pub(super) const TIME: &str = "time";
+
+impl Group {
+    /// The columns that it takes.
+    fn places(&mut self) -> impl Iterator<Item = &mut usize> {
+        let clock = self.clock.iter_mut().map(|(column, _)| column);
+        let mark = self.mark.iter_mut().map(|(column, _)| column);
+        clock.chain(mark).chain(self.channels.iter_mut().map(|heading| &mut heading.column))
+    }
 }
 
 /// The column of a clock, the number of a raster, and the channels that share them.
@@ -110,7 +127,7 @@ impl Plan {
                 continue;
             }
             let raster = field.metadata().get(key::RASTER).and_then(|raster| raster.parse().ok());
-            let heading = Heading { column, name, unit, comment };
+            let heading = Heading { column, name, unit, comment, is_wide: is_wide(field.data_type()) };
             match groups.iter_mut().find(|(c, r, _)| (*c, *r) == (clock, raster)) {
                 Some((.., headings)) => headings.push(heading),
                 None => groups.push((clock, raster, vec![heading])),
@@ -123,10 +140,34 @@ impl Plan {
     /// For each group the column, among those that are read, that is null in rows of others; `None` where all rows are
     /// the group's.
     pub(super) fn marks(&self) -> impl Iterator<Item = Option<usize>> {
-        self.groups.iter().map(|group| match (&group.clock, group.channels.first()) {
-            (_, Some(heading)) if group.is_listed => Some(heading.column),
-            (clock, _) => clock.as_ref().map(|(column, _)| *column),
-        })
+        self.groups.iter().map(|group| group.mark.as_ref().map(|(column, _)| *column))
+    }
+
+    /// The plan for the clocks alone.
+    pub(super) fn of_clocks(&self) -> Self {
+        self.only(self.groups.iter().map(|group| Group { channels: Vec::new(), ..group.clone() }).collect())
+    }
+
+    /// The plan for the channels of a group, without their clock.
+    pub(super) fn of_channels(&self, group: usize) -> Self {
+        let group = self.groups.get(group).map(|group| Group { clock: None, ..group.clone() });
+        self.only(group.into_iter().collect())
+    }
+
+    /// The plan for these groups, which takes as few columns as they need.
+    fn only(&self, mut groups: Vec<Group>) -> Self {
+        let places: BTreeSet<usize> = groups.iter_mut().flat_map(Group::places).map(|place| *place).collect();
+        let places: Vec<usize> = places.into_iter().collect();
+        for place in groups.iter_mut().flat_map(Group::places) {
+            *place = places.binary_search(place).unwrap_or(0);
+        }
+        Self {
+            columns: places.iter().filter_map(|&place| self.columns.get(place).copied()).collect(),
+            groups,
+            findings: Vec::new(),
+            comment: self.comment.clone(),
+            start_time: self.start_time,
+        }
     }
 
     /// How many columns are gone through to read all groups.
@@ -154,7 +195,7 @@ impl Plan {
         let mut rasters = Vec::new();
         for (raster, (group, samples)) in self.groups.into_iter().zip(samples).enumerate() {
             rasters.push(RasterInfo { name: group.name, samples: *samples });
-            let channel = |Heading { column, name, unit, comment }: Heading| {
+            let channel = |Heading { column, name, unit, comment, .. }: Heading| {
                 (column, ChannelInfo { name, unit, comment, raster })
             };
             channels.extend(group.channels.into_iter().map(channel));
@@ -179,10 +220,11 @@ impl Plan {
         let place = |column: usize| self.columns.binary_search(&column).unwrap_or(0);
         let group = |(clock, raster, mut channels): Sharing| {
             channels.iter_mut().for_each(|heading| heading.column = place(heading.column));
+            let first = channels.first().filter(|_| raster.is_some()).map(|first| (first.column, first.name.clone()));
             Group {
                 clock: clock.and_then(|column| Some((place(column), clocks.get(&column)?.clone()))),
+                mark: first.or_else(|| clock.map(|column| (place(column), TIME.to_owned()))),
                 channels,
-                is_listed: raster.is_some(),
                 name: raster.and_then(|raster| metadata.get(&format!("raster {raster}")).cloned()),
             }
         };

@@ -13,65 +13,55 @@ use super::pages::Pages;
 use super::plan::Plan;
 use super::reader::Reader;
 use super::table::{Flaw, Table, start_of};
-use crate::{Catalogue, Format, Recording, RecordingError, SkipReason, StartTime};
+use crate::{Catalogue, Format, RecordingError, SkipReason, StartTime};
 
 /// Rows that are read at once.
 const ROWS: usize = 1 << 16;
 
-/// An opened file.
-pub(super) struct Parquet<'r> {
-    reader: &'r Reader<'r>,
-    metadata: ArrowReaderMetadata,
-    plan: Plan,
+/// Reads what a file says of its columns and row groups.
+pub(super) fn load(reader: &Reader<'_>) -> Result<ArrowReaderMetadata, RecordingError> {
+    let metadata = ArrowReaderMetadata::load(&Pages::of(reader), Default::default());
+    metadata.map_err(|e| reader.damaged(e.to_string()))
 }
 
-impl<'r> Parquet<'r> {
-    pub(super) fn open(reader: &'r Reader<'r>) -> Result<Self, RecordingError> {
-        let metadata = ArrowReaderMetadata::load(&Pages::of(reader), Default::default());
-        let metadata = metadata.map_err(|e| reader.damaged(e.to_string()))?;
-        let plan = reader.plan(metadata.schema())?;
-        Ok(Self { reader, metadata, plan })
-    }
+/// How many rows a file has.
+pub(super) fn rows(metadata: &ArrowReaderMetadata) -> u64 {
+    u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(u64::MAX)
+}
 
-    fn rows(&self) -> u64 {
-        u64::try_from(self.metadata.metadata().file_metadata().num_rows()).unwrap_or(u64::MAX)
-    }
+/// Columns of a file.
+pub(super) struct Parquet<'r> {
+    pub(super) reader: &'r Reader<'r>,
+    pub(super) metadata: &'r ArrowReaderMetadata,
+    pub(super) plan: Plan,
+}
 
-    pub(super) fn read(self) -> Result<Recording, RecordingError> {
+impl Parquet<'_> {
+    /// Reads all rows.
+    pub(super) fn table(self) -> Result<Table, RecordingError> {
         let Self { reader, .. } = self;
-        let (all, width) = (self.rows(), self.plan.columns.len());
+        let (all, width) = (rows(self.metadata), self.plan.columns.len());
         reader.check_size(all, width)?;
-        let rows = usize::try_from(all).unwrap_or(usize::MAX);
         let most = usize::try_from(all.min(reader.size.saturating_mul(8))).unwrap_or(usize::MAX);
         let expected: Vec<usize> = self.samples().into_iter().map(|count| count.unwrap_or(most).min(most)).collect();
-        let (done, total) = (Cell::new(0), all.saturating_mul(self.plan.reads() as u64));
-        let columns = self.plan.columns.clone();
-        let columns = Columns { reader, metadata: &self.metadata, columns: &columns, rows, block: RefCell::default() };
-        let read = |column: usize| {
-            let arrays = columns.arrays(column)?;
-            Ok(arrays.inspect(|array| {
-                done.set(done.get() + array.as_ref().map_or(0, |array| array.len() as u64));
-                reader.context.reach(done.get(), total);
-            }))
-        };
+        let (columns, reads) = (self.plan.columns.clone(), self.plan.reads());
         let mut table = Table::new(self.plan, reader.row_distance_s, &expected);
-        table.append(rows, read).map_err(|fault| fault.error(reader.file))?;
-        let mut recording = table.finish();
-        recording.format = Format::Parquet;
-        Ok(recording)
+        let columns = Columns::new(reader, self.metadata, &columns, None);
+        columns.append(reads, &mut table)?;
+        Ok(table)
     }
 
     pub(super) fn list(self) -> Result<Catalogue, RecordingError> {
-        self.reader.check_size(self.rows(), self.plan.columns.len())?;
+        self.reader.check_size(rows(self.metadata), self.plan.columns.len())?;
         let samples = self.samples();
-        let start_time = started(self.reader, &self.metadata, &self.plan)?;
+        let start_time = started(self.reader, self.metadata, &self.plan)?;
         Ok(self.plan.into_catalogue(Format::Parquet, &samples, start_time))
     }
 
     /// The samples of each group, where the file counts the values that are missing.
     fn samples(&self) -> Vec<Option<usize>> {
         let metadata = self.metadata.metadata();
-        let rows = usize::try_from(self.rows()).ok();
+        let rows = usize::try_from(rows(self.metadata)).ok();
         let present = |mark: Option<usize>| match mark {
             None => rows,
             Some(mark) => rows?.checked_sub(nulls(metadata, self.plan.columns[mark])?),
@@ -95,16 +85,45 @@ fn nulls(metadata: &ParquetMetaData, root: usize) -> Option<usize> {
 
 /// The columns that are read. Of each that is being read there are pages in memory, so long ones are read one after the
 /// other; a reader goes through the schema of all, so short ones are read in blocks.
-struct Columns<'a> {
+pub(super) struct Columns<'a> {
     reader: &'a Reader<'a>,
     metadata: &'a ArrowReaderMetadata,
     columns: &'a [usize],
+    /// The rows that are read, where these are not all.
+    range: Option<Range<usize>>,
     rows: usize,
     /// The places of the columns that were read last, and their batches; none where they could not be read together.
     block: RefCell<(Range<usize>, Vec<RecordBatch>)>,
 }
 
-impl Columns<'_> {
+impl<'a> Columns<'a> {
+    pub(super) fn new(
+        reader: &'a Reader<'a>,
+        metadata: &'a ArrowReaderMetadata,
+        columns: &'a [usize],
+        range: Option<Range<usize>>,
+    ) -> Self {
+        let all = || usize::try_from(rows(metadata)).unwrap_or(usize::MAX);
+        let rows = range.as_ref().map_or_else(all, ExactSizeIterator::len);
+        Self { reader, metadata, columns, range, rows, block: RefCell::default() }
+    }
+
+    /// Appends the rows to a table, which reads so many columns.
+    pub(super) fn append(&self, reads: usize, table: &mut Table) -> Result<(), RecordingError> {
+        let (done, total) = (Cell::new(0), (self.rows as u64).saturating_mul(reads as u64));
+        let read = |column: usize| {
+            let arrays = self.arrays(column)?;
+            Ok(arrays.inspect(|array| {
+                done.set(done.get() + array.as_ref().map_or(0, |array| array.len() as u64));
+                match self.range {
+                    None => self.reader.context.reach(done.get(), total),
+                    Some(_) => work::checkpoint(),
+                }
+            }))
+        };
+        table.append(self.rows, read).map_err(|fault| fault.error(self.reader.file))
+    }
+
     /// The arrays of the column at a place.
     fn arrays(&self, place: usize) -> Result<Box<dyn Iterator<Item = Result<ArrayRef, String>> + '_>, Flaw> {
         let width = (ROWS / self.rows.max(1)).max(1);
@@ -124,7 +143,7 @@ impl Columns<'_> {
         if let Some(reason) = unreadable(self.metadata.metadata(), column) {
             return Err(Flaw::Unusable(reason));
         }
-        let batches = batches(self.reader, self.metadata, &[column])?;
+        let batches = batches(self.reader, self.metadata, &[column], self.range.as_ref())?;
         Ok(Box::new(batches.map(|batch| batch.map(|batch| batch.column(0).clone()))))
     }
 
@@ -137,22 +156,44 @@ impl Columns<'_> {
             before += batch.as_ref().map_or(0, RecordBatch::num_rows);
             is_due
         };
-        let batches = batches(self.reader, self.metadata, &self.columns[places]);
+        let batches = batches(self.reader, self.metadata, &self.columns[places], self.range.as_ref());
         batches.and_then(|batches| batches.take_while(is_due).collect()).unwrap_or_default()
     }
 }
 
-/// The batches of columns, whose arrays are in the order of the file.
+/// The batches of columns, whose arrays are in the order of the file: of all rows, or of a range the row groups with
+/// it.
 fn batches(
     reader: &Reader<'_>,
     metadata: &ArrowReaderMetadata,
     columns: &[usize],
+    range: Option<&Range<usize>>,
 ) -> Result<impl Iterator<Item = Result<RecordBatch, String>> + use<>, String> {
     let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(Pages::of(reader), metadata.clone());
     let mask = ProjectionMask::roots(builder.parquet_schema(), columns.iter().copied());
-    let rows = usize::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(ROWS).clamp(1, ROWS);
-    let batches = builder.with_projection(mask).with_batch_size(rows).build().map_err(|e| e.to_string())?;
+    let rows = usize::try_from(rows(metadata)).unwrap_or(ROWS);
+    let rows = range.map_or(rows, ExactSizeIterator::len).clamp(1, ROWS);
+    let mut builder = builder.with_projection(mask).with_batch_size(rows);
+    if let Some(range) = range {
+        let (groups, skipped) = groups(metadata.metadata(), range);
+        builder = builder.with_row_groups(groups).with_offset(skipped).with_limit(range.len());
+    }
+    let batches = builder.build().map_err(|e| e.to_string())?;
     Ok(batches.map(|batch| batch.map_err(|e| e.to_string())))
+}
+
+/// The row groups with rows of a range, and how many rows stand before the range in them.
+fn groups(metadata: &ParquetMetaData, range: &Range<usize>) -> (Vec<usize>, usize) {
+    let (mut begin, mut skipped, mut found) = (0_usize, 0, Vec::new());
+    for (index, group) in metadata.row_groups().iter().enumerate() {
+        let end = begin.saturating_add(usize::try_from(group.num_rows()).unwrap_or(0));
+        if begin < range.end && end > range.start {
+            skipped = if found.is_empty() { range.start.saturating_sub(begin) } else { skipped };
+            found.push(index);
+        }
+        begin = end;
+    }
+    (found, skipped)
 }
 
 /// Why a sound column cannot be read: how it is compressed.
@@ -177,7 +218,7 @@ fn started(
 ) -> Result<Option<StartTime>, RecordingError> {
     let Some((column, clock)) = plan.dates() else { return Ok(None) };
     let damaged = |detail| reader.damaged(detail);
-    for batch in batches(reader, metadata, &[plan.columns[*column]]).map_err(damaged)? {
+    for batch in batches(reader, metadata, &[plan.columns[*column]], None).map_err(damaged)? {
         if let Some(start) = start_of(batch.map_err(damaged)?.column(0), clock) {
             return Ok(Some(start));
         }

@@ -1,10 +1,11 @@
 //! Arrays of values to columns.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use arrow_array::{Array, ArrayRef};
 
-use super::plan::{Clock, Group, Plan};
+use super::plan::{Clock, Group, Plan, TIME};
 use super::values::{is_wide, numbers, per_second, ticks};
 use crate::finding::are_rounded;
 use crate::unstated;
@@ -14,6 +15,8 @@ const DAY_S: f64 = 86_400.0;
 /// Values that are turned into numbers at once.
 const PIECE: usize = 1 << 16;
 const TYPE_CHANGES: &str = "its type changes";
+/// Rows of a group from one whose place is noted to the next.
+pub(super) const NOTED: usize = 1 << 10;
 
 /// Columns under construction.
 pub(super) struct Table {
@@ -33,6 +36,41 @@ struct Part {
     channels: Vec<Vec<f64>>,
     /// The last time of day and the midnight before it, s.
     last: Option<(f64, f64)>,
+    places: Places,
+}
+
+/// The rows of a table that are a group's.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Places {
+    /// How many there are.
+    count: usize,
+    /// The rows that are the first of the group, and each that is [`NOTED`] rows of it later.
+    noted: Vec<usize>,
+}
+
+impl Places {
+    /// Takes notice of rows; in `present` those of the group are true, where not all are its.
+    fn add(&mut self, first: usize, rows: usize, present: Option<&[bool]>) {
+        let Some(present) = present else {
+            let due = (self.count.next_multiple_of(NOTED)..self.count + rows).step_by(NOTED);
+            self.noted.extend(due.map(|own| first + own - self.count));
+            self.count += rows;
+            return;
+        };
+        for row in (0..present.len()).filter(|&row| present[row]) {
+            if self.count.is_multiple_of(NOTED) {
+                self.noted.push(first + row);
+            }
+            self.count += 1;
+        }
+    }
+
+    /// Rows of a table of so many that hold these of the group, and how many of the group stand before these in them.
+    pub(super) fn rows(&self, own: &Range<usize>, all: usize) -> (Range<usize>, usize) {
+        let begin = self.noted.get(own.start / NOTED).copied().unwrap_or(all);
+        let end = self.noted.get(own.end.div_ceil(NOTED)).copied().unwrap_or(all);
+        if self.count == all { (own.clone(), 0) } else { (begin..end, own.start % NOTED) }
+    }
 }
 
 /// Fault of a column.
@@ -78,9 +116,25 @@ impl Table {
             time_s: column(count),
             channels: group.channels.iter().map(|_| column(count)).collect(),
             last: None,
+            places: Places::default(),
         };
         let parts = plan.groups.iter().zip(expected).map(part).collect();
         Self { parts, plan, start_time: None, row_distance_s, rows: 0, rounded: BTreeSet::new() }
+    }
+
+    /// The same for rows from this one on.
+    pub(super) fn starting_at(self, rows: usize) -> Self {
+        Self { rows, ..self }
+    }
+
+    /// Rows so far.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The rows of each group.
+    pub(super) fn take_places(&mut self) -> Vec<Places> {
+        self.parts.iter_mut().map(|part| std::mem::take(&mut part.places)).collect()
     }
 
     /// Appends rows, of which `read` gives the arrays of one column. `read` gets its place among the columns that are
@@ -93,22 +147,21 @@ impl Table {
         let each = |column: usize, name: &str, take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), Flaw>| {
             each(read(column), rows, take).map_err(|flaw| Fault { column: name.into(), flaw })
         };
-        let marks: Vec<Option<usize>> = self.plan.marks().collect();
-        for (index, mark) in marks.into_iter().enumerate() {
+        for index in 0..self.plan.groups.len() {
             let group = &self.plan.groups[index];
             let clock = group.clock.as_ref().map(|(column, _)| *column);
             let mut present = Vec::new();
-            if let Some(column) = mark {
-                let name = group.channels.first().filter(|first| first.column == column).map_or("time", |f| &f.name);
-                each(column, name, &mut |_, array| {
+            if let Some((column, name)) = &group.mark {
+                each(*column, name, &mut |_, array| {
                     present.extend((0..array.len()).map(|row| array.is_valid(row)));
                     Ok(())
                 })?;
             }
             let present = present.contains(&false).then_some(present);
+            self.parts[index].places.add(self.rows, rows, present.as_deref());
             match clock {
                 Some(column) => {
-                    each(column, "time", &mut |before, array| self.time(index, before, array, present.as_deref()))?;
+                    each(column, TIME, &mut |before, array| self.time(index, before, array, present.as_deref()))?;
                 }
                 None => {
                     let distance_s = self.row_distance_s.unwrap_or(1.0);
@@ -143,7 +196,7 @@ impl Table {
         if let Clock::Numbers((factor, divisor), _) = clock {
             let values = numbers(array).ok_or(TYPE_CHANGES)?;
             if is_wide(array.data_type()) && are_rounded(&values) {
-                self.rounded.insert("time".into());
+                self.rounded.insert(TIME.into());
             }
             part.time_s.extend((0..values.len()).filter(is_present).map(|row| values[row] * factor / divisor));
             return Ok(());

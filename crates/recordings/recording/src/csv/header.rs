@@ -41,7 +41,7 @@ pub(super) struct Echo {
 }
 
 /// A column's heading.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Column {
     pub(super) name: String,
     pub(super) unit: String,

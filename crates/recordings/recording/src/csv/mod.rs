@@ -1,11 +1,14 @@
 //! CSV: blocks of columns side by side, each with a time column of its own.
 //!
 //! [`text`] finds characters and delimiter, [`rows`] splits into cells, [`header`] finds names, and with
-//! [`clocks`] the clocks, [`table`] turns rows into columns with [`number`] and [`stamp`].
+//! [`clocks`] the clocks, [`table`] turns rows into columns with [`number`] and [`stamp`]. [`part`] reads some rows, by
+//! an [`index`] of all.
 
 mod clocks;
 mod header;
+mod index;
 mod number;
+mod part;
 mod rows;
 mod stamp;
 mod stamps;
@@ -16,8 +19,9 @@ mod write;
 use crate::required::require_names;
 use crate::{Catalogue, CsvProblem, Finding, Format, Recording, RecordingError, Selection, Source};
 use header::{Head, Header};
+pub(crate) use part::Indexed;
 use rows::{MAX_QUOTED, Rows};
-use table::Table;
+use table::{Content, Table};
 use text::Pieces;
 pub(crate) use text::is_text;
 use work::Context;
@@ -37,7 +41,8 @@ pub(crate) fn decode(
     context: &Context,
 ) -> Result<Recording, RecordingError> {
     let opened = Opened::open(name, source, selection, row_distance_s, false)?;
-    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } = opened;
+    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings, .. } = opened;
+    table.expect(pieces.lines().unwrap_or(0), pieces.progress().1);
     findings.extend(fill(&mut table, pieces, text, (place, delimiter), context)?);
     table.check()?;
     finished(table, delimiter, comment, findings, selection)
@@ -45,14 +50,18 @@ pub(crate) fn decode(
 
 /// Lists the channels of text from its beginning. Where more follows, it is not known how many samples there are, and
 /// no column is known to hold text that is empty so far.
-pub(crate) fn catalogue(name: &str, source: &dyn Source) -> Result<Catalogue, RecordingError> {
-    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } =
-        Opened::open(name, source, &Selection::All, None, true)?;
+pub(crate) fn catalogue(
+    name: &str,
+    source: &dyn Source,
+    row_distance_s: Option<f64>,
+) -> Result<Catalogue, RecordingError> {
+    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings, .. } =
+        Opened::open(name, source, &Selection::All, row_distance_s, true)?;
     let is_whole = pieces.is_done();
     let limit = if is_whole { text.len() } else { text.len().saturating_sub(2 * MAX_QUOTED) };
-    let (_, finding) = table.fill(Rows::resume(&text, delimiter, place), limit)?;
+    let filled = table.fill(Rows::resume(&text, delimiter, place), limit, usize::MAX)?;
     if is_whole {
-        findings.extend(finding);
+        findings.extend(filled.finding);
         table.check()?;
     }
     let mut catalogue = finished(table, delimiter, comment, findings, &Selection::All)?.catalogue();
@@ -65,9 +74,11 @@ pub(crate) fn catalogue(name: &str, source: &dyn Source) -> Result<Catalogue, Re
 /// Text whose heading is read.
 struct Opened<'a> {
     pieces: Pieces<'a>,
+    /// Where the text begins in the file.
+    begin: u64,
     /// Text that has been read.
     text: String,
-    table: Table<'a>,
+    table: Table,
     /// Where in it the samples begin, and in which line.
     place: (usize, u64),
     delimiter: u8,
@@ -84,6 +95,7 @@ impl<'a> Opened<'a> {
         is_list: bool,
     ) -> Result<Self, RecordingError> {
         let mut pieces = Pieces::open(name, source, is_list)?;
+        let (begin, _) = pieces.progress();
         let mut text = String::new();
         let is_enough = |text: &str| text.len() >= HEAD || (is_list && text.lines().nth(LISTED_LINES).is_some());
         while !pieces.is_done() && !is_enough(&text) {
@@ -97,40 +109,42 @@ impl<'a> Opened<'a> {
         let understood = headings().find(|(_, header)| !is_no_table(header)).or_else(|| headings().next());
         let (delimiter, header) = understood.ok_or_else(no_delimiter)?;
         let header = header?;
-        let names = header.names();
-        require_names(name, selection, names.iter().map(String::as_str))?;
+        require_names(name, selection, table::names(&header.columns))?;
         let Header { columns, echoes, comment, samples } = header;
         let place = samples.place();
-        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s).with_echoes(echoes);
-        table.expect(pieces.lines().unwrap_or(0), pieces.progress().1);
+        let table = Table::new(name, columns, selection, delimiter, row_distance_s).with_echoes(echoes);
         let findings = pieces.findings();
-        Ok(Self { pieces, text, table, place, delimiter, comment, findings })
+        Ok(Self { pieces, begin, text, table, place, delimiter, comment, findings })
     }
 }
 
 fn finished(
-    table: Table<'_>,
+    table: Table,
     delimiter: u8,
     comment: Option<String>,
-    mut findings: Vec<Finding>,
+    findings: Vec<Finding>,
     selection: &Selection,
 ) -> Result<Recording, RecordingError> {
     let decimal_comma = table.decimals.sign() == Some(b',');
-    let content = table.finish(selection)?;
+    let format = Format::Csv { delimiter: char::from(delimiter), decimal_comma };
+    Ok(recording(format, comment, findings, table.finish(selection)?))
+}
+
+fn recording(format: Format, comment: Option<String>, mut findings: Vec<Finding>, content: Content) -> Recording {
     findings.extend(content.findings);
-    Ok(Recording {
-        format: Format::Csv { delimiter: char::from(delimiter), decimal_comma },
+    Recording {
+        format,
         comment,
         start_time: content.start_time,
         rasters: content.rasters,
         channels: content.channels,
         findings,
-    })
+    }
 }
 
 /// Reads the rows from a place in the first piece to the end of the last.
 fn fill(
-    table: &mut Table<'_>,
+    table: &mut Table,
     mut pieces: Pieces<'_>,
     mut text: String,
     (mut place, delimiter): ((usize, u64), u8),
@@ -142,12 +156,12 @@ fn fill(
         let is_last = pieces.is_done();
         // Whether a quote ends shows only in what follows.
         let limit = if is_last { text.len() } else { text.len().saturating_sub(2 * MAX_QUOTED) };
-        let (next, finding) = table.fill(Rows::resume(&text, delimiter, place), limit)?;
+        let filled = table.fill(Rows::resume(&text, delimiter, place), limit, usize::MAX)?;
         if is_last {
-            return Ok(finding);
+            return Ok(filled.finding);
         }
-        text.drain(..next.0);
-        place = (0, next.1);
+        text.drain(..filled.place.0);
+        place = (0, filled.place.1);
         pieces.more(&mut text)?;
     }
 }

@@ -86,12 +86,17 @@ impl Decimals {
 
     /// Takes notice of a cell that is not read.
     pub(super) fn observe(&mut self, cell: &str, line: u64, column: usize) -> Result<(), CsvProblem> {
-        let starts = |b: &u8| b.is_ascii_digit() || matches!(b, b'-' | b'+' | b'.' | b',');
-        let is_settled = self.is_proven && self.sign.is_some();
-        if !is_settled && cell.as_bytes().first().is_some_and(starts) {
+        if self.may_decide(cell) {
             self.read_carefully(cell, line, column)?;
         }
         Ok(())
+    }
+
+    /// Tells whether a cell may decide about the sign, which no other has so far.
+    pub(super) fn may_decide(&self, cell: &str) -> bool {
+        let starts = |b: &u8| b.is_ascii_digit() || matches!(b, b'-' | b'+' | b'.' | b',');
+        let is_settled = self.is_proven && self.sign.is_some();
+        !is_settled && cell.as_bytes().first().is_some_and(starts)
     }
 
     /// The first number that has two readings, between which nothing in the file decides: line, column and text.

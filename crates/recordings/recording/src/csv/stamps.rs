@@ -8,7 +8,7 @@ const SPREADSHEET_DAYS: f64 = 25_569.0;
 const NANOSECONDS_PER_DAY: f64 = 86_400e9;
 
 /// Written dates and times of day of a file, in seconds since its first.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Stamps {
     /// The first stamp of the file, from which seconds are counted.
     pub(super) first: Option<Stamp>,

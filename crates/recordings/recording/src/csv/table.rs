@@ -1,11 +1,14 @@
 //! Rows of samples to columns.
 
-use super::header::{Column, Echo, Header, Role};
+use std::ops::Range;
+
+use super::header::{Column, Echo, Role};
 use super::number::{Decimals, Number};
 use super::rows::{Row, Rows};
 use super::stamps::Stamps;
 use crate::finding::are_rounded;
 use crate::heading::clock_and_unit;
+use crate::part::Series;
 use crate::unstated;
 use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
 
@@ -15,23 +18,35 @@ const ROUNDING: f64 = 1e-15;
 /// A problem in a column of a row.
 type Fault = (Option<usize>, CsvProblem);
 
-/// Where the next row begins, and what is to be said about the last.
-type Filled = ((usize, u64), Option<Finding>);
+/// Rows that were read.
+pub(super) struct Filled {
+    /// Where the next one begins.
+    pub(super) place: (usize, u64),
+    /// How many there are.
+    pub(super) rows: usize,
+    /// Finding on the last.
+    pub(super) finding: Option<Finding>,
+}
 
 /// Columns under construction.
-pub(super) struct Table<'a> {
-    file: &'a str,
-    headings: Vec<Column>,
+#[derive(Clone)]
+pub(super) struct Table {
+    file: String,
+    pub(super) headings: Vec<Column>,
     columns: Vec<Sink>,
     blocks: Vec<Block>,
     echoes: Vec<Echo>,
     pub(super) decimals: Decimals,
-    stamps: Stamps,
+    pub(super) stamps: Stamps,
+    is_clock_first: bool,
+    /// False where text was passed over that might have decided about decimal signs, had its column not been selected.
+    pub(super) is_of_any_selection: bool,
     /// Time from row to row, s, where no column holds time.
     row_distance_s: Option<f64>,
 }
 
 /// Where a column's cells go.
+#[derive(Clone)]
 enum Sink {
     Samples {
         values: Vec<f64>,
@@ -50,18 +65,29 @@ enum Sink {
 }
 
 /// Columns side by side that share a clock.
+#[derive(Clone)]
 struct Block {
-    columns: std::ops::Range<usize>,
+    columns: Range<usize>,
     clock: Option<usize>,
     has_ended: bool,
+    /// Rows before those that are kept.
+    before: usize,
     time_s: Vec<f64>,
     /// The last time stamp and the midnight before it, where the day is not known.
     last: Option<(i64, i64)>,
 }
 
-impl<'a> Table<'a> {
+/// State between two rows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct State {
+    /// For each block the last time stamp and the midnight before it; nothing where all days are known.
+    lasts: Vec<Option<(i64, i64)>>,
+    row_number: Option<u64>,
+}
+
+impl Table {
     pub(super) fn new(
-        file: &'a str,
+        file: &str,
         columns: Vec<Column>,
         selection: &Selection,
         delimiter: u8,
@@ -77,9 +103,11 @@ impl<'a> Table<'a> {
             _ => Sink::Unread,
         };
         Self {
-            file,
+            file: file.to_owned(),
             columns: columns.iter().enumerate().map(sink).collect(),
             blocks: blocks(&clocks, &columns),
+            is_clock_first: clocks.first() == Some(&0),
+            is_of_any_selection: true,
             headings: columns,
             echoes: Vec::new(),
             decimals: Decimals::new(delimiter),
@@ -107,44 +135,115 @@ impl<'a> Table<'a> {
         samples.chain(times).for_each(|column| drop(column.try_reserve_exact(rows)));
     }
 
-    /// Reads the rows that end before `limit`, and says where the next one begins and what is to be said about the
-    /// last.
-    pub(super) fn fill(&mut self, mut rows: Rows<'_>, limit: usize) -> Result<Filled, RecordingError> {
+    /// Reads the rows that end before `limit`, as many as `most`.
+    pub(super) fn fill(&mut self, mut rows: Rows<'_>, limit: usize, most: usize) -> Result<Filled, RecordingError> {
         let mut row = Row::default();
-        let mut last = None;
-        let mut place = rows.place();
-        while rows.next(&mut row) && rows.place().0 <= limit {
-            place = rows.place();
+        let mut filled = Filled { place: rows.place(), rows: 0, finding: None };
+        while filled.rows < most && rows.next(&mut row) && rows.place().0 <= limit {
+            filled.place = rows.place();
             if self.is_comment(&row) || row.width() == 0 && row.cells.len() == 1 {
                 continue;
             }
             if !row.is_ended && row.cells.len() < self.columns.len() {
-                return Ok((place, Some(Finding::IncompleteLastLine { line: row.line })));
+                filled.finding = Some(Finding::IncompleteLastLine { line: row.line });
+                return Ok(filled);
             }
-            let error = |(column, problem): Fault| RecordingError::Csv {
-                file: self.file.into(),
-                line: row.line,
-                column: column.map(|c| c + 1),
-                problem,
-            };
-            self.row(&row).map_err(error)?;
-            last = (!row.is_ended).then_some(Finding::NoFinalLineEnd { line: row.line });
+            if let Err((column, problem)) = self.row(&row) {
+                let (file, column) = (self.file.clone(), column.map(|c| c + 1));
+                return Err(RecordingError::Csv { file, line: row.line, column, problem });
+            }
+            filled.rows += 1;
+            filled.finding = (!row.is_ended).then_some(Finding::NoFinalLineEnd { line: row.line });
         }
-        Ok((place, last))
+        Ok(filled)
+    }
+
+    /// Hands on the numbers that are kept, by block and by channel, and keeps them no longer.
+    pub(super) fn hand_on(&mut self, each: &mut dyn FnMut(Series, usize, &[f64])) {
+        let mut channels = 0;
+        for (clock, block) in self.blocks.iter_mut().enumerate() {
+            each(Series::Clock(clock), block.before, &block.time_s);
+            for sink in self.columns.get_mut(block.columns.clone()).unwrap_or_default() {
+                if let Sink::Samples { values, .. } = sink {
+                    each(Series::Channel(channels), block.before, values);
+                    values.clear();
+                    channels += 1;
+                }
+            }
+            block.before += block.time_s.len();
+            block.time_s.clear();
+        }
+    }
+
+    /// The state from which rows are read on.
+    pub(super) fn state(&self) -> State {
+        let are_known = self.blocks.iter().all(|block| block.last.is_none());
+        let lasts = if are_known { Vec::new() } else { self.blocks.iter().map(|block| block.last).collect() };
+        let row_number = self.columns.iter().find_map(|sink| match sink {
+            Sink::RowNumbers(last) => *last,
+            _ => None,
+        });
+        State { lasts, row_number }
+    }
+
+    /// The same for a selection, as its columns have turned out.
+    pub(super) fn narrowed(&self, selection: &Selection) -> Self {
+        let mut narrowed = self.clone();
+        for (sink, heading) in narrowed.columns.iter_mut().zip(&self.headings) {
+            if matches!(sink, Sink::Samples { .. } | Sink::Text) && !selection.takes(&heading.name) {
+                *sink = Sink::Unread;
+            }
+        }
+        narrowed
+    }
+
+    /// The blocks of which there are channels.
+    pub(super) fn filled_blocks(&self) -> Vec<usize> {
+        let is_channel = |sink: &Sink| matches!(sink, Sink::Samples { .. });
+        let is_filled = |block: &usize| {
+            self.columns.get(self.blocks[*block].columns.clone()).unwrap_or_default().iter().any(is_channel)
+        };
+        (0..self.blocks.len()).filter(is_filled).collect()
+    }
+
+    /// The same for some of the blocks, to read rows on from this one; `samples` says how many rows each block has.
+    pub(super) fn resumed(&self, blocks: &[usize], row: usize, state: &State, samples: &[usize]) -> Self {
+        let mut resumed = self.clone();
+        for sink in &mut resumed.columns {
+            if let Sink::RowNumbers(last) = sink {
+                *last = state.row_number;
+            }
+        }
+        // The file was read to its end before: what read like a clock was found to be none.
+        resumed.echoes.clear();
+        let block = |&block: &usize| Block {
+            has_ended: row > samples[block],
+            before: row.min(samples[block]),
+            last: state.lasts.get(block).copied().flatten(),
+            ..self.blocks[block].clone()
+        };
+        resumed.blocks = blocks.iter().map(block).collect();
+        resumed
+    }
+
+    /// The name of the clock of each block that is one of numbers without a unit.
+    pub(super) fn unitless(&self) -> Vec<Option<String>> {
+        let heading = |block: &Block| block.clock.and_then(|clock| self.headings.get(clock));
+        let name = |block| heading(block).filter(|clock| clock.is_unitless()).map(|clock| clock.name.clone());
+        self.blocks.iter().map(name).collect()
     }
 
     /// Fails where numbers can be read in two ways.
     pub(super) fn check(&self) -> Result<(), RecordingError> {
         let Some((line, column, text)) = self.decimals.undecided() else { return Ok(()) };
-        let (file, problem) = (self.file.to_owned(), CsvProblem::AmbiguousSign { text: text.clone() });
+        let (file, problem) = (self.file.clone(), CsvProblem::AmbiguousSign { text: text.clone() });
         Err(RecordingError::Csv { file, line: *line, column: Some(column + 1), problem })
     }
 
     /// Returns true if a line is a comment: where the first column is not the clock, a full line may be samples all the
     /// same.
     fn is_comment(&self, row: &Row<'_>) -> bool {
-        let is_clock_first = self.blocks.first().is_some_and(|block| block.clock == Some(0));
-        row.is_comment() && (is_clock_first || row.cells.len() < self.columns.len())
+        row.is_comment() && (self.is_clock_first || row.cells.len() < self.columns.len())
     }
 
     fn row(&mut self, row: &Row<'_>) -> Result<(), Fault> {
@@ -183,9 +282,9 @@ impl<'a> Table<'a> {
     }
 
     fn time(&mut self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
-        let Block { clock, time_s, last, .. } = &mut self.blocks[block];
+        let Block { clock, time_s, last, before, .. } = &mut self.blocks[block];
         let Some(clock) = *clock else {
-            time_s.push(time_s.len() as f64 * self.row_distance_s.unwrap_or(1.0));
+            time_s.push((*before + time_s.len()) as f64 * self.row_distance_s.unwrap_or(1.0));
             return Ok(());
         };
         let cell = row.cells[clock].text;
@@ -248,20 +347,30 @@ impl<'a> Table<'a> {
             Sink::Unread if self.headings[column].role == Role::Samples => {
                 self.decimals.observe(text, row.line, column)?;
             }
+            Sink::Text => self.is_of_any_selection &= !self.decimals.may_decide(text),
             Sink::Nameless if !text.is_empty() => return Err(CsvProblem::NoName),
             Sink::RowNumbers(last) if !text.is_empty() => *last = Some(next_number(*last, text)?),
-            Sink::Text | Sink::Unread | Sink::Nameless | Sink::RowNumbers(_) => {}
+            Sink::Unread | Sink::Nameless | Sink::RowNumbers(_) => {}
         }
         Ok(())
     }
 
     /// The recording's parts, and what was left out.
     pub(super) fn finish(self, selection: &Selection) -> Result<Content, RecordingError> {
+        let clocks = self.unitless().into_iter().zip(&self.blocks);
+        let doubtful = clocks.map(|(name, block)| unstated::finding(&name?, &block.time_s)).collect();
+        self.finish_with(selection, doubtful)
+    }
+
+    /// The same with the findings on the blocks' clocks.
+    pub(super) fn finish_with(
+        self,
+        selection: &Selection,
+        doubtful: Vec<Option<Finding>>,
+    ) -> Result<Content, RecordingError> {
         let mut content = Content { start_time: self.stamps.start(), ..Content::default() };
         let mut columns: Vec<_> = self.headings.into_iter().zip(self.columns).map(Some).collect();
-        for block in self.blocks {
-            let clock = block.clock.and_then(|clock| columns[clock].as_ref()).filter(|(clock, _)| clock.is_unitless());
-            let doubtful = clock.and_then(|(clock, _)| unstated::finding(&clock.name, &block.time_s));
+        for (block, doubtful) in self.blocks.into_iter().zip(doubtful) {
             let is_channel = |column: &Option<(Column, Sink)>| {
                 column.as_ref().is_some_and(|(heading, _)| heading.role == Role::Samples && !heading.name.is_empty())
             };
@@ -279,7 +388,7 @@ impl<'a> Table<'a> {
                     Some((Column { name, .. }, Sink::Text)) => {
                         let reason = SkipReason::NotNumeric { kind: "text".into() };
                         if selection.insists_on(&name) {
-                            let (file, channel) = (self.file.to_owned(), name);
+                            let (file, channel) = (self.file, name);
                             return Err(RecordingError::UnusableChannel { file, channel, reason });
                         }
                         content.findings.push(Finding::SkippedChannel { channel: name, reason });
@@ -341,12 +450,9 @@ impl Column {
     }
 }
 
-impl Header<'_> {
-    /// The names of the channels.
-    pub(super) fn names(&self) -> Vec<String> {
-        let named = self.columns.iter().filter(|c| c.role == Role::Samples && !c.name.is_empty());
-        named.map(|c| c.name.clone()).collect()
-    }
+/// The names of the channels among columns.
+pub(super) fn names(columns: &[Column]) -> impl Iterator<Item = &str> + Clone {
+    columns.iter().filter(|c| c.role == Role::Samples && !c.name.is_empty()).map(|c| c.name.as_str())
 }
 
 /// Each clock's columns go on to the next clock, or its date; what stands before the first clock is its too.
@@ -355,7 +461,7 @@ fn blocks(clocks: &[usize], columns: &[Column]) -> Vec<Block> {
         Role::Stamps(Some(date)) => date.min(clock),
         _ => clock,
     };
-    let block = |columns, clock| Block { columns, clock, has_ended: false, time_s: Vec::new(), last: None };
+    let block = |columns, clock| Block { columns, clock, has_ended: false, before: 0, time_s: Vec::new(), last: None };
     if clocks.is_empty() {
         return vec![block(0..columns.len(), None)];
     }

@@ -1,5 +1,7 @@
 //! Characters, piece by piece, and delimiters.
 
+use std::ops::Range;
+
 use super::rows::BLANKS;
 use crate::source::{bytes, size};
 use crate::{Finding, RecordingError, Source};
@@ -11,15 +13,27 @@ const MANY: usize = 50;
 const FEW: usize = 4;
 
 /// Bytes read at once, of a list those that are looked through for its encoding.
-const PIECE: u64 = 1 << 22;
+pub(super) const PIECE: u64 = 1 << 22;
 const LISTED_PIECE: u64 = 1 << 18;
 
 /// How characters are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
+pub(super) enum Encoding {
     Utf8,
     Latin1,
     Utf16 { is_big: bool },
+}
+
+impl Encoding {
+    /// Bytes of the file that a text takes.
+    pub(super) fn bytes(self, text: &str) -> u64 {
+        let bytes = match self {
+            Self::Utf8 => text.len(),
+            Self::Latin1 => text.chars().count(),
+            Self::Utf16 { .. } => 2 * text.encode_utf16().count(),
+        };
+        bytes as u64
+    }
 }
 
 /// The text of a file, piece by piece.
@@ -61,6 +75,23 @@ impl<'a> Pieces<'a> {
         pieces.lines = pieces.is_done().then_some(lines);
         (pieces.at, pieces.cut) = (at, Vec::new());
         Ok(pieces)
+    }
+
+    /// The text from a place in the file up to another, both between lines.
+    pub(super) fn between(
+        file: &'a str,
+        source: &'a dyn Source,
+        encoding: Encoding,
+        bytes: Range<u64>,
+    ) -> Result<String, RecordingError> {
+        let (at, end, piece) = (bytes.start, bytes.end, bytes.end - bytes.start);
+        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new(), piece, lines: None, nulls: 0 };
+        let mut text = String::new();
+        pieces.more(&mut text).map(|()| text)
+    }
+
+    pub(super) fn encoding(&self) -> Encoding {
+        self.encoding
     }
 
     /// The most lines that there are, if they were counted.

@@ -158,7 +158,7 @@ pub(super) fn variables(
         let dimensions = [header.rows, header.columns];
         let is_real = header.content == 0 && !header.is_complex;
         let value = match if is_real { wanted.need(&label, &dimensions) } else { Need::Values } {
-            Need::Values => header.value(file, source, at + begin)?,
+            Need::Values | Need::Place => header.value(file, source, at + begin)?,
             Need::Shape => Value::shape(&dimensions),
             Need::Nothing => Value::Unread,
         };

@@ -78,7 +78,7 @@ pub(super) fn variables(
         let metadata = hidden.metadata()?;
         Objects::new(metadata, hidden.big, move |index| hidden.content(index, &mut budget))
     });
-    Ok(Variables { list: found, start_time })
+    Ok(Variables { list: found, start_time, datasets: Vec::new() })
 }
 
 /// The size of a file and its elements.
@@ -334,7 +334,7 @@ impl Parser<'_, '_> {
 
     fn array(&mut self, path: &str, dimensions: &[usize], count: usize) -> Result<Value, Fault> {
         match self.wanted.need(path, dimensions) {
-            Need::Values => {}
+            Need::Values | Need::Place => {}
             Need::Shape => return Ok(Value::shape(dimensions)),
             Need::Nothing => return Ok(Value::Unread),
         }

@@ -2,10 +2,9 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{
-    AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, DatatypeByteOrder, File, FormatError, Group, Object,
-};
+use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Datatype, File, FormatError, Group, Object};
 
+use super::dataset::{Dataset, is_half, numbers, text};
 use super::listed;
 use super::objects::{self, Objects};
 use super::scope::joined;
@@ -18,9 +17,6 @@ use crate::source::{self, Shared};
 
 /// The most numbers of each byte of a larger file: as many as doubles can be deflated.
 const MAX_PER_BYTE: usize = 1032 / 8;
-
-/// Numbers read at once.
-const PIECE: usize = 1 << 20;
 
 /// Attributes of a dataset that give its unit.
 const UNIT: [&str; 8] = ["unit", "units", "Unit", "Units", "UNIT", "UNITS", "einheit", "Einheit"];
@@ -41,10 +37,12 @@ pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Resu
         // Where the file lists its channels by other names, all of them are.
         let is_listed = root.group(listed::NAME).is_ok();
         let wanted = if is_listed { wanted.of_all() } else { wanted };
-        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), size, wanted: &wanted };
+        let numbers = MAX_NUMBERS.max(most);
+        let mut reader = Reader { parts: MAX_PARTS, numbers, size, wanted: &wanted, datasets: Vec::new() };
         let mut list = reader.members(&root, "", 0).map_err(damaged)?;
+        let datasets = std::mem::take(&mut reader.datasets);
         let start_time = objects::resolve(&mut list, &wanted, || hidden(&root, reader));
-        Ok(Variables { list, start_time })
+        Ok(Variables { list, start_time, datasets })
     })
 }
 
@@ -91,6 +89,8 @@ struct Reader<'a> {
     /// Bytes of the file.
     size: u64,
     wanted: &'a Wanted<'a>,
+    /// Datasets that are read later.
+    datasets: Vec<Dataset>,
 }
 
 impl Reader<'_> {
@@ -252,7 +252,12 @@ impl Reader<'_> {
         let mut dimensions = sizes(dataset)?;
         dimensions.reverse();
         match self.wanted.need(path, &dimensions) {
-            Need::Values => {}
+            Need::Place if dimensions.last().is_some_and(|rows| *rows > 1) && !is_wide(dataset) => {
+                self.count(dataset)?;
+                self.datasets.push(dataset.clone());
+                return Ok(Value::place(&dimensions, self.datasets.len() - 1));
+            }
+            Need::Values | Need::Place => {}
             Need::Shape => return Ok(Value::shape(&dimensions)),
             Need::Nothing => return Ok(Value::Unread),
         }
@@ -260,8 +265,7 @@ impl Reader<'_> {
         if values.len() != dimensions.iter().product::<usize>() {
             return Err(format!("{} numbers for dimensions {dimensions:?}", values.len()));
         }
-        let is_wide = matches!(dataset.dtype(), Ok(DType::I64 | DType::U64));
-        Ok(Value::array(&dimensions, values, is_wide))
+        Ok(Value::array(&dimensions, values, is_wide(dataset)))
     }
 
     /// Text stored as the codes of its characters.
@@ -292,46 +296,14 @@ fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
     dataset.shape().map_err(text)?.into_iter().map(|size| usize::try_from(size).map_err(too_large)).collect()
 }
 
-/// The numbers of a dataset, read some rows of the slowest dimension at a time.
-fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
-    let (is_half, is_double) = (is_half(dataset), is_double(dataset));
-    let read = |first: usize, count: usize| {
-        let raw = || dataset.read_raw_rows(first as u64, count as u64).map_err(text);
-        match (is_half, is_double) {
-            (true, _) => Ok(halves(&raw()?)),
-            (_, true) => doubles(raw()?, PIECE),
-            _ => dataset.read_f64_rows(first as u64, count as u64).map_err(text),
-        }
-    };
-    let [rows, rest @ ..] = sizes else { return read(0, 1) };
-    if *rows == 0 || rest.contains(&0) {
-        return Ok(Vec::new());
-    }
-    let width: usize = rest.iter().product();
-    let chunk = dataset.chunk_shape().map_err(text)?.and_then(|shape| shape.first().copied()).unwrap_or(1).max(1);
-    // Chunks that are begun are read to their end.
-    let step = usize::try_from(chunk).unwrap_or(*rows).max(1);
-    let step = (PIECE / width).max(1).checked_next_multiple_of(step).unwrap_or(*rows);
-    if step >= *rows {
-        return read(0, *rows);
-    }
-    let mut values = Vec::new();
-    values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
-    for first in (0..*rows).step_by(step) {
-        let count = step.min(rows - first);
-        values.extend(read(first, count)?);
-    }
-    Ok(values)
+fn is_wide(dataset: &Dataset) -> bool {
+    matches!(dataset.dtype(), Ok(DType::I64 | DType::U64))
 }
 
 /// The version of layouts that came with HDF5 2.0.
 const NEWER_LAYOUT: u8 = 5;
 /// Deflate, shuffle, checksum, szip is none of them, bit packing, scaling, LZF.
 const FILTERS: [u16; 6] = [1, 2, 3, 5, 6, 32000];
-
-fn text(error: hdf5_pure::Error) -> String {
-    error.to_string()
-}
 
 /// The class of an object, whose content is in a form of its own.
 fn class_of_object(attributes: &Attributes) -> Option<&str> {
@@ -356,93 +328,7 @@ fn is_boolean(dataset: &Dataset) -> bool {
     members == [("FALSE", &[0_u8][..]), ("TRUE", &[1])]
 }
 
-/// Returns true if a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
-fn is_half(dataset: &Dataset) -> bool {
-    is_float(dataset, 2, (10, 5, 15))
-}
-
-/// Returns true if a dataset holds floats of 64 bits (IEEE 754 binary64), the low byte first.
-fn is_double(dataset: &Dataset) -> bool {
-    is_float(dataset, 8, (52, 11, 1023))
-}
-
-/// Returns true if a dataset holds floats of so many bytes, the low one first. The exponent above the mantissa has this
-/// place, size and bias.
-fn is_float(dataset: &Dataset, bytes: u32, exponent: (u8, u8, u32)) -> bool {
-    let Ok(Datatype::FloatingPoint { size, byte_order: DatatypeByteOrder::LittleEndian, layout }) = dataset.datatype()
-    else {
-        return false;
-    };
-    let found = (layout.exponent_location, layout.exponent_size, layout.exponent_bias);
-    size == bytes && found == exponent && (layout.mantissa_location, layout.mantissa_size) == (0, exponent.0)
-}
-
-/// Numbers from their bytes, which are given back piece by piece from the end, so that a long vector is not in memory
-/// twice.
-fn doubles(mut bytes: Vec<u8>, piece: usize) -> Result<Vec<f64>, String> {
-    let count = bytes.len() / size_of::<f64>();
-    Vec::<f64>::new().try_reserve_exact(count).map_err(|error| error.to_string())?;
-    let mut values = vec![0.0; count];
-    while !bytes.is_empty() {
-        let left = bytes.len() / size_of::<f64>();
-        let first = left.saturating_sub(1) / piece * piece;
-        let last = bytes[first * size_of::<f64>()..].as_chunks().0;
-        values[first..].iter_mut().zip(last).for_each(|(value, bytes)| *value = f64::from_le_bytes(*bytes));
-        bytes.truncate(first * size_of::<f64>());
-        bytes.shrink_to_fit();
-    }
-    Ok(values)
-}
-
-fn halves(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks().0.iter().map(|bytes| half(u16::from_le_bytes(*bytes))).collect()
-}
-
-/// The number that a sign, five bits of exponent and ten of mantissa are.
-fn half(bits: u16) -> f64 {
-    let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1F), f64::from(bits & 0x3FF));
-    let magnitude = match exponent {
-        0 => mantissa * 2_f64.powi(-24),
-        31 if mantissa == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        _ => (mantissa + 1024.0) * 2_f64.powi(exponent - 25),
-    };
-    if bits >> 15 == 1 { -magnitude } else { magnitude }
-}
-
 fn is_numeric(kind: &DType) -> bool {
     use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     matches!(kind, F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{doubles, half};
-
-    #[test]
-    fn exact_doubles_in_pieces() {
-        let numbers: Vec<f64> = (0..10).map(|i| 1.5 * f64::from(i) - 4.0).collect();
-        for (count, piece) in [(0, 3), (1, 3), (3, 3), (4, 3), (10, 3), (10, 10), (10, 100)] {
-            let bytes = numbers[..count].iter().flat_map(|number| number.to_le_bytes()).collect();
-            assert_eq!(doubles(bytes, piece).unwrap(), numbers[..count], "{count} in pieces of {piece}");
-        }
-    }
-
-    /// The examples of IEEE 754 binary16: one, its neighbour, the largest, the smallest normal and subnormal ones.
-    #[test]
-    fn exact_floats_of_16_bits() {
-        let examples = [
-            (0x3C00, 1.0),
-            (0x3C01, 1.0 + 2_f64.powi(-10)),
-            (0xC000, -2.0),
-            (0x7BFF, 65504.0),
-            (0x0400, 2_f64.powi(-14)),
-            (0x0001, 2_f64.powi(-24)),
-            (0xFC00, f64::NEG_INFINITY),
-        ];
-        for (bits, number) in examples {
-            assert_eq!(half(bits), number, "{bits:x}");
-        }
-        assert!(half(0x7E00).is_nan() && half(0x8000).is_sign_negative());
-    }
 }

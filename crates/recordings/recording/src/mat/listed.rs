@@ -4,6 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::scope::Plan;
+use super::stored::{Numbers, Stored};
 use super::value::{Array, Struct, Value};
 use crate::{Channel, Finding, Raster, RecordingError, Selection, StartTime};
 
@@ -25,7 +26,7 @@ pub(super) fn take(
     let named: HashSet<&str> = list.rasters.iter().map(|r| r.0).chain(list.channels.iter().map(|c| c[0])).collect();
     variables.retain_mut(|(name, value)| match value {
         Value::Numbers(array) if named.contains(name.as_str()) && !pool.contains_key(name) => {
-            let empty = Array { rows: 0, columns: 0, values: Vec::new(), is_wide: false };
+            let empty = Array { rows: 0, columns: 0, values: Vec::new(), is_wide: false, dataset: None };
             pool.insert(name.clone(), std::mem::replace(array, empty));
             false
         }
@@ -107,6 +108,7 @@ impl<'a> List<'a> {
                 return Err(RecordingError::DamagedChannel { file: file.into(), channel: (*name).to_owned(), detail });
             }
             let [name, unit, comment] = [name, unit, comment].map(|text| (*text).to_owned());
+            plan.stored.push(array.dataset.map(|dataset| Stored { dataset, part: Numbers::Vector }));
             plan.channels.push(Channel { name, unit, comment, raster, samples: array.values });
         }
         Ok(())

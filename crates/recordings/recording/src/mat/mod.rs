@@ -3,13 +3,24 @@
 //! [`level73`], [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads
 //! the list that [`write`] puts into its files.
 
+#[cfg(feature = "hdf5")]
+mod dataset;
+#[cfg(not(feature = "hdf5"))]
+#[path = "no_dataset.rs"]
+mod dataset;
 mod labels;
 mod level4;
 mod level5;
+#[cfg(feature = "hdf5")]
+mod level73;
+#[cfg(not(feature = "hdf5"))]
+#[path = "absent.rs"]
 mod level73;
 mod listed;
 mod objects;
+mod part;
 mod scope;
+mod stored;
 mod value;
 mod variables;
 mod wanted;
@@ -19,6 +30,7 @@ use crate::source::{self, Shared};
 use crate::{Catalogue, Format, Recording, RecordingError, Selection};
 #[cfg(feature = "parquet")]
 pub(crate) use listed::{start_text, start_time};
+pub(crate) use part::Content;
 use scope::Plan;
 use variables::Variables;
 use wanted::Wanted;
@@ -52,12 +64,27 @@ pub(crate) fn decode(
     row_distance_s: Option<f64>,
     context: &Context,
 ) -> Result<Recording, RecordingError> {
-    read(name, source, Wanted::new(selection), row_distance_s, context)
+    read(name, source, Wanted::new(selection), row_distance_s, context).map(|content| content.recording)
+}
+
+/// Finds the channels of a MAT-file. Those of HDF5 whose samples lie along the first dimension are left to be read in
+/// part.
+pub(crate) fn content(
+    name: &str,
+    source: &Shared,
+    selection: &Selection,
+    row_distance_s: Option<f64>,
+    context: &Context,
+) -> Result<Content, RecordingError> {
+    let mut content = read(name, source, Wanted::places(selection), row_distance_s, context)?;
+    content.fill(name)?;
+    Ok(content)
 }
 
 /// Lists a MAT-file: of arrays that are neither small nor clocks, the shape is read.
-pub(crate) fn catalogue(name: &str, source: &Shared) -> Result<Catalogue, RecordingError> {
-    read(name, source, Wanted::LIST, None, &Context::new()).map(|recording| recording.catalogue())
+pub(crate) fn catalogue(name: &str, source: &Shared, row_distance_s: Option<f64>) -> Result<Catalogue, RecordingError> {
+    let content = read(name, source, Wanted::LIST, row_distance_s, &Context::new())?;
+    Ok(content.recording.catalogue())
 }
 
 fn read(
@@ -66,15 +93,15 @@ fn read(
     wanted: Wanted<'_>,
     row_distance_s: Option<f64>,
     context: &Context,
-) -> Result<Recording, RecordingError> {
+) -> Result<Content, RecordingError> {
     let selection = wanted.selection;
-    let (format, Variables { mut list, start_time }) = variables(name, source, wanted, context)?;
+    let (format, Variables { mut list, start_time, datasets }) = variables(name, source, wanted, context)?;
     let mut plan = Plan::new(row_distance_s);
     let listed = listed::take(name, &mut list, &mut plan, selection)?;
     plan.top(list);
-    let mut recording = plan.finish(name, selection, format)?;
+    let (mut recording, stored) = plan.finish(name, selection, format)?;
     (recording.comment, recording.start_time) = (listed.0, listed.1.or(start_time));
-    Ok(recording)
+    Ok(Content { recording, stored, datasets })
 }
 
 fn variables(
@@ -90,7 +117,7 @@ fn variables(
     if level4::starts(&head) {
         return Ok((
             Format::Mat { level: 4 },
-            Variables { list: level4::variables(name, &**source, &wanted)?, start_time: None },
+            Variables { list: level4::variables(name, &**source, &wanted)?, start_time: None, datasets: Vec::new() },
         ));
     }
     let Some(big) = level5::is_big_endian(&head) else {

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use super::labels::{
     Factor, Labels, Member, Members, clock_unit, describes, is_plain_time, sample_time, stated_period, stated_unit,
 };
+use super::stored::{Numbers, Stored};
 use super::value::{Array, Struct, Value, object_reason};
 use crate::heading::time_word;
 use crate::required::require_names;
@@ -30,6 +31,8 @@ pub(super) struct Plan {
     /// The rasters of rows so far apart, by length.
     counted: BTreeMap<usize, usize>,
     pub(super) channels: Vec<Channel>,
+    /// For each channel where its samples are, if they are not read yet.
+    pub(super) stored: Vec<Option<Stored>>,
     skipped: Vec<(String, SkipReason)>,
     /// Names that were not asked for.
     pub(super) unread: Vec<String>,
@@ -45,6 +48,7 @@ impl Plan {
             vectors: Vec::new(),
             counted: BTreeMap::new(),
             channels: Vec::new(),
+            stored: Vec::new(),
             skipped: Vec::new(),
             unread: Vec::new(),
             findings: Vec::new(),
@@ -230,9 +234,16 @@ impl Plan {
         if array.is_rounded() {
             self.findings.push(Finding::RoundedIntegers { channel: name.to_owned() });
         }
+        let (dataset, is_vector, width) = (array.dataset, array.is_vector(), array.rows);
         let parts = if by_rows { array.into_rows() } else { array.into_columns() };
         let names = channel_names(name, base, labels, parts.len(), by_rows);
         for (index, (samples, name)) in parts.into_iter().zip(names).enumerate() {
+            let part = match (is_vector, by_rows) {
+                (true, _) => Numbers::Vector,
+                (_, true) => Numbers::Across { index, width },
+                (_, false) => Numbers::Row(index),
+            };
+            self.stored.push(dataset.map(|dataset| Stored { dataset, part }));
             let (unit, comment) = (labels.unit(index), labels.comment.clone());
             self.channels.push(Channel { name, unit, comment, raster, samples });
         }
@@ -262,13 +273,14 @@ impl Plan {
         Some(raster)
     }
 
-    /// The recording of the selected channels, with the rasters in the order of their first channels.
+    /// The recording of the selected channels, with the rasters in the order of their first channels, and where their
+    /// samples are that are not read yet.
     pub(super) fn finish(
         mut self,
         file: &str,
         selection: &Selection,
         format: Format,
-    ) -> Result<Recording, RecordingError> {
+    ) -> Result<(Recording, Vec<Option<Stored>>), RecordingError> {
         let known = self.channels.iter().map(|c| c.name.as_str());
         let others = self.skipped.iter().map(|(name, _)| name.as_str()).chain(self.unread.iter().map(String::as_str));
         require_names(file, selection, known.chain(others))?;
@@ -276,6 +288,8 @@ impl Plan {
             let (channel, reason) = (name.clone(), reason.clone());
             return Err(RecordingError::UnusableChannel { file: file.into(), channel, reason });
         }
+        let taken = self.channels.iter().map(|c| selection.takes(&c.name));
+        let stored = taken.zip(self.stored).filter_map(|(is_taken, stored)| is_taken.then_some(stored)).collect();
         self.channels.retain(|c| selection.takes(&c.name));
         let mut places = vec![None; self.rasters.len()];
         let mut rasters = Vec::new();
@@ -295,7 +309,8 @@ impl Plan {
             let skipped = self.skipped.into_iter().chain(unused);
             findings.extend(skipped.map(|(channel, reason)| Finding::SkippedChannel { channel, reason }));
         }
-        Ok(Recording { format, comment: None, start_time: None, rasters, channels: self.channels, findings })
+        let channels = self.channels;
+        Ok((Recording { format, comment: None, start_time: None, rasters, channels, findings }, stored))
     }
 }
 

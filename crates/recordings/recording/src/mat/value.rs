@@ -39,6 +39,15 @@ impl Value {
         Self::array(dimensions, Vec::new(), false)
     }
 
+    /// The shape of an array whose values are those of a dataset, by number.
+    #[cfg(feature = "hdf5")]
+    pub(super) fn place(dimensions: &[usize], dataset: usize) -> Self {
+        match Self::shape(dimensions) {
+            Self::Numbers(array) => Self::Numbers(Array { dataset: Some(dataset), ..array }),
+            other => other,
+        }
+    }
+
     /// No numbers.
     pub(super) fn empty() -> Self {
         Self::array(&[0, 0], Vec::new(), false)
@@ -101,6 +110,8 @@ pub(super) struct Array {
     pub(super) values: Vec<f64>,
     /// They were integers of 64 bits.
     pub(super) is_wide: bool,
+    /// Where the values are that are not read yet: the number of a dataset.
+    pub(super) dataset: Option<usize>,
 }
 
 impl Array {
@@ -118,7 +129,7 @@ impl Array {
                 }
             }
         };
-        Some(Self { rows, columns, values, is_wide })
+        Some(Self { rows, columns, values, is_wide, dataset: None })
     }
 
     /// Returns true if integers in it were too large to be exact.

@@ -1,5 +1,6 @@
 //! Contents of a file.
 
+use super::dataset::Dataset;
 use super::value::Value;
 use crate::StartTime;
 
@@ -10,4 +11,6 @@ pub(super) struct Variables {
     pub(super) list: Vec<(String, Value)>,
     /// Origin of time stamps with a date.
     pub(super) start_time: Option<StartTime>,
+    /// The datasets whose numbers are not read yet.
+    pub(super) datasets: Vec<Dataset>,
 }

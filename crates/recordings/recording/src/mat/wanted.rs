@@ -18,32 +18,51 @@ pub(super) enum Need {
     Values,
     /// Its dimensions, to list it.
     Shape,
+    /// Its dimensions, and where it is, to read parts of it.
+    Place,
     Nothing,
+}
+
+/// Purpose of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// Channels are read.
+    Read,
+    /// Channels are listed.
+    List,
+    /// Channels are found, of which parts are read later.
+    Find,
 }
 
 /// Request to the reader.
 pub(super) struct Wanted<'a> {
     pub(super) selection: &'a Selection,
-    /// Channels are listed, not read.
-    is_list: bool,
+    purpose: Purpose,
     /// The variables that the file's own list gives for the selected channels, and all that it gives.
     pub(super) listed: Option<(HashSet<String>, HashSet<String>)>,
 }
 
 impl<'a> Wanted<'a> {
     pub(super) fn new(selection: &'a Selection) -> Self {
-        Self { selection, is_list: false, listed: None }
+        Self { selection, purpose: Purpose::Read, listed: None }
+    }
+
+    /// Request for the places of channels, as far as parts of them can be read.
+    pub(super) fn places(selection: &'a Selection) -> Self {
+        Self { purpose: Purpose::Find, ..Self::new(selection) }
     }
 
     /// Everything, whatever is selected.
-    pub(super) const ALL: Wanted<'static> = Wanted { selection: &Selection::All, is_list: false, listed: None };
+    pub(super) const ALL: Wanted<'static> = Wanted { selection: &Selection::All, purpose: Purpose::Read, listed: None };
 
     /// Request for a list of all channels.
-    pub(super) const LIST: Wanted<'static> = Wanted { selection: &Selection::All, is_list: true, listed: None };
+    pub(super) const LIST: Wanted<'static> =
+        Wanted { selection: &Selection::All, purpose: Purpose::List, listed: None };
 
     /// The same of all channels.
+    #[cfg(feature = "hdf5")]
     pub(super) fn of_all(self) -> Wanted<'static> {
-        Wanted { selection: &Selection::All, is_list: self.is_list, listed: None }
+        Wanted { selection: &Selection::All, purpose: self.purpose, listed: None }
     }
 
     /// How much is asked for of an array, whose place in the file is `path`: all of selected channels, of clocks, and
@@ -59,10 +78,11 @@ impl<'a> Wanted<'a> {
             Some((wanted, all)) if all.contains(path) => wanted.contains(path),
             _ => RENAMED.contains(&name.to_lowercase().as_str()) || self.asks_for(path, is_vector),
         };
-        match (is_wanted, self.is_list) {
+        match (is_wanted, self.purpose) {
             (false, _) => Need::Nothing,
-            (true, true) => Need::Shape,
-            (true, false) => Need::Values,
+            (true, Purpose::Read) => Need::Values,
+            (true, Purpose::List) => Need::Shape,
+            (true, Purpose::Find) => Need::Place,
         }
     }
 

@@ -1,13 +1,21 @@
 //! Which channels of an MDF file are taken over, and what becomes of them.
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::ops::Range;
 
-use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
+use ::mdf::{Address, Kind, Mdf, Numbers, Quantity, Source};
 use work::Context;
 
 use super::failure::failure;
 use crate::heading::{seconds, unbracketed};
-use crate::{Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason};
+use crate::part::{ClockShape, Each, Part, STEP, Series};
+use crate::required::require_names;
+use crate::source::Shared;
+use crate::{
+    Channel, ChannelInfo, Finding, Format, Raster, RasterInfo, Recording, RecordingError, Selection, SkipReason,
+    StartTime,
+};
 
 /// Bytes of names, units and comments beyond which a file says the same thing over and over.
 const MOST_TEXT: usize = 1 << 28;
@@ -114,78 +122,251 @@ fn obstacle(channel: &::mdf::Channel) -> Option<SkipReason> {
     Some(SkipReason::NotNumeric { kind: kind.into() })
 }
 
+/// A group of which channels are selected.
+struct Chosen<'f> {
+    group: Group<'f>,
+    items: Vec<Item<'f>>,
+    /// Findings on selected channels that cannot be taken over.
+    skipped: Vec<Finding>,
+}
+
+impl<'f> Chosen<'f> {
+    /// The clock, where channels of the group are taken over.
+    fn clock(&self) -> Option<Clock> {
+        self.group.time.as_ref().ok().copied().filter(|_| !self.items.is_empty())
+    }
+
+    /// Addresses that are read: the clock, where it is stored, and the channels.
+    fn addresses(&self) -> impl Iterator<Item = Address> {
+        let master = match self.clock() {
+            Some(Clock::Master(address)) => Some(address),
+            _ => None,
+        };
+        let items = self.items.iter().filter(|_| self.clock().is_some());
+        master.into_iter().chain(items.map(|item| item.address))
+    }
+
+    /// The group whose records are counted for the clock.
+    fn counted(&self) -> usize {
+        match self.group.time {
+            Ok(Clock::Master(address)) => address.group,
+            _ => self.group.index,
+        }
+    }
+}
+
+/// The selected channels of a file.
+pub(super) struct Choice<'f> {
+    name: &'f str,
+    file: &'f Mdf<Shared>,
+    groups: Vec<Chosen<'f>>,
+}
+
+impl<'f> Choice<'f> {
+    pub(super) fn new(
+        name: &'f str,
+        file: &'f Mdf<Shared>,
+        selection: &Selection,
+        row_distance_s: Option<f64>,
+    ) -> Result<Self, RecordingError> {
+        let groups = groups(name, file, row_distance_s)?;
+        require_names(name, selection, groups.iter().flat_map(|g| &g.channels).map(|c| c.name))?;
+        let groups = groups.into_iter().map(|group| chosen(name, group, selection)).collect::<Result<_, _>>()?;
+        Ok(Self { name, file, groups })
+    }
+
+    /// Reads all samples. Everything is read in one go, so that groups stored between each other are gone through once.
+    pub(super) fn whole(&self, context: &Context) -> Result<Recording, RecordingError> {
+        for chosen in self.timed() {
+            plausible(self.name, &chosen.group, chosen.items.len() + 1)?;
+        }
+        let addresses: Vec<Address> = self.groups.iter().flat_map(Chosen::addresses).collect();
+        let numbers = self.file.numbers(&addresses, context).map_err(|e| failure(self.name, e))?;
+        self.recording(numbers, None)
+    }
+
+    /// The groups that become rasters.
+    fn timed(&self) -> impl Iterator<Item = &Chosen<'f>> {
+        self.groups.iter().filter(|chosen| chosen.clock().is_some())
+    }
+
+    fn recording(&self, numbers: Numbers, rows: Option<&[Rows]>) -> Result<Recording, RecordingError> {
+        let mut assembly = Assembly {
+            file: self.name,
+            rounded: numbers.rounded,
+            rasters: Vec::new(),
+            channels: Vec::new(),
+            findings: Vec::new(),
+        };
+        let mut columns = numbers.columns.into_iter();
+        for chosen in &self.groups {
+            assembly.findings.extend(chosen.skipped.iter().cloned());
+            if let Some(clock) = chosen.clock() {
+                let rows = rows.and_then(|rows| rows.get(assembly.rasters.len()));
+                assembly.group(chosen, clock, rows, &mut columns)?;
+            }
+        }
+        Ok(Recording {
+            format: Format::Mdf { version: self.file.version() },
+            comment: self.file.comment().map(str::to_owned),
+            start_time: start_time(self.file),
+            rasters: assembly.rasters,
+            channels: assembly.channels,
+            findings: with_findings(self.file, assembly.findings),
+        })
+    }
+
+    fn numbers(
+        &self,
+        addresses: &[Address],
+        rows: &HashMap<usize, Range<u64>>,
+        context: &Context,
+    ) -> Result<Numbers, RecordingError> {
+        let rows = |group: usize| rows.get(&group).cloned().unwrap_or(0..0);
+        self.file.read_rows(addresses, &rows, context).map_err(|e| failure(self.name, e))
+    }
+
+    /// Records of a group; the first call goes through those that are mixed with others.
+    fn count(&self, group: usize) -> Result<u64, RecordingError> {
+        self.file.count(group).map_err(|e| failure(self.name, e))
+    }
+}
+
+/// Some samples of a raster, and how many it has.
+struct Rows {
+    rows: Range<u64>,
+    all: u64,
+}
+
+impl Part for Choice<'_> {
+    fn clocks(&self) -> Result<Vec<ClockShape>, RecordingError> {
+        let clock = |chosen: &Chosen<'_>| {
+            let (samples, times) = (self.count(chosen.group.index)?, self.count(chosen.counted())?);
+            if let (true, Some(item)) = (samples != times, chosen.items.first()) {
+                return Err(unequal(self.name, item.name, samples, times));
+            }
+            Ok(ClockShape { samples, grain: self.file.grain(chosen.counted()), is_out_of_order: false })
+        };
+        self.timed().map(clock).collect()
+    }
+
+    fn channels(&self) -> Vec<(String, usize)> {
+        let names = |(raster, chosen): (usize, &Chosen<'_>)| {
+            chosen.items.iter().map(|item| (item.name.to_owned(), raster)).collect::<Vec<_>>()
+        };
+        self.timed().enumerate().flat_map(names).collect()
+    }
+
+    fn stamps(&self, clock: usize, rows: Range<u64>, context: &Context) -> Result<Vec<f64>, RecordingError> {
+        match self.timed().nth(clock).and_then(Chosen::clock) {
+            Some(Clock::Counted(distance_s)) => Ok(rows.map(|row| row as f64 * distance_s).collect()),
+            Some(Clock::Master(address)) => {
+                let rows = HashMap::from([(address.group, rows)]);
+                Ok(self.numbers(&[address], &rows, context)?.columns.pop().unwrap_or_default())
+            }
+            None => Ok(Vec::new()),
+        }
+    }
+
+    fn read(&self, rows: &[Range<u64>], context: &Context) -> Result<Recording, RecordingError> {
+        let (mut of_groups, mut of_rasters) = (HashMap::new(), Vec::new());
+        for (chosen, rows) in self.timed().zip(rows) {
+            of_groups.insert(chosen.group.index, rows.clone());
+            of_groups.insert(chosen.counted(), rows.clone());
+            of_rasters.push(Rows { rows: rows.clone(), all: self.count(chosen.group.index)? });
+        }
+        let addresses: Vec<Address> = self.groups.iter().flat_map(Chosen::addresses).collect();
+        let numbers = self.numbers(&addresses, &of_groups, context)?;
+        self.recording(numbers, Some(&of_rasters))
+    }
+
+    fn visit(&self, context: &Context, each: Each<'_>) -> Result<(), RecordingError> {
+        let (mut addresses, mut series, mut channels) = (Vec::new(), Vec::new(), 0..);
+        for (raster, chosen) in self.timed().enumerate() {
+            plausible(self.name, &chosen.group, chosen.items.len() + 1)?;
+            match chosen.clock() {
+                Some(Clock::Master(_)) => series.push(Series::Clock(raster)),
+                _ => counted(self, raster, self.count(chosen.group.index)?, each, context)?,
+            }
+            series.extend(channels.by_ref().take(chosen.items.len()).map(Series::Channel));
+            addresses.extend(chosen.addresses());
+        }
+        let each = |answer: usize, first: u64, numbers: &[f64]| each(series[answer], first, numbers);
+        self.file.visit(&addresses, context, &each).map_err(|e| failure(self.name, e))
+    }
+}
+
+/// Hands on the stamps of a clock that is not stored.
+fn counted(
+    choice: &Choice<'_>,
+    raster: usize,
+    samples: u64,
+    each: Each<'_>,
+    context: &Context,
+) -> Result<(), RecordingError> {
+    for first in (0..samples).step_by(STEP) {
+        let stamps = choice.stamps(raster, first..samples.min(first + STEP as u64), context)?;
+        each(Series::Clock(raster), first, &stamps);
+    }
+    Ok(())
+}
+
+/// The selected channels of a group, of which some may not be there as numbers over time.
+fn chosen<'f>(file: &str, mut group: Group<'f>, selection: &Selection) -> Result<Chosen<'f>, RecordingError> {
+    let (mut items, mut skipped) = (Vec::new(), Vec::new());
+    for item in std::mem::take(&mut group.channels).into_iter().filter(|item| selection.takes(item.name)) {
+        match item.obstacle.as_ref().or(group.time.as_ref().err()).cloned() {
+            None => items.push(item),
+            Some(reason) if selection.insists_on(item.name) => {
+                let (file, channel) = (file.into(), item.name.into());
+                return Err(RecordingError::UnusableChannel { file, channel, reason });
+            }
+            Some(reason) => skipped.push(Finding::SkippedChannel { channel: item.name.into(), reason }),
+        }
+    }
+    Ok(Chosen { group, items, skipped })
+}
+
+fn unequal(file: &str, channel: &str, samples: u64, times: u64) -> RecordingError {
+    let detail = format!("it has {samples} samples, its clock {times}");
+    RecordingError::DamagedChannel { file: file.into(), channel: channel.into(), detail }
+}
+
 /// Rasters, channels and findings under construction.
-pub(super) struct Assembly<'a> {
+struct Assembly<'a> {
     file: &'a str,
-    selection: &'a Selection,
-    pub(super) rasters: Vec<Raster>,
-    pub(super) channels: Vec<Channel>,
-    pub(super) findings: Vec<Finding>,
+    rasters: Vec<Raster>,
+    channels: Vec<Channel>,
+    findings: Vec<Finding>,
     /// Channels whose integers were rounded.
     rounded: Vec<Address>,
 }
 
-impl<'a> Assembly<'a> {
-    /// Reads the selected channels of all groups.
-    pub(super) fn build<S: Source>(
-        name: &'a str,
-        file: &Mdf<S>,
-        selection: &'a Selection,
-        groups: &[Group<'_>],
-        context: &Context,
-    ) -> Result<Self, RecordingError> {
-        let mut assembly =
-            Self { file: name, selection, rasters: vec![], channels: vec![], findings: vec![], rounded: vec![] };
-        // Everything is read in one go, so that groups stored between each other are gone through once.
-        let mut addresses = Vec::new();
-        let mut chosen = Vec::new();
-        for group in groups {
-            let before = assembly.findings.len();
-            let items = assembly.usable(group)?;
-            let skipped = assembly.findings.split_off(before);
-            if let (Ok(time), false) = (&group.time, items.is_empty()) {
-                plausible(name, group, items.len() + 1)?;
-                if let Clock::Master(address) = time {
-                    addresses.push(*address);
-                }
-                addresses.extend(items.iter().map(|i| i.address));
-            }
-            chosen.push((group, items, skipped));
-        }
-        let mut values = file.read(&addresses, context).map_err(|e| failure(name, e))?.into_iter();
-        assembly.rounded = file.rounded();
-        for (group, items, skipped) in chosen {
-            assembly.findings.extend(skipped);
-            if let (Ok(clock), false) = (group.time.as_ref(), items.is_empty()) {
-                assembly.group(group, *clock, &items, &mut values)?;
-            }
-        }
-        Ok(assembly)
-    }
-
+impl Assembly<'_> {
     fn group(
         &mut self,
-        group: &Group<'_>,
+        chosen: &Chosen<'_>,
         clock: Clock,
-        items: &[&Item<'_>],
-        values: &mut impl Iterator<Item = Values>,
+        rows: Option<&Rows>,
+        columns: &mut impl Iterator<Item = Vec<f64>>,
     ) -> Result<(), RecordingError> {
+        let first = rows.map_or(0, |rows| rows.rows.start);
         let (mut time_s, master, distance_s) = match clock {
-            Clock::Master(address) => (Some(self.numbers("time", values.next())?), Some(address), 0.0),
+            Clock::Master(address) => (Some(columns.next().unwrap_or_default()), Some(address), 0.0),
             Clock::Counted(distance_s) => (None, None, distance_s),
         };
         let master = master.iter().map(|address| ("time", address));
-        for (channel, address) in master.chain(items.iter().map(|item| (item.name, &item.address))) {
+        for (channel, address) in master.chain(chosen.items.iter().map(|item| (item.name, &item.address))) {
             if self.rounded.contains(address) {
                 self.findings.push(Finding::RoundedIntegers { channel: channel.into() });
             }
         }
-        for item in items {
-            let samples = self.numbers(item.name, values.next())?;
-            let time_s = time_s.get_or_insert_with(|| (0..samples.len()).map(|row| row as f64 * distance_s).collect());
+        for item in &chosen.items {
+            let samples = columns.next().unwrap_or_default();
+            let counted = |row: u64| (first + row) as f64 * distance_s;
+            let time_s = time_s.get_or_insert_with(|| (0..samples.len() as u64).map(counted).collect());
             if samples.len() != time_s.len() {
-                let detail = format!("it has {} samples, its clock {}", samples.len(), time_s.len());
-                return Err(self.damaged(item.name, detail));
+                return Err(unequal(self.file, item.name, samples.len() as u64, time_s.len() as u64));
             }
             self.channels.push(Channel {
                 name: item.name.to_owned(),
@@ -196,43 +377,9 @@ impl<'a> Assembly<'a> {
             });
         }
         let time_s = time_s.unwrap_or_default();
-        self.findings.extend(group.findings(self.rasters.len(), time_s.len() as u64));
-        self.rasters.push(Raster { time_s, name: group.name.clone() });
-        Ok(())
-    }
-
-    fn numbers(&self, channel: &str, values: Option<Values>) -> Result<Vec<f64>, RecordingError> {
-        match values {
-            Some(Values::Numbers(numbers)) => Ok(numbers),
-            _ => Err(self.damaged(channel, "it holds no numbers".into())),
-        }
-    }
-
-    fn damaged(&self, channel: &str, detail: String) -> RecordingError {
-        RecordingError::DamagedChannel { file: self.file.into(), channel: channel.into(), detail }
-    }
-
-    /// The selected channels that nothing is known against.
-    fn usable<'g>(&mut self, group: &'g Group<'g>) -> Result<Vec<&'g Item<'g>>, RecordingError> {
-        let mut usable = Vec::new();
-        for item in &group.channels {
-            if !self.selection.takes(item.name) {
-                continue;
-            }
-            match item.obstacle.as_ref().or(group.time.as_ref().err()) {
-                None => usable.push(item),
-                Some(reason) => self.skip(item, reason.clone())?,
-            }
-        }
-        Ok(usable)
-    }
-
-    fn skip(&mut self, item: &Item<'_>, reason: SkipReason) -> Result<(), RecordingError> {
-        if self.selection.insists_on(item.name) {
-            let (file, channel) = (self.file.into(), item.name.into());
-            return Err(RecordingError::UnusableChannel { file, channel, reason });
-        }
-        self.findings.push(Finding::SkippedChannel { channel: item.name.into(), reason });
+        let all = rows.map_or(time_s.len() as u64, |rows| rows.all);
+        self.findings.extend(chosen.group.findings(self.rasters.len(), all));
+        self.rasters.push(Raster { time_s, name: chosen.group.name.clone() });
         Ok(())
     }
 }
@@ -299,4 +446,26 @@ fn plausible(file: &str, group: &Group<'_>, channels: usize) -> Result<(), Recor
         offset: None,
         detail: format!("{channels} channels of {samples} samples are described on {stream_bytes} bytes of data"),
     })
+}
+
+/// Findings about the file, then those about its groups and channels.
+pub(super) fn with_findings<S: Source>(file: &Mdf<S>, of_groups: Vec<Finding>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if file.findings().contains(&::mdf::Finding::NotFinalised) {
+        findings.push(Finding::NotFinalised);
+    }
+    let cut = file.findings().iter().find_map(|f| match f {
+        ::mdf::Finding::CutOff { offset } | ::mdf::Finding::ListEndsEarly { offset } => Some(*offset),
+        _ => None,
+    });
+    if let Some(offset) = cut.filter(|_| findings.is_empty()) {
+        findings.push(Finding::CutOff { offset });
+    }
+    findings.extend(of_groups);
+    findings
+}
+
+pub(super) fn start_time<S: Source>(file: &Mdf<S>) -> Option<StartTime> {
+    let ::mdf::StartTime { nanoseconds, is_local, utc_offset_min } = file.start_time()?;
+    Some(StartTime { nanoseconds, is_local, utc_offset_min })
 }

@@ -23,7 +23,7 @@ use recording::{
 /// A column: name, unit in its metadata, values.
 type Column = (&'static str, Option<&'static str>, ArrayRef);
 
-fn batch(columns: Vec<Column>) -> RecordBatch {
+pub(crate) fn batch(columns: Vec<Column>) -> RecordBatch {
     let field = |(name, unit, array): &Column| {
         let metadata = unit.map(|unit| ("unit".to_owned(), unit.to_owned()));
         Field::new(*name, array.data_type().clone(), true)

@@ -6,6 +6,7 @@ use numerics::null::{infinite_if_null, nan_if_null};
 
 /// Information criteria of a model: the smaller, the better. They compare models fitted to the same samples.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Criteria {
     /// Akaike's final prediction error `V (1 + d/N) / (1 − d/N)`: the loss to expect on new data. Infinite for `d ≥ N`.
     #[serde(deserialize_with = "infinite_if_null")]

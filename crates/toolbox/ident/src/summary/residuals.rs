@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use lti::ChannelPair;
 use lti::text::number;
 
 use crate::validate::{JointTest, ResidualReport};
@@ -11,27 +10,37 @@ use crate::validate::{JointTest, ResidualReport};
 const REMARKABLE: f64 = 0.01;
 
 impl fmt::Display for ResidualReport {
-    /// One line a test with its p-value, and one where only a part of the data was tested. A value below 0.01 speaks
-    /// against the model, and is marked.
+    /// [`ResidualReport::text`] with the channels' places, u1 and y1.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (output, whiteness) in self.whiteness.iter().enumerate() {
-            line(f, &format!("residuals of y{} are white", output + 1), &whiteness.joint)?;
-        }
-        for (output, row) in self.independence.iter().enumerate() {
-            for (input, test) in row.iter().enumerate() {
-                let pair = ChannelPair { output, input };
-                line(f, &format!("dynamics from {pair} are complete"), &test.dynamics)?;
-                line(f, &format!("no feedback to u{} shows in y{}", input + 1, output + 1), &test.feedback)?;
-            }
-        }
-        if self.samples < self.samples_given {
-            writeln!(f, "tested on {} of {} samples", self.samples, self.samples_given)?;
-        }
-        Ok(())
+        let inputs = self.independence.first().map_or(0, Vec::len);
+        let places = |letter: char, count: usize| (1..=count).map(|n| format!("{letter}{n}")).collect::<Vec<_>>();
+        f.write_str(&self.text(&places('u', inputs), &places('y', self.whiteness.len())))
     }
 }
 
-fn line(f: &mut fmt::Formatter<'_>, claim: &str, test: &JointTest) -> fmt::Result {
+impl ResidualReport {
+    /// One line a test with its p-value, and one where only a part of the data was tested. A value below 0.01 speaks
+    /// against the model, and is marked.
+    #[must_use]
+    pub fn text(&self, inputs: &[String], outputs: &[String]) -> String {
+        let mut lines = String::new();
+        for (whiteness, output) in self.whiteness.iter().zip(outputs) {
+            lines += &line(&format!("residuals of {output} are white"), &whiteness.joint);
+        }
+        for (row, output) in self.independence.iter().zip(outputs) {
+            for (test, input) in row.iter().zip(inputs) {
+                lines += &line(&format!("dynamics from {input} to {output} are complete"), &test.dynamics);
+                lines += &line(&format!("no feedback to {input} shows in {output}"), &test.feedback);
+            }
+        }
+        if self.samples < self.samples_given {
+            lines += &format!("tested on {} of {} samples\n", self.samples, self.samples_given);
+        }
+        lines
+    }
+}
+
+fn line(claim: &str, test: &JointTest) -> String {
     let mark = if test.p_value < REMARKABLE { "  (rejected)" } else { "" };
-    writeln!(f, "{claim:<36} p = {}{mark}", number(test.p_value))
+    format!("{claim:<36} p = {}{mark}\n", number(test.p_value))
 }

@@ -28,6 +28,7 @@ use crate::transfer_function::TransferFunction;
 /// # Ok::<(), lti::LtiError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Parts"))]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct ZeroPoleGain {
     zeros: Vec<Complex64>,

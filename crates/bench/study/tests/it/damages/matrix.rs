@@ -361,6 +361,32 @@ fn stat_an_error_strikes_the_parts_that_rest_on_its_recording() {
     }
 }
 
+/// K_p was off by 50 half widths and more.
+#[test]
+fn regress_gains_cover_a_recording_whose_torques_have_another_scale() {
+    let plans = [ExperimentPlan::bs_t_nt(1230.0, 14.0), ExperimentPlan::levels_n_nt(1230.0, 14.0)];
+    let recordings = in_parallel(plans.len(), |i| {
+        (format!("{}_1230.mf4", plans[i].label), simulate(&parameters(), &plans[i], 21 + i as u64).unwrap())
+    });
+    let clean = Brought { bench: default_bench(), recordings };
+    let gains_with = |percent: f64| {
+        let mut damaged = clean.clone();
+        scaled(&mut damaged.file("BS").1, &TORQUES, percent);
+        let study = study_of(&damaged).unwrap();
+        [Quantity::ProportionalGain, Quantity::IntegralGain].map(|quantity| found(&study, quantity).unwrap().clone())
+    };
+    let controller = parameters().controller;
+    let truth = [controller.proportional_nm_s_per_rad, controller.integral_nm_per_rad];
+    for (gain, truth) in gains_with(0.0).into_iter().zip(truth) {
+        assert!(gain.interval.1 - gain.interval.0 < 1e-3 * truth, "{gain:?}");
+    }
+    for percent in [1.0, 5.0, 20.0] {
+        for (gain, truth) in gains_with(percent).into_iter().zip(truth) {
+            assert!((gain.interval.0..=gain.interval.1).contains(&truth), "{percent} %: {gain:?} {truth}");
+        }
+    }
+}
+
 /// K_p was off by five half widths.
 #[test]
 fn regress_a_lag_of_the_speed_strikes_the_controller_and_leaves_the_shaft() {

@@ -9,7 +9,7 @@ use page::Block;
 use toolbox_report::convert::{Conversion, Form};
 
 use crate::cli::identify::{ModelConvertArguments, Representation, Sampling};
-use crate::commands::result::{check_plot, show_with};
+use crate::commands::result::{Sorted, check_plot, show_with};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -39,7 +39,7 @@ pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal
         Some(document) => show_with(result, &out, || page, || document, terminal)?,
         None => {
             let zeros_and_poles = result.json.then(|| found.zeros_and_poles()).transpose()?;
-            show_with(result, &out, || page, || zeros_and_poles, terminal)?;
+            show_with(result, &out, || page, || Sorted(zeros_and_poles), terminal)?;
         }
     }
     Ok(Outcome::Done)

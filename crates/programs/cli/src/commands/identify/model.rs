@@ -6,7 +6,7 @@ use ident::IdentError;
 use toolbox_report::models::{self, Curves, Detail, Model};
 
 use crate::cli::identify::{CurveArguments, ModelArguments};
-use crate::commands::result::{check_plot, show};
+use crate::commands::result::{Sorted, check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -28,14 +28,14 @@ fn curves(
     let CurveArguments { models, table } = arguments;
     let found = of(read(models, &terminal.files())?, models.level).map_err(failed)?;
     let detail = if *table { Detail::Points } else { Detail::Summary };
-    show(&models.result, || found.page(detail), || found.json(), terminal)?;
+    show(&models.result, || found.page(detail), || Sorted(found.facts()), terminal)?;
     Ok(Outcome::Done)
 }
 
 /// `dynoid model poles`
 pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let found = models::poles(read(arguments, &terminal.files())?, arguments.level).map_err(failed)?;
-    show(&arguments.result, || found.page(), || found.json(), terminal)?;
+    show(&arguments.result, || found.page(), || Sorted(found.facts()), terminal)?;
     Ok(Outcome::Done)
 }
 

@@ -7,7 +7,7 @@ use toolbox_report::delay::{Delays, Known, spacing};
 
 use super::super::data::{read, say};
 use crate::cli::identify::DelayArguments;
-use crate::commands::result::{check_plot, show};
+use crate::commands::result::{Sorted, check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -35,7 +35,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     };
     let found = Delays::of(loaded.data, &known, longest, terminal.work());
     let found = found.map_err(|source| CliError::identify("the delay", source))?;
-    show(&arguments.result, || found.page(), || found.json(), terminal)?;
+    show(&arguments.result, || found.page(), || Sorted(found.facts()), terminal)?;
     Ok(Outcome::Done)
 }
 

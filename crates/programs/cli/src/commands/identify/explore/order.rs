@@ -9,7 +9,7 @@ use toolbox_report::order::Orders;
 
 use super::super::data::load_between_gaps;
 use crate::cli::identify::OrderArguments;
-use crate::commands::result::{check_plot, show};
+use crate::commands::result::{Sorted, check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -36,7 +36,7 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     };
     let table = table.map_err(failed)?;
     let orders = Orders { table, ranges, is_validated: arguments.split.is_some() };
-    show(&arguments.result, || orders.page(), || orders.json(), terminal)?;
+    show(&arguments.result, || orders.page(), || Sorted(orders.facts()), terminal)?;
     Ok(Outcome::Done)
 }
 

@@ -4,11 +4,11 @@ use dataset::CommonClock;
 use dynoid::linear::{Gaps, Loaded, check_movement};
 use ident::Dataset;
 use signal::SignalError;
-use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, json, page, spectra};
+use toolbox_report::spectrum::{Periods, SpectrumMethod, SpectrumOptions, facts, page, spectra};
 
 use super::super::data::{load_on, say_one};
 use crate::cli::identify::{Period, SpectrumArguments, SpectrumMethod as Method};
-use crate::commands::result::{check_plot, show};
+use crate::commands::result::{Sorted, check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -31,7 +31,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -
     let options = SpectrumOptions { method: arguments.method.map(method), periods, window: arguments.window };
     let failed = |source: SignalError| wrong_period(arguments, &source).unwrap_or_else(|| not_found(source));
     let found = spectra(&data, &options).map_err(failed)?;
-    show(&arguments.result, || page(&found), || json(&found), terminal)?;
+    show(&arguments.result, || page(&found), || Sorted(facts(&found)), terminal)?;
     Ok(Outcome::Done)
 }
 
