@@ -25,7 +25,7 @@ const USAGE: &str = "usage: cargo xtask <task>
 
   check    what every change must pass: format, layers, wording, licences, lints, fast tests, docs
   deep     the slow statistical suites and the fuzz targets, before every release. It writes docs/deep-check.md.
-           NAME runs the suites whose name contains it, and prints their results instead.
+           NAME runs the suites whose name contains it; the page keeps the last results of the others.
   release  archives, packages, wheels, sums and manifests in target/release-files, for all targets or the TARGETs named
            (with cargo-zigbuild, ziglang and maturin). --program FILE packs a finished program, without wheels.
            --sums builds nothing: it writes sums and manifests of the files that are there.

@@ -63,6 +63,7 @@ fn findings() -> Result<Vec<Finding>, String> {
         for text in texts::of_file(&name, &content)? {
             findings.extend(patterns::find(&name, &text));
         }
+        findings.extend(patterns::unmerged(&name, &content));
         if name.ends_with(".rs") {
             findings.extend(patterns::lines(&name, &content));
         }
@@ -196,6 +197,14 @@ mod tests {
         let lines: Vec<usize> =
             patterns::lines("crates/toolbox/lti/src/a.rs", &source).iter().map(|f| f.line).collect();
         assert_eq!(lines, [2, 3]);
+    }
+
+    #[test]
+    fn exact_an_unfinished_merge_is_found() {
+        let page = "one\n<<<<<<< HEAD\ntwo\n=======\nthree\n>>>>>>> branch\n";
+        let lines: Vec<usize> = patterns::unmerged("docs/src/a.md", page).iter().map(|finding| finding.line).collect();
+        assert_eq!(lines, [2, 6]);
+        assert!(patterns::unmerged("docs/src/a.md", "Title\n=======\n> quoted\n").is_empty());
     }
 
     #[test]

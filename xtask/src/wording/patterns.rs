@@ -107,6 +107,13 @@ static TUPLE_CONSTANT: LazyLock<Pattern> = LazyLock::new(|| Pattern {
     suggestion: "a constant for each part with its own name and unit, a range, or a struct",
 });
 
+/// Its expression finds where a merge was left unfinished.
+static UNMERGED: LazyLock<Pattern> = LazyLock::new(|| Pattern {
+    name: "unmerged",
+    expression: compiled(r"(?m)^(<{7}|>{7}|\|{7}) .*$"),
+    suggestion: "the one of the two texts that is right, without the marks",
+});
+
 /// Beginning of the doc comment of a predicate, in which the word is right.
 const PREDICATE: &str = "Tells whether";
 
@@ -159,13 +166,21 @@ pub(super) fn lines(path: &str, source: &str) -> Vec<Finding> {
     let is_long = |line: &regex_lite::Match<'_>| line.as_str().chars().count() > LONGEST_LINE;
     let long = LONG_LINE.expression.find_iter(source).filter(is_long).map(|line| (&*LONG_LINE, line));
     let tuples = TUPLE_CONSTANT.expression.find_iter(source).map(|line| (&*TUPLE_CONSTANT, line));
-    let finding = |(pattern, line): (&'static Pattern, regex_lite::Match<'_>)| Finding {
+    long.chain(tuples).map(|(pattern, line)| on_line(path, source, pattern, &line)).collect()
+}
+
+/// The marks of an unfinished merge in a file of any kind.
+pub(super) fn unmerged(path: &str, content: &str) -> Vec<Finding> {
+    UNMERGED.expression.find_iter(content).map(|line| on_line(path, content, &UNMERGED, &line)).collect()
+}
+
+fn on_line(path: &str, source: &str, pattern: &'static Pattern, line: &regex_lite::Match<'_>) -> Finding {
+    Finding {
         path: path.to_owned(),
         line: 1 + source[..line.start()].matches('\n').count(),
         pattern,
         excerpt: line.as_str().trim_start().chars().take(70).collect(),
-    };
-    long.chain(tuples).map(finding).collect()
+    }
 }
 
 /// Tells whether the doc comment of a predicate begins here.

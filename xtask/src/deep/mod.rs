@@ -1,5 +1,7 @@
 //! `cargo xtask deep`: the slow suites, and the page of their last results.
 
+mod results;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,17 +9,15 @@ use std::time::{Instant, SystemTime};
 
 use serde_json::Value;
 
+use self::results::{Outcome, Results};
 use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, output, step, surroundings};
 use crate::{fmu, folder, fuzz, python, release, wheel};
 
-/// The page that a person commits.
-const PAGE: &str = "docs/deep-check.md";
-
-/// Runs every ignored test, suite by suite, and writes the page after each of them, so that a run that is stopped
-/// leaves what it found; of suites whose name contains `filter` alone, no page.
+/// Runs every ignored test, suite by suite, or those of suites whose name contains `filter`. The page is written after
+/// each suite, so that a run that is stopped leaves what it found.
 pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
-    let heading = heading()?;
+    let run = described()?;
     if filter.is_none() && !step("binaries of the FMUs", fmu::check)? {
         return Err("the FMUs' binaries cannot be compared with their sources".to_owned());
     }
@@ -29,26 +29,24 @@ pub(crate) fn run(filter: Option<&str>) -> Result<(), String> {
     }
     let python = step("packages to compare with", python::interpreter)?;
     let programs = step("build of the tests", programs)?;
-    let skipped = Skipped::start()?;
-    let mut chosen = Vec::new();
+    let mut suites = Vec::new();
     for program in &programs {
-        let suites = program.suites()?.into_iter();
-        chosen.extend(suites.filter(|s| filter.is_none_or(|f| s.name.contains(f))).map(|suite| (program, suite)));
+        suites.extend(program.suites()?.into_iter().map(|suite| (program, suite)));
     }
-    if let (true, Some(filter)) = (chosen.is_empty(), filter) {
+    let mut results = Results::read(suites.iter().map(|(_, suite)| suite.name.as_str()))?;
+    suites.retain(|(_, suite)| filter.is_none_or(|filter| suite.name.contains(filter)));
+    if let (true, Some(filter)) = (suites.is_empty(), filter) {
         return Err(format!("no suite's name contains {filter}"));
     }
-    let (all, mut results, mut text) = (chosen.len(), Vec::new(), String::new());
-    for (program, suite) in chosen {
-        results.push(suite.run(program, python.as_deref(), &skipped)?);
-        text = page(&heading, (&results, all), &skipped.summary());
-        if filter.is_none() {
-            write(&text)?;
+    let mut failed = Vec::new();
+    for (program, suite) in suites {
+        let outcome = suite.run(program, python.as_deref(), &run)?;
+        if !outcome.passed() {
+            failed.push(suite.name.clone());
         }
+        results.put(suite.name, outcome)?;
     }
-    let failed: Vec<&str> =
-        results.iter().filter(|result| !result.passed()).map(|result| result.suite.as_str()).collect();
-    println!("{}", if filter.is_none() { format!("{PAGE} is written") } else { text });
+    println!("{} is written", results::PAGE);
     if failed.is_empty() { Ok(()) } else { Err(format!("these suites failed: {}", failed.join(", "))) }
 }
 
@@ -58,12 +56,6 @@ fn without_features() -> Result<(), String> {
     cargo("library without features", &[&["check", "--package", "dynoid", "--lib"], &less[..]].concat())?;
     let tests = ["test", "--package", "dynoid-recording", "--test", "it"];
     cargo("readers without features", &[&tests, &less[..], &["features::"]].concat())
-}
-
-fn write(text: &str) -> Result<(), String> {
-    let (file, new) = (folder::root().join(PAGE), folder::root().join(format!("{PAGE}.new")));
-    let written = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, &file));
-    written.map_err(|error| format!("{}: {error}", file.display()))
 }
 
 /// A program of tests, and the folder of its crate, in which it runs.
@@ -77,22 +69,6 @@ struct Program {
 struct Suite {
     name: String,
     tests: Vec<String>,
-}
-
-/// How a suite ended.
-struct Outcome {
-    suite: String,
-    tests: usize,
-    failed: usize,
-    time_s: f64,
-    /// Output of its tests.
-    figures: String,
-}
-
-impl Outcome {
-    fn passed(&self) -> bool {
-        self.failed == 0
-    }
 }
 
 /// Builds all tests in release, and lists their programs.
@@ -136,11 +112,12 @@ impl Program {
 }
 
 impl Suite {
-    fn run(self, program: &Program, python: Option<&Path>, skipped: &Skipped) -> Result<Outcome, String> {
+    fn run(&self, program: &Program, python: Option<&Path>, run: &str) -> Result<Outcome, String> {
         println!("== {}, {} tests", self.name, self.tests.len());
         let mut command = program.command();
         command.args(["--ignored", "--exact", "--show-output"]).args(&self.tests);
         surroundings(&mut command, python);
+        let skipped = Skipped::start()?;
         let start = Instant::now();
         let ended = skipped.gather(&mut command).output().map_err(|error| format!("{}: {error}", self.name))?;
         let time_s = start.elapsed().as_secs_f64();
@@ -150,9 +127,15 @@ impl Suite {
         if failed > 0 {
             println!("{printed}{}", String::from_utf8_lossy(&ended.stderr));
         }
-        // The page is for every machine.
-        let figures = figures(&printed).replace(&format!("{}/", folder::root().display()), "");
-        Ok(Outcome { suite: self.name, tests: self.tests.len(), failed, time_s, figures })
+        Ok(Outcome {
+            run: run.to_owned(),
+            tests: self.tests.len(),
+            failed,
+            time_s,
+            skipped: skipped.summary(),
+            // The page is for every machine.
+            figures: figures(&printed).replace(&format!("{}/", folder::root().display()), ""),
+        })
     }
 }
 
@@ -180,16 +163,18 @@ fn figures(printed: &str) -> String {
     text
 }
 
-/// Date, commit and machine of a run.
-fn heading() -> Result<String, String> {
+/// Date and commit of a run.
+fn described() -> Result<String, String> {
     let git = |arguments: &[&str]| output(Command::new("git").current_dir(folder::root()).args(arguments));
     let commit = git(&["rev-parse", "--short=12", "HEAD"])?;
     let changed =
-        if git(&["status", "--porcelain"])?.is_empty() { "" } else { ", with changes that are not committed" };
+        if git(&["status", "--porcelain", "--", ".", ":!docs/deep-check.md", ":!xtask/deep-check.json"])?.is_empty() {
+            ""
+        } else {
+            " and changes"
+        };
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_err(|error| error.to_string())?;
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let (date, system) = (date(now.as_secs() / 86_400), std::env::consts::OS);
-    Ok(format!("{date}, commit {}{changed}, {processors} processors, {system}", commit.trim()))
+    Ok(format!("{}, {}{changed}", date(now.as_secs() / 86_400), commit.trim()))
 }
 
 /// The date of a day after 1970-01-01, as `2026-11-24`.
@@ -212,33 +197,6 @@ fn date(mut days: u64) -> String {
     format!("{year}-{month:02}-{:02}", days + 1)
 }
 
-fn page(heading: &str, (results, all): (&[Outcome], usize), skipped: &str) -> String {
-    let stopped = match all - results.len() {
-        0 => String::new(),
-        missing => format!(" The run was stopped before {missing} of {all} suites."),
-    };
-    let mut text = format!(
-        "# The deep check\n\n`cargo xtask deep` runs the slow statistical suites and writes this page. It is run before every \
-         release. This is its last result.\n\nRun: {heading}.{stopped}\n\n\
-         | suite | tests | failed | time, s |\n| --- | --- | --- | --- |\n"
-    );
-    for result in results {
-        text += &format!("| {} | {} | {} | {:.0} |\n", result.suite, result.tests, result.failed, result.time_s);
-    }
-    let tests: usize = results.iter().map(|result| result.tests).sum();
-    let failed: usize = results.iter().map(|result| result.failed).sum();
-    let time_s: f64 = results.iter().map(|result| result.time_s).sum();
-    text += &format!("| all | {tests} | {failed} | {time_s:.0} |\n\n```text\n{skipped}\n```\n");
-    let printing: Vec<&Outcome> = results.iter().filter(|result| !result.figures.is_empty()).collect();
-    if !printing.is_empty() {
-        text += "\n## Figures that the tests print\n";
-    }
-    for result in printing {
-        text += &format!("\n### {}\n\n```text\n{}```\n", result.suite, result.figures);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,20 +214,5 @@ mod tests {
                        test result: FAILED. 1 passed; 1 failed; 0 ignored\n";
         assert_eq!(figures(printed), "a::t\n  coverage 94.8 %\n  n 200\n");
         assert_eq!(failures(printed), 1);
-    }
-
-    #[test]
-    fn snap_the_page_has_a_row_for_each_suite() {
-        let suite = |name: &str, failed| Outcome {
-            suite: name.into(),
-            tests: 2,
-            failed,
-            time_s: 1.6,
-            figures: String::from("a::t\n  94.8 %\n"),
-        };
-        let text = page("2026-11-24, commit abc", (&[suite("x::a", 0), suite("x::b", 1)], 3), "skipped: no test");
-        assert!(text.contains("stopped before 1 of 3 suites"), "{text}");
-        assert!(text.contains("| x::a | 2 | 0 | 2 |\n| x::b | 2 | 1 | 2 |\n| all | 4 | 1 | 3 |\n"), "{text}");
-        assert!(text.contains("### x::a\n\n```text\na::t\n  94.8 %\n```\n"), "{text}");
     }
 }
