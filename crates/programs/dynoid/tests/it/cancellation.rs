@@ -205,15 +205,17 @@ fn cancelled(work: Work, given: &Given, threads: usize, after: Duration, whole: 
     (ended > wished).then(|| ended - wished)
 }
 
-/// Time that each kind of work takes, and what it finds on one thread and on two.
+/// Time that each kind of work takes at least, and what it finds on one thread and on two.
 fn alone(given: &Given) -> Vec<(Duration, Found)> {
     let both = |(name, work): &(&str, Work)| {
-        let start = Instant::now();
-        let found = run(*work, given, &Context::new().with_threads(2)).0.unwrap();
-        let took = start.elapsed();
-        let on_one = run(*work, given, &Context::new().with_threads(1)).0.unwrap();
-        assert!(found == on_one, "{name}: other numbers on one thread than on two");
-        (took, found)
+        let timed = |threads| {
+            let start = Instant::now();
+            let found = run(*work, given, &Context::new().with_threads(threads)).0.unwrap();
+            (start.elapsed(), found)
+        };
+        let (on_two, on_one) = (timed(2), timed(1));
+        assert!(on_two.1 == on_one.1, "{name}: other numbers on one thread than on two");
+        (on_two.0.min(on_one.0), on_two.1)
     };
     WORKS.iter().map(both).collect()
 }
@@ -260,12 +262,13 @@ fn prop_cancelled_work_ends_soon_and_disturbs_no_other() {
 #[test]
 #[ignore = "some minutes: 1000 times cancelled"]
 fn stat_cancelled_work_ends_within_a_tenth_of_a_second() {
-    // Most of short work, since each draw takes half as long as the work.
-    let draws = [(Given::of(1), 200), (Given::of(2), 50)];
+    // Few of a study with all analyses, since each draw takes half as long as the work.
+    let draws = [(Given::of(1), 240), (Given::of(2), 10)];
     let of = |(given, times): &(Given, usize)| latencies(given, &alone(given), *times);
     let mut all: Vec<Duration> = draws.iter().flat_map(of).collect();
     all.sort();
-    assert!(all.len() > 900, "{} of 1000 were cancelled", all.len());
+    // The others had ended before.
+    assert!(all.len() > 750, "{} of 1000 were cancelled", all.len());
     assert!(within(&all, 0.99) < SOON, "{}", summary(&all));
 }
 
