@@ -208,12 +208,8 @@ pub(crate) fn state_space(
     feedthrough: bool,
     simulation: bool,
 ) -> Result<Fit, Fault> {
-    let start = subspace_of(order, weighting, feedthrough, simulation)?;
-    let focus = if simulation { Focus::Simulation } else { Focus::Prediction };
-    estimated(data, of_order("state space", order), move |data| {
-        let search = StateSpacePem::from_model(start.start(data)?).with_focus(focus);
-        Ok(search.fit(data)?.map(AnyModel::from))
-    })
+    let options = StateSpacePem::from_subspace(subspace_of(order, weighting, feedthrough, simulation)?);
+    estimated(data, of_order("state space", order), move |data| Ok(options.fit(data)?.map(AnyModel::from)))
 }
 
 fn of_order(name: &str, order: Option<usize>) -> String {

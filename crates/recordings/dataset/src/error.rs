@@ -50,6 +50,22 @@ pub enum DatasetError {
         /// End, s.
         to_s: f64,
     },
+    /// Channels that were never recorded at the same time.
+    #[error(
+        "{file}: \"{first}\" ends at {end_s} s, and \"{second}\" begins at {start_s} s: they have no time in common. Their clocks have different starts; choose channels of one clock, or export them on one"
+    )]
+    NoCommonTime {
+        /// The file.
+        file: String,
+        /// The channel that ends first.
+        first: String,
+        /// Its end, s.
+        end_s: f64,
+        /// The channel that begins last.
+        second: String,
+        /// Its beginning, s.
+        start_s: f64,
+    },
     /// A sample time that makes no sense for the record.
     #[error("{file}: a sample time of {sample_time_s} s cannot be used on {duration_s} s of recording")]
     SampleTime {

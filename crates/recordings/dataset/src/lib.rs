@@ -125,15 +125,30 @@ impl<'r> Taken<'r> {
         Err(DatasetError::SampleTimesDiffer { file: self.file.to_owned(), found_s, expected_s })
     }
 
+    /// Beginning and length of the time in which all channels were recorded, s.
+    fn common_time(&self) -> Result<(f64, f64), DatasetError> {
+        let last = self.channels.iter().max_by(|a, b| a.start_s.total_cmp(&b.start_s));
+        let first = self.channels.iter().min_by(|a, b| a.end_s.total_cmp(&b.end_s));
+        let (Some(last), Some(first)) = (last, first) else { return Ok((0.0, 0.0)) };
+        if last.start_s > first.end_s {
+            return Err(DatasetError::NoCommonTime {
+                file: self.file.to_owned(),
+                first: first.channel.name.clone(),
+                end_s: first.end_s,
+                second: last.channel.name.clone(),
+                start_s: last.start_s,
+            });
+        }
+        Ok((last.start_s, first.end_s - last.start_s))
+    }
+
     fn experiment(
         &self,
         sample_time_s: f64,
         options: &DatasetOptions,
         adjustments: &mut Vec<Adjustment>,
     ) -> Result<Experiment, DatasetError> {
-        let start_s = self.channels.iter().map(|c| c.start_s).fold(f64::NEG_INFINITY, f64::max);
-        let end_s = self.channels.iter().map(|c| c.end_s).fold(f64::INFINITY, f64::min);
-        let duration_s = end_s - start_s;
+        let (start_s, duration_s) = self.common_time()?;
         let usable = sample_time_s.is_finite() && sample_time_s > 0.0 && duration_s >= sample_time_s;
         if !usable || duration_s / sample_time_s > MOST_SAMPLES {
             return Err(DatasetError::SampleTime { file: self.file.to_owned(), sample_time_s, duration_s });

@@ -112,7 +112,7 @@ pub use polynomial::instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use polynomial::prediction_error::{self, Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use polynomial::recursive;
 pub use prediction::InitialState;
-pub use state_space::pem::StateSpacePem;
+pub use state_space::pem::{SearchStart, StateSpacePem};
 pub use state_space::subspace::{StateOrder, Subspace, Weighting};
 
 // Judgement; more in `validate` and `uncertainty`.

@@ -80,10 +80,8 @@ impl Method {
                 subspace.fit(data).map(|fit| fit.map(AnyModel::from))
             }
             Method::StateSpace { subspace, search } => {
-                let start = subspace.start(data)?;
-                let states = start.system().states();
-                let _step = context.step(format!("searching from the subspace model of order {states}"), 0);
-                let pem = StateSpacePem::from_model(start);
+                let _step = context.step("searching from a subspace model", 0);
+                let pem = StateSpacePem::from_subspace(*subspace);
                 let pem = if *search == Search::Simulation { pem.with_focus(Focus::Simulation) } else { pem };
                 pem.fit(data).map(|fit| fit.map(AnyModel::from))
             }

@@ -140,6 +140,9 @@ fn regress_impossible_requests_are_refused_with_names() {
         let odd = DatasetOptions { clock: CommonClock::Every(sample_time_s), ..options(&["u"], &["y"]) };
         assert!(matches!(refused(odd), DatasetError::SampleTime { .. }), "{sample_time_s}");
     }
+    let apart = recorded("time [s],u,time [s],y\n0,1,60,1\n0.1,1,60.1,1\n0.2,1,60.2,3\n");
+    let message = dataset(&[("x.csv", &apart)], &options(&["u"], &["y"])).unwrap_err().to_string();
+    assert!(message.contains("\"u\" ends at 0.2 s, and \"y\" begins at 60 s"), "{message}");
     let backwards = recorded("time [s],u,y\n0,1,1\n0.2,1,1\n0.1,1,3\n");
     let error = dataset(&[("x.csv", &backwards)], &options(&["u"], &["y"])).unwrap_err();
     assert!(matches!(error, DatasetError::TimeNotRising { sample: 2, .. }), "{error}");

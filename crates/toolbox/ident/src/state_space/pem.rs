@@ -3,7 +3,7 @@
 use lti::Innovations;
 
 use crate::data::check_missing;
-use crate::state_space::subspace::{StateOrder, Subspace};
+use crate::state_space::subspace::Subspace;
 use crate::state_space::{Information, Search, StateSpaceModel, estimate};
 use crate::{Arx, Dataset, Doubt, Fit, Focus, IdentError, LinearModel, Termination};
 
@@ -48,30 +48,43 @@ const GLANCE: usize = 5;
 /// *Anderson acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49(4), 2011.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpacePem {
-    /// Number of states, where no start is given.
-    pub order: StateOrder,
     /// Which errors are made small: `K` is free for those of the prediction, zero for those of the simulation.
     pub focus: Focus,
     /// True if `D` is estimated; otherwise it is zero.
     pub feedthrough: bool,
     /// True if every experiment starts from rest; otherwise initial states are estimated.
     pub from_rest: bool,
-    /// Where the search starts; at a subspace estimate where `None`.
-    pub start: Option<StateSpaceModel>,
+    /// Where the search starts.
+    pub start: SearchStart,
     /// Most iterations, on all data.
     pub iteration_limit: usize,
+}
+
+/// Where the search for a state-space model starts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SearchStart {
+    /// At the subspace estimate of these options, or the ARX model of its order. The focus of the search and its
+    /// feed-through replace theirs.
+    Subspace(Subspace),
+    /// At a model that is given.
+    Model(Box<StateSpaceModel>),
 }
 
 impl StateSpacePem {
     /// Of `order` states, with a noise model and no feed-through, initial states estimated.
     #[must_use]
     pub fn new(order: usize) -> Self {
+        Self::from_subspace(Subspace::new(order))
+    }
+
+    /// From a subspace estimate of these options, whose feed-through and noise model decide what is free.
+    #[must_use]
+    pub fn from_subspace(subspace: Subspace) -> Self {
         StateSpacePem {
-            order: StateOrder::Fixed(order),
-            focus: Focus::Prediction,
-            feedthrough: false,
+            focus: if subspace.noise_model { Focus::Prediction } else { Focus::Simulation },
+            feedthrough: subspace.feedthrough,
             from_rest: false,
-            start: None,
+            start: SearchStart::Subspace(subspace),
             iteration_limit: 100,
         }
     }
@@ -81,11 +94,7 @@ impl StateSpacePem {
     pub fn from_model(start: StateSpaceModel) -> Self {
         let focus = if start.has_noise_model() { Focus::Prediction } else { Focus::Simulation };
         let feedthrough = start.has_feedthrough();
-        StateSpacePem { focus, feedthrough, ..Self::new(start.system().states()) }.starting_at(start)
-    }
-
-    fn starting_at(self, start: StateSpaceModel) -> Self {
-        StateSpacePem { start: Some(start), ..self }
+        StateSpacePem { focus, feedthrough, start: SearchStart::Model(Box::new(start)), ..Self::new(1) }
     }
 
     /// With this focus.
@@ -126,7 +135,7 @@ impl StateSpacePem {
         }
         let mut termination = search.run(self.iteration_limit)?;
         // A start that was given is meant.
-        if self.start.is_none()
+        if matches!(self.start, SearchStart::Subspace(_))
             && let Some(other) = self.again_from_equation_error(data, &search, estimated)
         {
             (search, termination) = other;
@@ -176,22 +185,20 @@ impl StateSpacePem {
     }
 
     fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {
-        let noise_model = self.focus == Focus::Prediction;
-        if let Some(start) = &self.start {
-            crate::fit::check_channels(start, data)?;
-            let given = LinearModel::innovations(start, data.sample_time_s(), data.intersample())?;
-            let (system, covariance) = (given.system().clone(), given.noise_covariance().to_owned());
-            let innovations = if noise_model { given } else { Innovations::output_error(system, covariance)? };
-            return Ok(StateSpaceModel::new(innovations, self.feedthrough, noise_model));
+        let (feedthrough, noise_model) = (self.feedthrough, self.focus == Focus::Prediction);
+        match &self.start {
+            SearchStart::Model(start) => {
+                crate::fit::check_channels(start.as_ref(), data)?;
+                let given = LinearModel::innovations(start.as_ref(), data.sample_time_s(), data.intersample())?;
+                let (system, covariance) = (given.system().clone(), given.noise_covariance().to_owned());
+                let innovations = if noise_model { given } else { Innovations::output_error(system, covariance)? };
+                Ok(StateSpaceModel::new(innovations, feedthrough, noise_model))
+            }
+            SearchStart::Subspace(options) => {
+                let options = Subspace { feedthrough, noise_model, stable: !noise_model, ..*options };
+                options.start(data)
+            }
         }
-        let subspace = Subspace {
-            order: self.order,
-            feedthrough: self.feedthrough,
-            noise_model,
-            stable: !noise_model,
-            ..Subspace::new(1)
-        };
-        subspace.start(data)
     }
 }
 

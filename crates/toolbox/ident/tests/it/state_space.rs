@@ -5,7 +5,8 @@ use faer::Mat;
 use ident::covariance::delta_variance;
 use ident::validate::compare;
 use ident::{
-    Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateOrder, StateSpaceModel, StateSpacePem, Subspace, Weighting,
+    Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateSpaceModel, StateSpacePem, Subspace, Trend, TrendScope,
+    TrendShape, Weighting,
 };
 use lti::{Complex64, Innovations};
 
@@ -323,12 +324,15 @@ fn regress_a_higher_order_fits_a_clean_sweep_no_worse() {
         let mut noise = Noise::new(8);
         let y: Vec<f64> = (0..2000).map(|t| clean[(t, 0)] + deviation * noise.normal()).collect();
         let data = Dataset::siso(0.01, &u, &y).unwrap();
-        let lower = StateSpacePem::new(2).fit(&data).unwrap().loss;
-        let higher = StateSpacePem::new(3).fit(&data).unwrap().loss;
-        assert!(higher <= 1.02 * lower, "{linear} {deviation}: {higher} {lower}");
+        for centred in [false, true] {
+            let means = Trend::estimate(&data, TrendShape::Mean, TrendScope::PerExperiment).unwrap();
+            let data = if centred { means.remove(&data).unwrap() } else { data.clone() };
+            let lower = StateSpacePem::new(2).fit(&data).unwrap().loss;
+            let higher = StateSpacePem::new(3).fit(&data).unwrap().loss;
+            assert!(higher <= 1.02 * lower, "{linear} {deviation} {centred}: {higher} {lower}");
+        }
         // The order that the data choose, simulated.
-        let order = StateOrder::Auto { largest: 10 };
-        let chosen = StateSpacePem { order, ..StateSpacePem::new(1) }.fit(&data).unwrap();
+        let chosen = StateSpacePem::from_subspace(Subspace::auto(10)).fit(&data).unwrap();
         let fit = compare(&[&chosen], &data).judgements[0].as_ref().unwrap().fit_percent[0][0];
         assert!(fit > 99.0, "{linear} {deviation}: {fit} % by order {}", chosen.model.system().states());
     }
