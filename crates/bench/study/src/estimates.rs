@@ -9,7 +9,7 @@ use bench_model::replay::Replay;
 use bench_model::skews::SignalSkews;
 use numerics::order::upper_median;
 use numerics::parallel::map;
-use part_controller::speed_controller::SpeedControllerFit;
+use part_controller::speed_controller::{GAINS_APART_STANDARD_ERRORS, SpeedControllerFit};
 use part_engine::folded_pulses::Folded;
 use part_engine::pulse_path::Answer;
 use part_shaft::{Parts, shaft};
@@ -46,8 +46,6 @@ const MOVED: f64 = 3.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
-/// Gains of two recordings this many standard errors of their difference apart contradict each other.
-const GAINS_APART: f64 = 8.0;
 /// Gains that differ by this part of the smaller are of another controller, or of another bench, or in another scale.
 /// Terms beside PI, such as a filter on N_d*, change what recordings with a moving N_d* give by 20 % and less, which is
 /// 25 % of the smaller.
@@ -187,7 +185,7 @@ struct OtherGain {
 
 impl OtherGain {
     fn is_apart(&self, known: &Parameter) -> bool {
-        (self.gain.0 - known.value).abs() > GAINS_APART * self.gain.1.hypot(known.standard_error)
+        (self.gain.0 - known.value).abs() > GAINS_APART_STANDARD_ERRORS * self.gain.1.hypot(known.standard_error)
     }
 }
 

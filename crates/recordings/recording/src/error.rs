@@ -95,6 +95,17 @@ pub enum RecordingError {
         /// How much it holds.
         what: String,
     },
+    /// The file says that it holds more numbers than are read of one of its size.
+    #[error(
+        "{file}: it announces {what}; it is damaged, or it holds little but repeated values: copy the file again, or \
+         save the stretch that matters as a file of its own"
+    )]
+    Implausible {
+        /// The file.
+        file: String,
+        /// How much it announces.
+        what: String,
+    },
     /// A group of HDF5 holds a soft link, in the layout in which it looks like a dataset.
     #[error(
         "{file}: a soft link of HDF5 in the layout before version 1.8 cannot be read; write the file with libver=\"v110\", \
@@ -359,6 +370,16 @@ fn the_closest(similar: &[String]) -> String {
             format!("; the closest names are {}", names.join(", "))
         }
     }
+}
+
+/// End of what is said of a file that holds more numbers than are read of one of its size.
+#[cfg(any(feature = "hdf5", feature = "parquet", test))]
+pub(crate) const IMPLAUSIBLE: &str = "more numbers than its size makes plausible";
+
+/// Fails where the memory has no room for so many bytes: a decoder of another library would end the program there.
+#[cfg(any(feature = "hdf5", feature = "parquet"))]
+pub(crate) fn check_room(bytes: usize) -> Result<(), String> {
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|error| error.to_string())
 }
 
 /// A fault in the content of a file, which is none where it only takes more memory than there is.

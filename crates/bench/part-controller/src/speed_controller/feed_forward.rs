@@ -23,9 +23,9 @@ const OWN: [usize; 5] = [inverse::FIRST_ERROR, inverse::COSINE, inverse::SINE, i
 const KNOWN: [usize; 3] = [inverse::P, inverse::Q, inverse::LEAD];
 /// Excess χ² below which lags cannot be excluded: chance exceeds it once in 10⁶.
 const DECISIVE: f64 = 24.0;
-/// Gains that come out here this many standard errors, ...
-const CONTRADICTED_STANDARD_ERRORS: f64 = 8.0;
-/// ... and by this share, from the controller's contradict it.
+/// Gains of two recordings this many standard errors of their difference apart contradict each other.
+pub const GAINS_APART_STANDARD_ERRORS: f64 = 8.0;
+/// The controller's gains are only contradicted where they are apart by this share, too.
 const CONTRADICTED_SHARE: f64 = 0.05;
 
 /// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), and where the controller's
@@ -135,7 +135,7 @@ fn check_gains(data: &Data, here: &Estimate, controller: &SpeedControllerFit) ->
     for own in &here.parameters {
         let Some(known) = controller.result.estimate.parameter(own.quantity) else { continue };
         let (apart, error) = ((own.value - known.value).abs(), own.standard_error.hypot(known.standard_error));
-        if apart > CONTRADICTED_STANDARD_ERRORS * error && apart > CONTRADICTED_SHARE * known.value.abs() {
+        if apart > GAINS_APART_STANDARD_ERRORS * error && apart > CONTRADICTED_SHARE * known.value.abs() {
             return Err(EstimateError::Contradiction {
                 file: data.stretch.file.clone(),
                 quantity: own.quantity,

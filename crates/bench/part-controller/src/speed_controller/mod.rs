@@ -39,7 +39,7 @@ pub use analysis::{
 };
 pub use discrete::{Discrete, IntegrationRule};
 pub use encoder::Encoder;
-pub use feed_forward::estimate_feed_forward;
+pub use feed_forward::{GAINS_APART_STANDARD_ERRORS, estimate_feed_forward};
 pub use fit::estimate_alone;
 pub use fit::{KnownController, SpeedControllerFit, estimate, once_a_turn};
 pub use forward::estimate_forward;

@@ -15,6 +15,7 @@ use flatbuffers::FlatBufferBuilder;
 
 use super::messages::{Place, bytes, message};
 use crate::Source;
+use crate::error::check_room;
 
 /// Buffers begin at multiples of so many bytes.
 const ALIGNMENT: usize = 64;
@@ -152,7 +153,7 @@ impl<'a> Batch<'a> {
         let size: [u8; 8] = bytes(self.source, self.place.part(offset, 8)?, 8)?.try_into().unwrap_or_default();
         let size = i64::from_le_bytes(size);
         match size <= most.min((length as i64).saturating_mul(expansion)) {
-            true => Ok(()),
+            true => check_room(usize::try_from(size).unwrap_or(0)),
             false => Err(format!("{length} compressed bytes announce {size}, more than is plausible")),
         }
     }

@@ -4,7 +4,7 @@ use arrow_schema::Schema;
 use work::Context;
 
 use super::plan::Plan;
-use crate::error::of_content;
+use crate::error::{IMPLAUSIBLE, of_content};
 use crate::source::Shared;
 use crate::{RecordingError, Selection};
 
@@ -38,7 +38,8 @@ impl Reader<'_> {
         if rows.saturating_mul(columns.max(1) as u64) <= most {
             return Ok(());
         }
-        Err(self.damaged(format!("{columns} columns of {rows} rows in {} bytes", self.size)))
+        let what = format!("{columns} columns of {rows} rows in {} bytes, {IMPLAUSIBLE}", self.size);
+        Err(RecordingError::Implausible { file: self.file.to_owned(), what })
     }
 
     pub(super) fn damaged(&self, detail: String) -> RecordingError {

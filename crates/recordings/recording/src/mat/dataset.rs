@@ -6,13 +6,14 @@ pub(super) use hdf5_pure::Dataset;
 use hdf5_pure::{Datatype, DatatypeByteOrder};
 
 use crate::RecordingError;
-use crate::error::{guarded, of_content};
+use crate::error::{check_room, guarded, of_content};
 
 /// Numbers read at once.
 const PIECE: usize = 1 << 20;
 
 /// The numbers of some rows of the slowest dimension of a dataset.
 fn some_numbers(dataset: &Dataset, first: usize, count: usize) -> Result<Vec<f64>, String> {
+    check_room(needed(dataset, count)?)?;
     let raw = || dataset.read_raw_rows(first as u64, count as u64).map_err(text);
     if is_half(dataset) {
         Ok(halves(&raw()?))
@@ -21,6 +22,18 @@ fn some_numbers(dataset: &Dataset, first: usize, count: usize) -> Result<Vec<f64
     } else {
         dataset.read_f64_rows(first as u64, count as u64).map_err(text)
     }
+}
+
+/// Bytes that some rows take while they are read: as they are stored, as numbers, and one chunk before and after it is
+/// unpacked.
+fn needed(dataset: &Dataset, rows: usize) -> Result<usize, String> {
+    let product = |sizes: &[u64]| sizes.iter().fold(1_u64, |product, size| product.saturating_mul(*size));
+    let width = product(dataset.shape().map_err(text)?.get(1..).unwrap_or_default());
+    let chunk = dataset.chunk_shape().map_err(text)?.map_or(0, |sizes| product(&sizes));
+    let (own, stored) = ((rows as u64).saturating_mul(width), dataset.element_size().map_err(text)?);
+    let bytes = own.saturating_mul(stored.saturating_add(size_of::<f64>() as u64));
+    let bytes = bytes.saturating_add(chunk.saturating_mul(stored).saturating_mul(2));
+    Ok(usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 
 /// Reads some rows of the slowest dimension of a dataset that was left to be read later.

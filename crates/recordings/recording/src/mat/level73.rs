@@ -12,7 +12,7 @@ use super::value::{MAX_DEPTH, MAX_NUMBERS, MAX_PARTS, MAX_TEXT, Struct, Value, t
 use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
 use crate::RecordingError;
-use crate::error::{guarded, of_content};
+use crate::error::{IMPLAUSIBLE, guarded, of_content};
 use crate::source::{self, Shared};
 
 /// The most numbers of each byte of a larger file: as many as doubles can be deflated.
@@ -27,6 +27,7 @@ type Attributes = HashMap<String, AttrValue>;
 pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Result<Variables, RecordingError> {
     let damaged = |detail: String| match detail.contains(SOFT_LINK) {
         true => RecordingError::SoftLink { file: file.into() },
+        false if detail.ends_with(IMPLAUSIBLE) => RecordingError::Implausible { file: file.into(), what: detail },
         false => of_content(file, None, detail),
     };
     let size = source::size(file, &**source)?;
@@ -199,7 +200,7 @@ impl Reader<'_> {
         }
         let count = sizes.iter().try_fold(1_usize, |product, &d| product.checked_mul(d));
         let left = count.and_then(|count| self.numbers.checked_sub(count));
-        self.numbers = left.ok_or("more numbers than its size makes plausible")?;
+        self.numbers = left.ok_or(IMPLAUSIBLE)?;
         Ok(sizes)
     }
 
@@ -292,7 +293,7 @@ impl Reader<'_> {
 
 /// The sizes of a dataset, the slowest dimension first.
 fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
-    let too_large = |_| "more numbers than its size makes plausible".to_owned();
+    let too_large = |_| IMPLAUSIBLE.to_owned();
     dataset.shape().map_err(text)?.into_iter().map(|size| usize::try_from(size).map_err(too_large)).collect()
 }
 

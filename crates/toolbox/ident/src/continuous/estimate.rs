@@ -213,6 +213,25 @@ fn refined<C: ContinuousChannel>(
     found.map_or_else(|_| theta.to_vec(), |lowest| lowest.parameters)
 }
 
+/// The model with the least errors on the liveliest part of the data that searches from these starting models lead to,
+/// whether the errors determine its parameters or not.
+pub(crate) fn lowest_model<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    starts: &[ContinuousModel<C>],
+    bounds: &[Bounds],
+    settings: Settings,
+) -> Option<ContinuousModel<C>> {
+    let short = liveliest(records, COMPARED);
+    let settings = settings.within(&short, records);
+    let search = |start: &ContinuousModel<C>| {
+        let theta = clamped(&start.parameters(), bounds);
+        let lowest = lowest_point(&mut errors(start, &short, data, settings), &theta, bounds, settings.search).ok()?;
+        Some((lowest.cost, start.with_parameters(&lowest.parameters).ok()?))
+    };
+    starts.iter().filter_map(search).min_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, model)| model)
+}
+
 /// Improves each starting model by a few steps on the liveliest part of the data, best first; a single one stays as it
 /// is.
 fn try_starts<C: ContinuousChannel>(

@@ -28,7 +28,7 @@ pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctio
 use crate::data::band_limited::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
-use estimate::{OutputFit, Settings, fit_output, judge_at};
+use estimate::{OutputFit, Settings, fit_output, judge_at, lowest_model};
 use fitting::{RefinedLimit, StructureError};
 use output_error::Nuisance;
 use past::{begun, with_ends};
@@ -352,7 +352,28 @@ impl ContinuousTransferFunction {
         } else {
             start::candidates(&structure, records)?
         };
-        candidates.iter().map(|c| self.model_of(c, t)).collect()
+        let starts: Vec<_> = candidates.iter().map(|c| self.model_of(c, t)).collect::<Result<_, _>>()?;
+        let at_ends = self.at_ends(data, records, &candidates[0].delays);
+        Ok([starts, at_ends].concat())
+    }
+
+    /// The least errors at either end of each range of delays, from these delays in samples: a minimum over a range is
+    /// none above that at its ends. A search over the range misses it where the poles are far away there, because the
+    /// delay leaves the end before they have gone so far.
+    fn at_ends(&self, data: &Dataset, records: &[Record<'_>], delays: &[f64]) -> Vec<TransferFunctionModel> {
+        let t = data.sample_time_s();
+        let mut found = Vec::new();
+        for (k, (low_s, high_s)) in self.delay_s.iter().enumerate().filter(|(_, (low_s, high_s))| low_s < high_s) {
+            for end_s in [*low_s, *high_s] {
+                let (mut held, mut delays) = (self.clone(), delays.to_vec());
+                held.delay_s[k] = (end_s, end_s);
+                delays[k] = end_s / t;
+                let starts = start::candidates(&held.structure(data, &delays), records).unwrap_or_default();
+                let starts: Vec<_> = starts.iter().filter_map(|c| held.model_of(c, t).ok()).collect();
+                found.extend(lowest_model(data, records, &starts, &held.bounds(), self.settings()));
+            }
+        }
+        found
     }
 
     /// A starting value in units of samples as a model in SI. An input with fewer poles than the common denominator
