@@ -213,7 +213,7 @@ fn refined<C: ContinuousChannel>(
     found.map_or_else(|_| theta.to_vec(), |lowest| lowest.parameters)
 }
 
-/// The model with the least errors on the liveliest part of the data that searches from these starting models lead to,
+/// The model with the least errors on the liveliest part of the data that the best of these starting models leads to,
 /// whether the errors determine its parameters or not.
 pub(crate) fn lowest_model<C: ContinuousChannel>(
     data: &Dataset,
@@ -224,12 +224,23 @@ pub(crate) fn lowest_model<C: ContinuousChannel>(
 ) -> Option<ContinuousModel<C>> {
     let short = liveliest(records, COMPARED);
     let settings = settings.within(&short, records);
-    let search = |start: &ContinuousModel<C>| {
-        let theta = clamped(&start.parameters(), bounds);
-        let lowest = lowest_point(&mut errors(start, &short, data, settings), &theta, bounds, settings.search).ok()?;
-        Some((lowest.cost, start.with_parameters(&lowest.parameters).ok()?))
-    };
-    starts.iter().filter_map(search).min_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, model)| model)
+    let start = starts.first()?;
+    let tried = try_starts(data, &short, starts, bounds, settings).ok()?;
+    let lowest = lowest_point(&mut errors(start, &short, data, settings), &tried[0], bounds, settings.search).ok()?;
+    start.with_parameters(&lowest.parameters).ok()
+}
+
+/// The sum of squared errors of a model, where it has one.
+pub(crate) fn cost<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    model: &ContinuousModel<C>,
+    settings: Settings,
+) -> Option<f64> {
+    let mut problem = errors(model, records, data, settings);
+    let mut residuals = vec![0.0; problem.residual_count()];
+    problem.evaluate(&model.parameters(), &mut residuals, None).ok()?;
+    Some(sum_of_squares(&residuals)).filter(|cost| cost.is_finite())
 }
 
 /// Improves each starting model by a few steps on the liveliest part of the data, best first; a single one stays as it

@@ -28,12 +28,15 @@ pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctio
 use crate::data::band_limited::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use combine::combine;
-use estimate::{OutputFit, Settings, fit_output, judge_at, lowest_model};
+use estimate::{OutputFit, Settings, cost, fit_output, judge_at, lowest_model};
 use fitting::{RefinedLimit, StructureError};
 use output_error::Nuisance;
 use past::{begun, with_ends};
 use record::{Beginning, Record, records};
 use start::Candidate;
+
+/// An end of a range of delays has smaller errors than those found within it from this part of them on.
+const LOWER: f64 = 1e-6;
 
 /// How [`ContinuousTransferFunction`] comes to its estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -182,7 +185,7 @@ impl ContinuousTransferFunction {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
         let options = self.spread(data)?;
         let ground = Ground::new(data, self.at_rest)?;
-        let part = |output: usize, beginning| options.search(&ground, output, beginning, None);
+        let part = |output: usize, beginning| options.search_to_the_ends(&ground, output, beginning);
         let (beginning, parts) = begun(&ground, options.first_sample(data), options.settings(), part)?;
         let parts = with_ends(&ground, beginning, parts, options.settings())?;
         let fit = combine(&ground, beginning, &parts, options.settings())?;
@@ -246,6 +249,51 @@ impl ContinuousTransferFunction {
         }
         let starts = start.map_or_else(|| self.starts(data, &records), |start| Ok(vec![start.clone()]))?;
         fit_output(data, &records, &starts, &self.bounds(), self.settings())
+    }
+
+    /// The estimate for one output that no end of a range of delays goes below: a minimum over a range is none above
+    /// that at its ends. A search over the range misses it where the poles are far away there, because the delay leaves
+    /// the end before they have gone so far.
+    fn search_to_the_ends(
+        &self,
+        ground: &Ground<'_>,
+        output: usize,
+        beginning: Beginning,
+    ) -> Result<OutputFit<RationalChannel>, IdentError> {
+        let found = self.search(ground, output, beginning, None);
+        let (data, records) = (ground.plain, records(ground, output, beginning)?);
+        let delays_s = match &found {
+            Ok(found) => found.model.channels().iter().map(RationalChannel::delay_s).collect(),
+            Err(_) => self.delay_s.iter().map(|(low_s, _)| *low_s).collect::<Vec<f64>>(),
+        };
+        let costs = self.at_ends(data, &records, &delays_s).into_iter().filter_map(|end| {
+            let cost = cost(data, &records, &end, self.settings())?;
+            Some((cost, end))
+        });
+        let least = found.as_ref().map_or(f64::INFINITY, |found| found.minimum.cost);
+        // Its parameters may not be determined, which is no reason for another model with larger errors.
+        match costs.min_by(|x, y| x.0.total_cmp(&y.0)).filter(|(cost, _)| *cost < (1.0 - LOWER) * least) {
+            Some((_, end)) => fit_output(data, &records, &[end], &self.bounds(), self.settings()),
+            None => found,
+        }
+    }
+
+    /// The least errors at either end of each range of delays, with the others held at these.
+    fn at_ends(&self, data: &Dataset, records: &[Record<'_>], delays_s: &[f64]) -> Vec<TransferFunctionModel> {
+        let t = data.sample_time_s();
+        let mut found = Vec::new();
+        for (k, (low_s, high_s)) in self.delay_s.iter().enumerate().filter(|(_, (low_s, high_s))| low_s < high_s) {
+            for end_s in [*low_s, *high_s] {
+                let mut held = self.clone();
+                held.delay_s[k] = (end_s, end_s);
+                let delay = |(input, delay_s): (usize, &f64)| if input == k { end_s / t } else { delay_s / t };
+                let delays: Vec<f64> = delays_s.iter().enumerate().map(delay).collect();
+                let starts = start::candidates(&held.structure(data, &delays), records).unwrap_or_default();
+                let starts: Vec<_> = starts.iter().filter_map(|c| held.model_of(c, t).ok()).collect();
+                found.extend(lowest_model(data, records, &starts, &held.bounds(), self.settings()));
+            }
+        }
+        found
     }
 
     /// The options with one entry an input.
@@ -352,28 +400,7 @@ impl ContinuousTransferFunction {
         } else {
             start::candidates(&structure, records)?
         };
-        let starts: Vec<_> = candidates.iter().map(|c| self.model_of(c, t)).collect::<Result<_, _>>()?;
-        let at_ends = self.at_ends(data, records, &candidates[0].delays);
-        Ok([starts, at_ends].concat())
-    }
-
-    /// The least errors at either end of each range of delays, from these delays in samples: a minimum over a range is
-    /// none above that at its ends. A search over the range misses it where the poles are far away there, because the
-    /// delay leaves the end before they have gone so far.
-    fn at_ends(&self, data: &Dataset, records: &[Record<'_>], delays: &[f64]) -> Vec<TransferFunctionModel> {
-        let t = data.sample_time_s();
-        let mut found = Vec::new();
-        for (k, (low_s, high_s)) in self.delay_s.iter().enumerate().filter(|(_, (low_s, high_s))| low_s < high_s) {
-            for end_s in [*low_s, *high_s] {
-                let (mut held, mut delays) = (self.clone(), delays.to_vec());
-                held.delay_s[k] = (end_s, end_s);
-                delays[k] = end_s / t;
-                let starts = start::candidates(&held.structure(data, &delays), records).unwrap_or_default();
-                let starts: Vec<_> = starts.iter().filter_map(|c| held.model_of(c, t).ok()).collect();
-                found.extend(lowest_model(data, records, &starts, &held.bounds(), self.settings()));
-            }
-        }
-        found
+        candidates.iter().map(|c| self.model_of(c, t)).collect()
     }
 
     /// A starting value in units of samples as a model in SI. An input with fewer poles than the common denominator

@@ -44,6 +44,11 @@ impl TryFrom<RationalParts> for RationalChannel {
 }
 
 impl RationalChannel {
+    /// The delay, s.
+    pub(super) fn delay_s(&self) -> f64 {
+        self.delay_s
+    }
+
     /// From `b_m … b₀`, `a_{n−1} … a₀` (the leading one is not given) and a delay.
     ///
     /// # Errors

@@ -209,6 +209,15 @@ pub(crate) fn candidates_over_delays(
         }
     }
     ranked.truncate(REFINED);
+    // A minimum over a range is none above that at its ends, however few rounds show there.
+    for (k, (low, high)) in bounds.iter().enumerate().filter(|(_, (low, high))| low < high) {
+        for end in [*low, *high] {
+            let mut at_end = delays.clone();
+            at_end[k] = end;
+            let at = Structure { delays: &at_end, ..structure.clone() };
+            ranked.extend(explore(&at, &short, ROUNDS).ok().and_then(|c| c.into_iter().next()));
+        }
+    }
     let full = liveliest(records, SAMPLES);
     let mut found = Vec::new();
     for candidate in ranked {

