@@ -48,6 +48,8 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             ShellCommand::Completions(arguments) => commands::shell::completions(arguments, terminal),
             ShellCommand::Manual(arguments) => commands::shell::manual(arguments, terminal),
         },
+        #[cfg(feature = "app")]
+        Command::App(arguments) => commands::app::run(arguments, terminal),
         Command::Report(arguments) => commands::report::run(arguments, terminal),
         Command::Diff(arguments) => commands::diff::run(arguments, terminal),
         Command::Export(arguments) => commands::export::run(arguments, terminal),

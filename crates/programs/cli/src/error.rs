@@ -83,6 +83,17 @@ pub(crate) enum CliError {
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file exists already; write another with --out, add to it with --update, or replace it with --force", .path.display())]
     BenchFileExists { path: PathBuf },
+    /// The app does not start, or stopped.
+    #[cfg(feature = "app")]
+    #[error("{source}")]
+    App {
+        #[from]
+        source: dynoid_app::AppError,
+    },
+    /// The system does not say where the program is, which the app starts for its work.
+    #[cfg(feature = "app")]
+    #[error("the system does not say where this program is: {source}; start it by its full path")]
+    NoProgram { source: io::Error },
     /// Standard output cannot be written.
     #[error("the standard output cannot be written: {source}; is the disk full?")]
     StandardOutput { source: io::Error },

@@ -11,6 +11,8 @@ mod commands;
 mod dispatch;
 mod dropped;
 mod error;
+#[cfg(feature = "app")]
+mod job;
 mod path;
 mod summary;
 mod terminal;
@@ -23,6 +25,10 @@ use crate::terminal::Terminal;
 /// Runs the program with these arguments, of which the first is its name, and returns its exit code. Wrong arguments
 /// and calls for help end the process.
 pub fn main(arguments: Vec<OsString>) -> u8 {
+    #[cfg(feature = "app")]
+    if let Some(folder) = job::folder(&arguments) {
+        return job::run(&folder, main);
+    }
     dynoid::remove_when_ended();
     let dropped = dropped::folder(&arguments);
     let outcome = std::panic::catch_unwind(|| match &dropped {

@@ -10,7 +10,7 @@ use page::{Page, Screen, Tone, safe};
 use serde::Serialize;
 use work::{Context, Progress, State, Tree};
 
-use crate::cli::{ColorWhen, Global};
+use crate::cli::{ColorWhen, Global, ProgressForm};
 use crate::error::CliError;
 
 /// Line length where the terminal's is not known.
@@ -55,11 +55,15 @@ impl Terminal {
         let columns = columns();
         let width = columns.map_or(USUAL_WIDTH, |columns| columns.clamp(NARROWEST, WIDEST));
         let colour_err = colour(io::stderr().is_terminal());
-        let shows_progress = !global.quiet && io::stderr().is_terminal();
         Terminal {
             out: BufWriter::new(io::stdout()),
             failure: None,
-            work: if shows_progress { shown(colour_err) } else { Context::new() },
+            work: match global.progress {
+                _ if global.quiet => Context::new(),
+                ProgressForm::Json => shown(Lines::default()),
+                ProgressForm::Auto if io::stderr().is_terminal() => shown(Bar::new(colour_err)),
+                ProgressForm::Auto => Context::new(),
+            },
             files,
             quiet: global.quiet,
             colour_out: colour(io::stdout().is_terminal()),
@@ -210,23 +214,64 @@ fn colour_is_welcome() -> bool {
     is_unset_or_empty(std::env::var_os("NO_COLOR")) && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
+/// A display of progress on standard error.
+trait Display: Send + 'static {
+    fn hear(&mut self, heard: &Progress);
+
+    /// Shows where the work stands.
+    fn tick(&mut self);
+}
+
 /// A display that is whole even if a thread failed.
-fn locked(bar: &Mutex<Bar>) -> MutexGuard<'_, Bar> {
-    bar.lock().unwrap_or_else(PoisonError::into_inner)
+fn locked<D>(display: &Mutex<D>) -> MutexGuard<'_, D> {
+    display.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A context whose progress is shown on standard error.
-fn shown(in_colour: bool) -> Context {
-    let bar = Arc::new(Mutex::new(Bar::new(in_colour)));
-    let shown = Arc::downgrade(&bar);
+fn shown(display: impl Display) -> Context {
+    let display = Arc::new(Mutex::new(display));
+    let shown = Arc::downgrade(&display);
     std::thread::spawn(move || {
-        while let Some(bar) = shown.upgrade() {
-            locked(&bar).tick();
-            drop(bar);
+        while let Some(display) = shown.upgrade() {
+            locked(&display).tick();
+            drop(display);
             std::thread::sleep(TICK);
         }
     });
-    Context::new().with_listener(move |heard| locked(&bar).hear(heard))
+    Context::new().with_listener(move |heard| locked(&display).hear(heard))
+}
+
+/// Lines for programs: each says which part is done, and what is being done.
+#[derive(Default)]
+struct Lines {
+    tree: Tree,
+    /// The line that was printed last.
+    last: String,
+}
+
+impl Display for Lines {
+    fn hear(&mut self, heard: &Progress) {
+        self.tree.hear(heard);
+    }
+
+    fn tick(&mut self) {
+        let Some(doing) = self.tree.current() else { return };
+        let done = (self.tree.fraction() * PARTS as f64).round() / PARTS as f64;
+        let Ok(line) = serde_json::to_string(&Stand { fraction: done, doing }) else { return };
+        if line != self.last {
+            let _ = writeln!(io::stderr(), "{line}");
+            self.last = line;
+        }
+    }
+}
+
+/// Where work stands, as programs read it.
+#[derive(Serialize)]
+struct Stand<'a> {
+    /// Part that is done, from 0 to 1.
+    fraction: f64,
+    /// The step that it is at, in words.
+    doing: &'a str,
 }
 
 /// A display of progress that appears where something takes more than a second, and is gone when that ends.
@@ -249,6 +294,14 @@ impl Bar {
         Bar { bar, since: Instant::now(), is_shown: false, tree: Tree::default() }
     }
 
+    fn hide(&mut self) {
+        self.bar.finish_and_clear();
+        self.bar.set_draw_target(ProgressDrawTarget::hidden());
+        self.is_shown = false;
+    }
+}
+
+impl Display for Bar {
     fn hear(&mut self, heard: &Progress) {
         let is_outermost = heard.parent.is_none();
         if is_outermost && heard.state == State::Begun && !self.is_shown {
@@ -271,12 +324,6 @@ impl Bar {
         self.bar.set_message(safe(current));
         self.bar.set_position((self.tree.fraction() * PARTS as f64) as u64);
         self.bar.tick();
-    }
-
-    fn hide(&mut self) {
-        self.bar.finish_and_clear();
-        self.bar.set_draw_target(ProgressDrawTarget::hidden());
-        self.is_shown = false;
     }
 }
 

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use recording::{
-    Catalogue, CsvProblem, Extras, Recording, RecordingError, Selection, catalogue_from, decode_from, extras_from,
+    Catalogue, CsvProblem, Extras, Handle, Recording, RecordingError, Selection, catalogue_from, decode_from,
+    extras_from,
 };
 use rig::BenchFile;
 use sha2::{Digest, Sha256};
@@ -70,6 +71,13 @@ impl Files {
     pub fn catalogue(&self, file: &InputFile) -> Result<Catalogue, Error> {
         refuse_model(file)?;
         catalogue_from(&file.name, self.opened(file)?).map_err(|source| Error::Recording { source, untimed: false })
+    }
+
+    /// Opens a recording, of which ranges and overviews are read.
+    pub fn open(&self, file: &InputFile, context: &Context) -> Result<Handle, Error> {
+        refuse_model(file)?;
+        let opened = recording::open(&file.name, self.opened(file)?, None, context);
+        opened.map_err(|source| Error::Recording { untimed: lacks_time(&source), source })
     }
 
     /// Reads and decodes a recording, or text without a time column if the time from row to row is given.

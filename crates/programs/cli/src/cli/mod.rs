@@ -1,9 +1,13 @@
 //! The command line: commands, options, help.
 
+#[cfg(feature = "app")]
+pub(crate) mod app;
 pub(crate) mod bench;
 pub(crate) mod can;
 pub(crate) mod controller;
 pub(crate) mod convert;
+#[cfg(feature = "app")]
+mod described;
 pub(crate) mod diff;
 pub(crate) mod engine;
 pub(crate) mod experiment;
@@ -58,6 +62,12 @@ impl Cli {
         (cli, run)
     }
 
+    /// The commands as data.
+    #[cfg(feature = "app")]
+    pub(crate) fn described() -> Vec<described::Described> {
+        described::described(&Cli::command())
+    }
+
     /// Tells whether a word is the name of a command.
     pub(crate) fn is_command(word: &OsStr) -> bool {
         Cli::command().find_subcommand(word).is_some() || word == "help"
@@ -101,6 +111,23 @@ pub(crate) struct Global {
         help_heading = "Global options"
     )]
     pub(crate) color: ColorWhen,
+    /// How progress is shown on standard error: `auto`, a bar on a terminal; `json`, lines for programs
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        default_value_t = ProgressForm::Auto,
+        value_name = "FORM",
+        help_heading = "Global options"
+    )]
+    pub(crate) progress: ProgressForm,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressForm {
+    #[default]
+    Auto,
+    Json,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -118,6 +145,9 @@ pub(crate) enum Command {
     Init(bench::InitArguments),
     /// Estimate and judge the whole bench, and write the report
     Study(bench::StudyArguments),
+    /// Open the app: recordings, studies and reports in the browser
+    #[cfg(feature = "app")]
+    App(app::AppArguments),
     /// Write the report of a study.json again, without recordings
     Report(report::ReportArguments),
     /// Study a simulated bench and compare with its known parameters

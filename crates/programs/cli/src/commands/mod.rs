@@ -1,5 +1,7 @@
 //! The commands, one module each.
 
+#[cfg(feature = "app")]
+pub(crate) mod app;
 pub(crate) mod can;
 pub(crate) mod controller;
 pub(crate) mod convert;

@@ -2,6 +2,7 @@
 
 mod apart;
 mod start_time;
+mod stretch;
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,6 +13,7 @@ use signal::clock::{ClockCheck, check_clock};
 use signal::quality::{Quality, QualityOptions, check_quality};
 
 pub use apart::Apart;
+pub use stretch::{Gathered, Stretch};
 
 /// A recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

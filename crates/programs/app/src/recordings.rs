@@ -1,0 +1,211 @@
+//! Recordings: which there are, their channels, and views of them.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use axum::extract::{Query, State};
+use dataset::inspection::{Gathered, Stretch};
+use recording::{Catalogue, Envelope, Handle, RecordingError, Selection, Span};
+use serde::{Deserialize, Serialize};
+use work::Context;
+
+use crate::answer::{Answer, Fault, json, of_type};
+use crate::folder::OWN;
+use crate::shared::Shared;
+
+/// Folders within the open one, and files in all, that a page lists.
+const DEEPEST: usize = 4;
+const MOST_FILES: usize = 2000;
+/// Columns of a view, at most.
+const MOST_COLUMNS: usize = 8192;
+
+/// A file of the folder.
+#[derive(Debug, Serialize)]
+struct Listed {
+    file: String,
+    bytes: u64,
+    /// Milliseconds since 1970.
+    changed_ms: Option<u128>,
+}
+
+/// The folder, and what is in it.
+#[derive(Debug, Serialize)]
+struct Contents {
+    version: &'static str,
+    folder: String,
+    recordings: Vec<Listed>,
+    benches: Vec<Listed>,
+    reports: Vec<Listed>,
+    models: Vec<Listed>,
+}
+
+/// The folder with its recordings, bench files, reports and models.
+pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
+    blocking(move || {
+        let root = shared.folder.root();
+        let mut contents = Contents {
+            version: env!("CARGO_PKG_VERSION"),
+            folder: root.display().to_string(),
+            recordings: Vec::new(),
+            benches: Vec::new(),
+            reports: Vec::new(),
+            models: Vec::new(),
+        };
+        let mut files = Vec::new();
+        walk(root, DEEPEST, &mut files);
+        for path in files {
+            let (Ok(name), Ok(metadata)) = (path.strip_prefix(root), path.metadata()) else { continue };
+            let changed = metadata.modified().ok().and_then(|at| at.duration_since(SystemTime::UNIX_EPOCH).ok());
+            let name = name.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
+            let listed = Listed { file: name, bytes: metadata.len(), changed_ms: changed.map(|at| at.as_millis()) };
+            match path.extension().and_then(|ending| ending.to_str()) {
+                Some("toml") if dynoid::is_bench_file(&path) => contents.benches.push(listed),
+                Some("html") => contents.reports.push(listed),
+                Some("json") if listed.file.contains("model") => contents.models.push(listed),
+                _ if dynoid::is_recording(&path) => contents.recordings.push(listed),
+                _ => {}
+            }
+        }
+        json(&contents)
+    })
+    .await
+}
+
+/// The files below a folder, in order; hidden folders and links are left out.
+fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut entries: Vec<_> = entries.collect();
+    entries.sort_unstable_by_key(std::fs::DirEntry::file_name);
+    for entry in entries {
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.') || entry.file_name() == OWN;
+        let Ok(kind) = entry.file_type() else { continue };
+        if is_hidden || files.len() >= MOST_FILES {
+            continue;
+        }
+        if kind.is_dir() && depth > 0 {
+            walk(&entry.path(), depth - 1, files);
+        } else if kind.is_file() {
+            files.push(entry.path());
+        }
+    }
+}
+
+/// A recording.
+#[derive(Deserialize)]
+pub(crate) struct Which {
+    file: String,
+}
+
+/// The channels of a recording.
+pub(crate) async fn channels(State(shared): State<Shared>, Query(which): Query<Which>) -> Answer {
+    blocking(move || {
+        let catalogue: Catalogue = handle(&shared, &which.file)?.catalogue().map_err(Fault::refused)?;
+        json(&catalogue)
+    })
+    .await
+}
+
+/// A stretch of some channels.
+#[derive(Deserialize)]
+pub(crate) struct Wanted {
+    file: String,
+    /// Names, as a list in JSON.
+    channels: String,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    columns: Option<usize>,
+}
+
+impl Wanted {
+    fn names(&self) -> Result<Vec<String>, Fault> {
+        serde_json::from_str(&self.channels).map_err(Fault::refused)
+    }
+
+    fn begin_s(&self) -> f64 {
+        self.from_s.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    fn end_s(&self) -> f64 {
+        self.to_s.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Columns of a plot of some channels: of each channel how many there are, then of each column the first and last
+/// stamp, the least and the largest sample, all as floats of 64 bits, the low byte first.
+pub(crate) async fn view(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
+    blocking(move || {
+        let (handle, names) = (handle(&shared, &wanted.file)?, wanted.names()?);
+        let columns = wanted.columns.unwrap_or(1000).clamp(1, MOST_COLUMNS);
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut bytes = Vec::new();
+        for pyramid in handle.pyramids(&names, &Context::new()).map_err(Fault::refused)? {
+            let view = pyramid.view(wanted.begin_s(), wanted.end_s(), columns).map_err(Fault::refused)?;
+            bytes.extend((view.len() as f64).to_le_bytes());
+            bytes.extend(view.iter().flat_map(numbers));
+        }
+        Ok(of_type("application/octet-stream", bytes))
+    })
+    .await
+}
+
+fn numbers(column: &Envelope) -> impl Iterator<Item = u8> + use<> {
+    let missing = f64::NAN;
+    let Envelope { from_s, to_s, min, max, .. } = *column;
+    [from_s, to_s, min.unwrap_or(missing), max.unwrap_or(missing)].into_iter().flat_map(f64::to_le_bytes)
+}
+
+/// Samples that are read at once.
+const PIECE: f64 = 4e6;
+/// Times by which a stretch that has no sample grows.
+const GROWTH: f64 = 10.0;
+
+/// Figures of a stretch of some channels.
+pub(crate) async fn stretch(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
+    blocking(move || {
+        let handle = handle(&shared, &wanted.file)?;
+        let of = |name: &String| figures(&handle, name, wanted.begin_s(), wanted.end_s()).map_err(Fault::refused);
+        json(&wanted.names()?.iter().map(of).collect::<Result<Vec<_>, _>>()?)
+    })
+    .await
+}
+
+/// Figures of a stretch of a channel, read in pieces; of a single instant those of the next sample.
+fn figures(handle: &Handle, name: &str, from_s: f64, to_s: f64) -> Result<Stretch, RecordingError> {
+    let context = Context::new();
+    let pyramid = handle.pyramid(name, &context)?;
+    let Some(whole) = pyramid.view(f64::NEG_INFINITY, f64::INFINITY, 1)?.first().copied() else {
+        return Ok(Stretch::default());
+    };
+    let (from_s, mut to_s) = (from_s.max(whole.from_s), to_s.min(whole.to_s));
+    let rate = whole.samples as f64 / (whole.to_s - whole.from_s).max(f64::MIN_POSITIVE);
+    if to_s <= from_s {
+        to_s = from_s;
+        let mut wider = 1.0 / rate;
+        while to_s < whole.to_s && pyramid.view(from_s, to_s, 1)?.is_empty() {
+            to_s = (from_s + wider).min(whole.to_s);
+            wider *= GROWTH;
+        }
+    }
+    let pieces = ((to_s - from_s) * rate / PIECE).ceil().max(1.0);
+    let (mut gathered, selection) = (Gathered::default(), Selection::names([name]));
+    for piece in 0..pieces as usize {
+        let at = |k: usize| from_s + (to_s - from_s) * k as f64 / pieces;
+        // A stamp at the seam of two pieces belongs to the first one.
+        let begin = if piece == 0 { from_s } else { at(piece).next_up() };
+        let end = if piece + 1 == pieces as usize { to_s } else { at(piece + 1) };
+        let read = handle.read(&selection, &Span::Time { from_s: begin, to_s: end }, &context)?;
+        for channel in read.channels.iter().take(1) {
+            gathered.add(read.time_s(channel).unwrap_or_default(), &channel.samples);
+        }
+    }
+    Ok(gathered.figures())
+}
+
+fn handle(shared: &Shared, file: &str) -> Result<Handle, Fault> {
+    shared.handles.of(file, &shared.folder.existing(file)?)
+}
+
+/// Work that takes its time, on a thread where it holds nobody up.
+async fn blocking(work: impl FnOnce() -> Answer + Send + 'static) -> Answer {
+    tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| Err(Fault::refused(error)))
+}

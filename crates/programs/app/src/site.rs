@@ -1,0 +1,58 @@
+//! The pages, styles and scripts of the app, which are in the program.
+
+use axum::extract::Path;
+use axum::response::{IntoResponse, Response};
+
+use crate::answer::{Fault, of_type};
+
+/// A file of the site with its kind.
+struct Asset {
+    name: &'static str,
+    kind: &'static str,
+    bytes: &'static [u8],
+}
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+macro_rules! assets {
+    ($($name:literal: $kind:expr),* $(,)?) => {
+        &[$(Asset { name: $name, kind: $kind, bytes: include_bytes!(concat!("../web/", $name)) }),*]
+    };
+}
+
+const ASSETS: &[Asset] = assets! {
+    "index.html": "text/html; charset=utf-8",
+    "app.css": "text/css; charset=utf-8",
+    "icon.svg": "image/svg+xml",
+    "app.js": SCRIPT,
+    "api.js": SCRIPT,
+    "dom.js": SCRIPT,
+    "place.js": SCRIPT,
+    "work.js": SCRIPT,
+    "chart/panels.js": SCRIPT,
+    "chart/scale.js": SCRIPT,
+    "views/bench.js": SCRIPT,
+    "views/command.js": SCRIPT,
+    "views/jobs.js": SCRIPT,
+    "views/look.js": SCRIPT,
+    "views/report.js": SCRIPT,
+    "views/start.js": SCRIPT,
+    "views/study.js": SCRIPT,
+};
+
+/// The page of the app, whatever its view is.
+pub(crate) async fn index() -> Response {
+    asset("index.html")
+}
+
+/// Another file of the site.
+pub(crate) async fn file(Path(name): Path<String>) -> Response {
+    asset(&name)
+}
+
+fn asset(name: &str) -> Response {
+    match ASSETS.iter().find(|asset| asset.name == name) {
+        Some(asset) => of_type(asset.kind, asset.bytes),
+        None => Fault::missing(name).into_response(),
+    }
+}

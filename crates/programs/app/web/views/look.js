@@ -1,0 +1,178 @@
+// Recordings as they are: plots over one time axis, cursors, and figures of the stretch between them.
+
+import { get, view } from '../api.js';
+import { Panels } from '../chart/panels.js';
+import { figure } from '../chart/scale.js';
+import { fill, h, say, table } from '../dom.js';
+import { note } from '../place.js';
+import { size } from './start.js';
+
+export const title = 'Look';
+
+/** @typedef {{ file: string, channel: string, panel: number, offset_s: number }} Chosen */
+
+/** @param {HTMLElement} element @param {Record<string, string>} given */
+export async function show(element, given) {
+  const state = await get('state');
+  const files = /** @type {{ file: string, bytes: number }[]} */ (state.recordings);
+  if (!files.length) {
+    fill(element, h('p', {}, 'There are no recordings in this folder. Start the app on the folder that has them.'));
+    return;
+  }
+  /** @type {Chosen[]} */
+  let chosen = given.show ? JSON.parse(given.show) : [];
+  let file = given.file ?? chosen[0]?.file ?? files[0].file;
+  /** @type {Map<string, any>} */
+  const catalogues = new Map();
+
+  const plots = h('div', { class: 'plots' });
+  const figures = h('div', { class: 'figures' });
+  const list = h('div', { class: 'channels' });
+  const filter = h('input', { type: 'search', placeholder: 'Find a channel', 'aria-label': 'Find a channel', oninput: () => channels() });
+  const choice = h('select', { 'aria-label': 'Recording', onchange: () => open(choice.value) },
+    files.map((each) => h('option', { value: each.file, selected: each.file === file }, `${each.file} (${size(each.bytes)})`)));
+  fill(element,
+    h('aside', {}, choice, filter, list),
+    h('section', { class: 'stage' },
+      h('div', { class: 'tools' },
+        h('button', { onclick: () => panels.all(), title: 'Home' }, 'All'),
+        h('button', { onclick: () => panels.zoom(0.5), title: '+' }, 'Closer'),
+        h('button', { onclick: () => panels.zoom(2), title: '-' }, 'Farther'),
+        h('button', { onclick: () => between() }, 'Zoom to the cursors'),
+        h('span', { class: 'hint' }, 'Click for cursor A, again for B. Wheel zooms, drag moves, double click shows all.')),
+      plots, figures));
+
+  const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
+  const panels = new Panels(plots, { moved: (_from, _to, isSettled) => remember(isSettled), marked: () => { remember(false); measure(); }, failed });
+
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let noting;
+  function remember(/** @type {boolean} */ isNew) {
+    clearTimeout(noting);
+    noting = setTimeout(() => note('look', {
+      file, show: JSON.stringify(chosen), from: panels.from, to: panels.to, a: panels.cursors[0], b: panels.cursors[1],
+    }, isNew), 150);
+  }
+
+  function between() {
+    const [a, b] = panels.cursors;
+    if (a === null || b === null || a === b) say('Set both cursors first: click twice into a plot.');
+    else panels.goTo(Math.min(a, b), Math.max(a, b));
+  }
+
+  /** @param {string} name */
+  async function catalogue(name) {
+    if (!catalogues.has(name)) catalogues.set(name, await get('channels', { file: name }));
+    return catalogues.get(name);
+  }
+
+  /** @param {string} name */
+  async function open(name) {
+    file = name;
+    say('');
+    try {
+      const found = await catalogue(name);
+      channels();
+      if (!chosen.some((each) => each.file === name)) {
+        chosen = found.channels.slice(0, 3).map((/** @type {any} */ channel, /** @type {number} */ panel) => ({ file: name, channel: channel.name, panel, offset_s: 0 }));
+        await draw(true);
+      }
+    } catch (error) {
+      fill(list);
+      failed(error);
+    }
+  }
+
+  function channels() {
+    const found = catalogues.get(file);
+    const words = filter.value.toLowerCase();
+    const matching = found.channels.filter((/** @type {any} */ channel) => channel.name.toLowerCase().includes(words));
+    fill(list,
+      h('p', { class: 'soft' }, `${matching.length} of ${found.channels.length} channels`),
+      matching.slice(0, 500).map((/** @type {any} */ channel) => {
+        const isShown = chosen.some((each) => each.file === file && each.channel === channel.name);
+        const box = h('input', { type: 'checkbox', checked: isShown, onchange: () => toggle(channel.name, box.checked) });
+        return h('label', { class: 'channel', title: channel.comment || channel.name }, box, h('span', {}, channel.name), h('span', { class: 'soft' }, channel.unit));
+      }));
+  }
+
+  /** @param {string} channel @param {boolean} isShown */
+  function toggle(channel, isShown) {
+    if (isShown) chosen.push({ file, channel, panel: 1 + Math.max(-1, ...chosen.map((each) => each.panel)), offset_s: 0 });
+    else chosen = chosen.filter((each) => !(each.file === file && each.channel === channel));
+    draw(false).catch(failed);
+  }
+
+  /** @param {boolean} isAll whether all of the time is to be seen */
+  async function draw(isAll) {
+    const places = [...new Set(chosen.map((each) => each.panel))].sort((a, b) => a - b);
+    const kept = new Map(panels.panels.flatMap((panel) => panel.traces).map((trace) => [`${trace.file}\n${trace.channel}`, trace]));
+    const all = await Promise.all(places.map(async (place) => ({
+      traces: await Promise.all(chosen.filter((each) => each.panel === place).map(async ({ file: name, channel, offset_s }) => {
+        const found = await catalogue(name);
+        const unit = found.channels.find((/** @type {any} */ each) => each.name === channel)?.unit ?? '';
+        const old = kept.get(`${name}\n${channel}`);
+        return old?.offset_s === offset_s ? old : { file: name, channel, unit, offset_s, columns: new Float64Array(), held: null };
+      })),
+    })));
+    const span = await extent();
+    if (span) panels.whole = span;
+    if (isAll) [panels.from, panels.to] = [panels.whole.from, panels.whole.to];
+    panels.show(all);
+    remember(false);
+    measure();
+  }
+
+  /** The time that the recordings which are shown take. */
+  async function extent() {
+    let [from, to] = [Infinity, -Infinity];
+    for (const name of new Set(chosen.map((each) => each.file))) {
+      const own = chosen.filter((each) => each.file === name);
+      const whole = await view(name, own.map((each) => each.channel), -Infinity, Infinity, 1);
+      own.forEach(({ offset_s }, index) => {
+        const [first, last] = whole[index] ?? [];
+        if (first === undefined) return;
+        from = Math.min(from, first + offset_s);
+        to = Math.max(to, last + offset_s);
+      });
+    }
+    return to > from ? { from, to } : null;
+  }
+
+  /** @type {AbortController | undefined} */
+  let measuring;
+  async function measure() {
+    measuring?.abort();
+    const [a, b] = panels.cursors;
+    if (a === null) return fill(figures);
+    measuring = new AbortController();
+    const { signal } = measuring;
+    await new Promise((done) => setTimeout(done, 80));
+    if (signal.aborted) return;
+    try {
+      const rows = await Promise.all(chosen.map((each) => row(each, a, b, signal)));
+      if (signal.aborted) return;
+      const heads = ['Channel', 'at A', ...(b === null ? [] : ['at B', 'B − A', 'slope per s', 'mean', 'RMS', 'least', 'largest', 'samples'])];
+      fill(figures, table(heads, rows, b === null ? `A at ${figure(a)} s` : `A at ${figure(a)} s, B at ${figure(b)} s, Δt = ${figure(b - a)} s`));
+    } catch (error) {
+      if (!(error instanceof DOMException)) failed(error);
+    }
+  }
+
+  /** @param {Chosen} each @param {number} a @param {number | null} b @param {AbortSignal} signal */
+  async function row({ file: name, channel, offset_s }, a, b, signal) {
+    const given = { file: name, channels: [channel], from_s: Math.min(a, b ?? a) - offset_s, to_s: Math.max(a, b ?? a) - offset_s };
+    const [found] = await get('stretch', given, signal);
+    const first = [channel, figure(found.first)];
+    if (b === null) return first;
+    return [...first, ...[found.last, found.change, found.slope_per_s, found.mean, found.rms, found.least, found.largest].map(figure), String(found.samples)];
+  }
+
+  if (given.from && given.to) {
+    [panels.from, panels.to] = [Number(given.from), Number(given.to)];
+    panels.cursors = [given.a, given.b].map((time) => (time ? Number(time) : null));
+  }
+  await open(file);
+  if (chosen.length) await draw(!given.from);
+  return () => clearTimeout(noting);
+}

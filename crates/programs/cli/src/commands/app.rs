@@ -1,0 +1,24 @@
+//! `dynoid app`: the app, until it is ended.
+
+use dynoid_app::{App, Program};
+
+use crate::cli::Cli;
+use crate::cli::app::AppArguments;
+use crate::error::{CliError, Outcome};
+use crate::path::shown;
+use crate::terminal::Terminal;
+
+pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let program = std::env::current_exe().map_err(|source| CliError::NoProgram { source })?;
+    let commands = serde_json::to_string(&Cli::described()).map_err(CliError::internal)?;
+    let app = App::open(&arguments.folder, arguments.port, Program { path: program, commands })?;
+    let address = app.address();
+    terminal.line(&format!("{}: {address}", shown(&arguments.folder)));
+    terminal.note("The address lets one browser in. Ctrl-C ends the app; studies that run go on.");
+    terminal.finish()?;
+    if !arguments.no_browser && open::that_detached(&address).is_err() {
+        terminal.warning("no browser opens; open the address yourself");
+    }
+    app.serve()?;
+    Ok(Outcome::Done)
+}
