@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::skipped::Skipped;
 use crate::steps::{cargo, cargo_command, run, step};
-use crate::{axe, dependencies, fmu, layers, python, wheel, wording};
+use crate::{app, axe, dependencies, fmu, layers, python, wheel, wording};
 
 /// Format, rules of the source, lints, all fast tests, and docs. The slow tests and the fuzz targets are in
 /// `cargo xtask deep`.
@@ -21,6 +21,7 @@ pub(crate) fn all() -> Result<(), String> {
     // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
     cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
     let skipped = step("tests", || tests(python.as_deref(), axe.as_deref()))?;
+    let app = step("app", || app::check(python.as_deref(), axe.as_deref()))?;
     let wheel = step("wheel", || wheel::check(python.as_deref()))?;
     cargo("docs", &["doc", "--workspace", "--release", "--no-deps", "--quiet"])?;
     println!("all checks passed in {:.0} s", start.elapsed().as_secs_f64());
@@ -30,6 +31,9 @@ pub(crate) fn all() -> Result<(), String> {
         println!(
             "not run: the wheel and the tests of the module dynoid, since Python has not the packages of xtask/python.txt"
         );
+    }
+    for left in app {
+        println!("not run: {left}");
     }
     if !binaries {
         println!("not run: the comparison of the FMUs' binary with its sources, since Zig cannot be installed");

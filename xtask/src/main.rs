@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything a change must pass.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod app;
 mod axe;
 mod bench;
 mod check;
