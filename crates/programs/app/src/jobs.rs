@@ -137,6 +137,7 @@ fn begin(shared: &Shared, asked: &Asked) -> io::Result<String> {
     };
     fs::write(folder.join(COMMAND), serde_json::to_string(asked)?)?;
     let mut command = Command::new(&shared.program.path);
+    command.args(&shared.program.before);
     command.args([OsString::from("app"), "--job".into(), folder.clone().into()]);
     command.current_dir(shared.folder.root()).stdin(Stdio::null());
     command.stdout(File::create(folder.join(PRINTED))?).stderr(File::create(folder.join(SAID))?);

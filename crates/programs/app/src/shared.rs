@@ -19,8 +19,10 @@ pub(crate) struct Inner {
 /// The program, whose commands the app runs.
 #[derive(Debug, Clone)]
 pub struct Program {
-    /// Where it is.
+    /// The file to run: the program itself, or an interpreter.
     pub path: PathBuf,
+    /// Words before those of a command, such as the module that an interpreter runs.
+    pub before: Vec<String>,
     /// Its commands with their arguments, as JSON.
     pub commands: String,
 }

@@ -1,5 +1,7 @@
 //! `dynoid app`: the app, until it is ended.
 
+use std::path::PathBuf;
+
 use dynoid_app::{App, Program};
 
 use crate::cli::Cli;
@@ -9,9 +11,9 @@ use crate::path::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let program = std::env::current_exe().map_err(|source| CliError::NoProgram { source })?;
     let commands = serde_json::to_string(&Cli::described()).map_err(CliError::internal)?;
-    let app = App::open(&arguments.folder, arguments.port, Program { path: program, commands })?;
+    let (path, before) = program()?;
+    let app = App::open(&arguments.folder, arguments.port, Program { path, before, commands })?;
     let address = app.address();
     terminal.line(&format!("{}: {address}", shown(&arguments.folder)));
     terminal.note("The address lets one browser in. Ctrl-C ends the app; studies that run go on.");
@@ -21,4 +23,12 @@ pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<O
     }
     app.serve()?;
     Ok(Outcome::Done)
+}
+
+/// The file of this program, and the words that come before those of a command: in a wheel an interpreter runs it.
+fn program() -> Result<(PathBuf, Vec<String>), CliError> {
+    let path = std::env::current_exe().map_err(|source| CliError::NoProgram { source })?;
+    let is_interpreter = path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("python"));
+    let before = if is_interpreter { vec!["-m".to_owned(), "dynoid".to_owned()] } else { Vec::new() };
+    Ok((path, before))
 }
