@@ -21,6 +21,14 @@ def test_a_text_is_saved(page: Page, app: App) -> None:
     assert file.read_text(encoding="utf-8").startswith("# a remark\n")
 
 
+def test_a_fault_leads_to_its_line(page: Page) -> None:
+    text = text_of(page)
+    expect(page.get_by_text("The file has no faults.")).to_be_visible()
+    text.fill("[bench]\nname = 'Cell 4'\ncylinderz = 4\n")
+    page.get_by_role("button", name="Line 3", exact=True).click()
+    assert page.evaluate("getSelection().toString() || (t => t.value.slice(t.selectionStart, t.selectionEnd))(document.querySelector('textarea'))") == "cylinderz = 4"
+
+
 def test_what_was_typed_survives_a_killed_program(page: Page, app: App) -> None:
     text = text_of(page)
     text.fill("# typed, not saved")

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use axum::extract::{DefaultBodyLimit, State};
 use axum::response::Response;
-use axum::routing::get;
+use axum::routing::{get, post};
 use axum::{Router, middleware};
 
 use crate::answer::of_type;
@@ -109,6 +109,7 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/view", get(recordings::view))
         .route("/stretch", get(recordings::stretch))
         .route("/text", get(texts::read).put(texts::write))
+        .route("/check", post(texts::check))
         .route("/draft", get(texts::draft).put(texts::keep_draft).delete(texts::drop_draft))
         .route("/report", get(texts::report))
         .route("/jobs", get(jobs::list).post(jobs::start))

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use axum::extract::{Query, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, IF_MATCH};
 use axum::http::{HeaderMap, HeaderValue};
-use dynoid::{Files, replace_file};
+use dynoid::{Bench, Error, Files, replace_file};
 use serde::{Deserialize, Serialize};
 
 use crate::answer::{Answer, Fault, json, of_type};
@@ -63,6 +63,26 @@ pub(crate) async fn report(State(shared): State<Shared>, Query(which): Query<Whi
     let mut response = of_type("text/html; charset=utf-8", bytes);
     response.headers_mut().insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY));
     Ok(response)
+}
+
+/// A fault of a bench file.
+#[derive(Serialize)]
+struct Faulty {
+    /// Line, counted from 1.
+    line: usize,
+    text: String,
+}
+
+/// The faults of a text that is to be a bench file.
+pub(crate) async fn check(State(shared): State<Shared>, Query(which): Query<Which>, text: String) -> Answer {
+    let path = shared.folder.writable(&which.file)?;
+    let faults = match Bench::parse(&path, &text) {
+        Ok(_) => Vec::new(),
+        Err(Error::BenchFile { source, .. }) => source.faults,
+        Err(other) => return Err(Fault::refused(other)),
+    };
+    let faulty = faults.iter().map(|fault| Faulty { line: fault.line, text: format!("{}: {}", fault.key, fault.kind) });
+    json(&faulty.collect::<Vec<_>>())
 }
 
 /// A text that was typed over a file and not saved.

@@ -47,6 +47,11 @@ export async function post(path, body) {
   return (await ask(path, { method: 'POST', headers, body: JSON.stringify(body) })).json();
 }
 
+/** The faults of a text that is to be a bench file. @param {string} file @param {string} text */
+export async function faults(file, text) {
+  return (await ask(address('check', { file }), { method: 'POST', body: text })).json();
+}
+
 /** @param {string} path */
 export async function remove(path) {
   return (await ask(path, { method: 'DELETE' })).json();

@@ -38,6 +38,21 @@ fn exact_a_file_that_was_changed_elsewhere_stays() {
 }
 
 #[test]
+fn exact_faults_of_a_bench_file_have_their_lines() {
+    let place = tempfile::tempdir().unwrap();
+    let app = app_on(place.path());
+    let cookie = app.enter();
+    let text = "[bench]\nname = \"Cell 4\"\ncylinderz = 4\n";
+    let answer = app.ask(&cookie, "POST /api/check?file=bench.toml", text);
+    let faults: serde_json::Value = serde_json::from_slice(&answer.body).unwrap();
+    let faults = faults.as_array().unwrap();
+    let wrong = faults.iter().find(|fault| fault["line"] == 3).unwrap();
+    assert!(wrong["text"].as_str().unwrap().contains("cylinders"), "{wrong}");
+    assert!(faults.len() > 1, "what is missing counts, too");
+    assert_eq!(app.ask(&cookie, "POST /api/check?file=bench.toml", "[bench").status, 200);
+}
+
+#[test]
 fn exact_what_was_typed_outlives_the_program() {
     let place = tempfile::tempdir().unwrap();
     fs::write(place.path().join("bench.toml"), "# saved").unwrap();

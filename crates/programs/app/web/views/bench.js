@@ -1,6 +1,6 @@
 // The bench file as text: nothing that was typed is lost, and nobody's change is overwritten.
 
-import { Fault, forget, get, keep, save } from '../api.js';
+import { Fault, faults, forget, get, keep, save } from '../api.js';
 import { fill, h, say } from '../dom.js';
 import { link } from '../place.js';
 import { ended, start } from '../work.js';
@@ -20,18 +20,23 @@ export async function show(element, given) {
   let state = read.state;
   const kept = await get('draft', { file });
   const text = h('textarea', { spellcheck: false, 'aria-label': `Text of ${file}`, value: kept.text ?? read.text });
-  const stand = h('span', { class: 'soft' });
+  const stand = h('span', { class: 'soft', role: 'status' });
+  const list = h('div', { class: 'faults' });
   const write = h('button', { class: 'button', onclick: () => store() }, 'Save');
   const drop = h('button', { onclick: () => reload() }, 'Load again');
   fill(element, h('h1', {}, file),
-    h('div', { class: 'tools' }, write, drop, h('a', { href: link('study', { bench: file }) }, 'Study this bench'), stand), text);
+    h('div', { class: 'tools' }, write, drop, h('a', { href: link('study', { bench: file }) }, 'Study this bench'), stand), text, list);
+  check();
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let pause;
   text.addEventListener('input', () => {
     stand.textContent = 'not saved';
     clearTimeout(pause);
-    pause = setTimeout(() => keep(file, text.value, state), PAUSE_MS);
+    pause = setTimeout(() => {
+      keep(file, text.value, state);
+      check();
+    }, PAUSE_MS);
   });
   text.addEventListener('keydown', (event) => {
     if (event.key === 's' && (event.ctrlKey || event.metaKey)) {
@@ -41,6 +46,23 @@ export async function show(element, given) {
   });
   if (kept.text !== null && kept.text !== read.text) {
     stand.textContent = kept.of === read.state ? 'typed earlier, not saved' : 'typed earlier; the file was changed since';
+  }
+
+  async function check() {
+    const found = /** @type {{ line: number, text: string }[]} */ (await faults(file, text.value));
+    fill(list, found.length === 0
+      ? h('p', { class: 'soft' }, 'The file has no faults.')
+      : [h('p', {}, `${found.length} to fill in or to correct:`), h('ul', {}, found.map((fault) => h('li', {},
+        h('button', { class: 'line', onclick: () => goTo(fault.line) }, `Line ${fault.line}`), ' ', fault.text)))]);
+  }
+
+  /** @param {number} line */
+  function goTo(line) {
+    const before = text.value.split('\n').slice(0, line - 1).join('\n').length + (line > 1 ? 1 : 0);
+    const end = text.value.indexOf('\n', before);
+    text.focus();
+    text.setSelectionRange(before, end < 0 ? text.value.length : end);
+    text.scrollTop = (text.scrollHeight / text.value.split('\n').length) * Math.max(0, line - 6);
   }
 
   async function store() {
@@ -58,6 +80,7 @@ export async function show(element, given) {
   async function reload() {
     const fresh = await get('text', { file });
     [state, text.value] = [fresh.state, fresh.text];
+    check();
     await forget(file);
     stand.textContent = '';
     say('');
