@@ -24,8 +24,8 @@ class App:
         command = [PROGRAM, "app", str(folder), "--no-browser", "--port", str(port)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, encoding="utf-8")
         atexit.register(self.kill)
-        first = self.process.stdout.readline()
-        self.address = re.search(r"http://127\.0\.0\.1:\d+/enter\?token=\w+", first).group()
+        self.address = self.process.stdout.readline().strip()
+        assert re.fullmatch(r"http://127\.0\.0\.1:\d+/enter\?token=\w+", self.address), self.address
         self.port = int(re.search(r":(\d+)/", self.address).group(1))
 
     def kill(self) -> None:

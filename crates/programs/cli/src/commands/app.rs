@@ -7,7 +7,6 @@ use dynoid_app::{App, Program};
 use crate::cli::Cli;
 use crate::cli::app::AppArguments;
 use crate::error::{CliError, Outcome};
-use crate::path::shown;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -15,7 +14,8 @@ pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<O
     let (path, before) = program()?;
     let app = App::open(&arguments.folder, arguments.port, Program { path, before, commands })?;
     let address = app.address();
-    terminal.line(&format!("{}: {address}", shown(&arguments.folder)));
+    // In one line, however long it is.
+    terminal.script(&format!("{address}\n"));
     terminal.note("The address lets one browser in. Ctrl-C ends the app; studies that run go on.");
     terminal.finish()?;
     if !arguments.no_browser && open::that_detached(&address).is_err() {
