@@ -16,7 +16,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
 ];
 
 const EXAMPLES: &str = "  dynoid demo                 try everything without recordings of your own
-  dynoid app recordings/      look at recordings, and study the bench, in the browser";
+  dynoid app recordings/      look at recordings and study them in the browser";
 
 const EXIT_CODES: &str = "Exit codes: 1 bad verdict; faults: 2 command, 3 input, 4 output, 5 in dynoid";
 
