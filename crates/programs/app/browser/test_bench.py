@@ -26,7 +26,11 @@ def test_a_fault_leads_to_its_line(page: Page) -> None:
     expect(page.get_by_text("The file has no faults.")).to_be_visible()
     text.fill("[bench]\nname = 'Cell 4'\ncylinderz = 4\n")
     page.get_by_role("button", name="Line 3", exact=True).click()
-    assert page.evaluate("getSelection().toString() || (t => t.value.slice(t.selectionStart, t.selectionEnd))(document.querySelector('textarea'))") == "cylinderz = 4"
+    chosen = page.evaluate(
+        "(() => { const text = document.querySelector('textarea');"
+        " return text.value.slice(text.selectionStart, text.selectionEnd); })()"
+    )
+    assert chosen == "cylinderz = 4"
 
 
 def test_what_was_typed_survives_a_killed_program(page: Page, app: App) -> None:

@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 def look(page: Page) -> None:
     page.get_by_role("link", name="Look at recordings").click()
     page.wait_for_selector("canvas")
-    expect(page.locator(".channel").first).to_be_visible()
+    expect(page.locator(".channel input:checked")).to_have_count(3)
 
 
 def test_two_clicks_from_the_start_show_a_stretch_with_figures(page: Page) -> None:

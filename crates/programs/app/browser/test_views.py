@@ -15,6 +15,11 @@ RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 #: A folder for pictures of all views, where somebody wants to look at them.
 PICTURES = os.environ.get("DYNOID_PICTURES")
 
+#: Each scheme and each kind of screen once; for pictures all of them.
+LOOKS = [("light", 1440), ("dark", 390)]
+if PICTURES:
+    LOOKS = [(scheme, width) for scheme in ["light", "dark"] for width in [1440, 1024, 390]]
+
 
 @pytest.fixture(scope="module")
 def shared(bench: pathlib.Path) -> App:
@@ -33,8 +38,7 @@ def state(shared: App, browser: Browser) -> dict:
     return state
 
 
-@pytest.mark.parametrize("width", [1440, 1024, 390])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("scheme", "width"), LOOKS)
 @pytest.mark.parametrize("view", VIEWS)
 def test_a_view_is_accessible(shared: App, browser: Browser, state: dict, view: str, scheme: str, width: int) -> None:
     context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, storage_state=state)

@@ -62,7 +62,10 @@ pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
                 Some("toml") if dynoid::is_bench_file(&path) => contents.benches.push(listed),
                 Some("html") => contents.reports.push(listed),
                 Some("json") if listed.file.contains("model") => contents.models.push(listed),
-                _ if dynoid::is_recording(&path) => contents.recordings.push(listed),
+                // The figures of a study are no recording.
+                _ if dynoid::is_recording(&path) && !listed.file.ends_with(dynoid::SERIES) => {
+                    contents.recordings.push(listed)
+                }
                 _ => {}
             }
         }

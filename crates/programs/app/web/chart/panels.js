@@ -159,7 +159,7 @@ export class Panels {
     const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
-    context.font = `12px ${style.fontFamily}`;
+    context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     const each = (height - AXIS) / Math.max(1, this.panels.length);
     this.paintAxis(context, colour, width, height);
     this.panels.forEach((panel, index) => this.paintPanel(context, colour, panel, index * each + GAP / 2, each - GAP, width));

@@ -72,11 +72,12 @@ export async function show(element, given) {
     say('');
     try {
       const found = await catalogue(name);
-      channels();
-      if (!chosen.some((each) => each.file === name)) {
+      const isNew = !chosen.some((each) => each.file === name);
+      if (isNew) {
         chosen = found.channels.slice(0, 3).map((/** @type {any} */ channel, /** @type {number} */ panel) => ({ file: name, channel: channel.name, panel, offset_s: 0 }));
-        await draw(true);
       }
+      channels();
+      if (isNew) await draw(true);
     } catch (error) {
       fill(list);
       failed(error);
