@@ -384,12 +384,25 @@ pub(crate) fn check_room(bytes: usize) -> Result<(), String> {
 
 /// A fault in the content of a file, which is none where it only takes more memory than there is.
 pub(crate) fn of_content(file: &str, offset: Option<u64>, detail: String) -> RecordingError {
-    // As the standard library says it of a vector that cannot grow.
-    const NO_MEMORY: &str = "memory allocation failed";
     let file = file.to_owned();
-    match detail.contains(NO_MEMORY) {
+    match lacks_memory(&detail) {
         true => RecordingError::TooLarge { file, what: "its numbers".to_owned() },
         false => RecordingError::Damaged { file, offset, detail },
+    }
+}
+
+/// Tells whether a fault is that there is no more memory, as the standard library says it of a vector that cannot grow.
+fn lacks_memory(detail: &str) -> bool {
+    detail.contains("memory allocation failed")
+}
+
+/// A fault in the samples of a channel, which is none where they only take more memory than there is.
+#[cfg(feature = "parquet")]
+pub(crate) fn of_channel(file: &str, channel: String, detail: String) -> RecordingError {
+    let file = file.to_owned();
+    match lacks_memory(&detail) {
+        true => RecordingError::TooLarge { file, what: format!("the numbers of \"{channel}\"") },
+        false => RecordingError::DamagedChannel { file, channel, detail },
     }
 }
 

@@ -10,10 +10,14 @@ use super::messages::{Messages, Place};
 use super::plan::Plan;
 use super::reader::Reader;
 use super::table::{Flaw, Table, start_of};
+use crate::error;
 use crate::{Catalogue, Finding, Format, RecordingError, StartTime};
 
 /// Rows that are read at once where they are not compressed; a multiple of 8, for values of one bit.
 const ROWS: usize = 1 << 16;
+
+/// Times that a column of a batch is in memory while it is unpacked: as bytes, as an array, and as numbers.
+const UNPACKED: usize = 3;
 
 /// Reads where the batches of a file or stream are.
 pub(super) fn load(reader: &Reader<'_>, is_stream: bool) -> Result<Messages, RecordingError> {
@@ -38,6 +42,7 @@ impl Ipc<'_> {
         let expected: Vec<usize> = counts.iter().map(|count| *count.min(&most)).collect();
         let all = expected.iter().fold(0_u64, |all, count| all.saturating_add(*count as u64));
         reader.check_size(all, 1)?;
+        check_room(reader, messages, columns.len())?;
         let mut table = Table::new(plan, reader.row_distance_s, &expected);
         let mut work = Work { reader, messages, columns: &columns, dictionaries: Dictionaries::new(), rows: 0 };
         for place in &messages.places {
@@ -57,6 +62,17 @@ impl Ipc<'_> {
         }
         Ok(catalogue)
     }
+}
+
+/// Fails for more rows than are plausible, and where the memory has no room for their numbers and for those of a batch
+/// while it is unpacked.
+fn check_room(reader: &Reader<'_>, messages: &Messages, columns: usize) -> Result<(), RecordingError> {
+    let rows = messages.rows(&**reader.source).map_err(|detail| reader.damaged(detail))?;
+    let all = rows.last().map_or(0, |last| last.end);
+    reader.check_size(all as u64, columns)?;
+    let largest = rows.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
+    let numbers = all.saturating_mul(columns).saturating_add(largest.saturating_mul(UNPACKED));
+    error::check_room(numbers.saturating_mul(size_of::<f64>())).map_err(|detail| reader.damaged(detail))
 }
 
 /// Appends a range of rows to a table: of each column the bytes of these rows, or of compressed batches all that have

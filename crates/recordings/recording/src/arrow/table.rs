@@ -7,6 +7,7 @@ use arrow_array::{Array, ArrayRef};
 
 use super::plan::{Clock, Group, Plan, TIME};
 use super::values::{is_wide, numbers, per_second, ticks};
+use crate::error::of_channel;
 use crate::finding::are_rounded;
 use crate::unstated;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, SkipReason, StartTime};
@@ -95,10 +96,10 @@ impl<T: Into<String>> From<T> for Flaw {
 
 impl Fault {
     pub(super) fn error(self, file: &str) -> RecordingError {
-        let (file, channel) = (file.into(), self.column);
+        let channel = self.column;
         match self.flaw {
-            Flaw::Damage(detail) => RecordingError::DamagedChannel { file, channel, detail },
-            Flaw::Unusable(reason) => RecordingError::UnusableChannel { file, channel, reason },
+            Flaw::Damage(detail) => of_channel(file, channel, detail),
+            Flaw::Unusable(reason) => RecordingError::UnusableChannel { file: file.into(), channel, reason },
         }
     }
 }
