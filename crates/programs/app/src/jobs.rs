@@ -157,7 +157,8 @@ fn begin(shared: &Shared, asked: &Asked) -> io::Result<String> {
 pub fn run_job(folder: &Path, main: impl FnOnce(Vec<OsString>) -> u8) -> io::Result<u8> {
     let asked: Asked = serde_json::from_str(&fs::read_to_string(folder.join(COMMAND))?)?;
     let lock = File::create(folder.join(LOCK))?;
-    lock.try_lock()?;
+    // The server may hold it for an instant, to see whether this process does.
+    lock.lock()?;
     let cancel = folder.join(CANCEL);
     std::thread::spawn(move || {
         loop {
@@ -168,7 +169,7 @@ pub fn run_job(folder: &Path, main: impl FnOnce(Vec<OsString>) -> u8) -> io::Res
             std::thread::sleep(LOOK);
         }
     });
-    let words = ["dynoid".to_owned()].into_iter().chain(asked.arguments).chain(["--progress=json".to_owned()]);
+    let words = ["dynoid", "--progress=json"].map(str::to_owned).into_iter().chain(asked.arguments);
     let code = main(words.map(OsString::from).collect());
     fs::write(folder.join(EXIT), code.to_string())?;
     Ok(code)
