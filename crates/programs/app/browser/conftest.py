@@ -56,7 +56,7 @@ def app(bench: pathlib.Path, tmp_path: pathlib.Path) -> Iterator[App]:
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        path = os.environ.get("CHROMIUM") or shutil.which("chromium")
+        path = shutil.which(os.environ.get("CHROMIUM", "chromium"))
         yield playwright.chromium.launch(executable_path=path, args=["--lang=en-US"])
 
 
