@@ -1,11 +1,11 @@
 //! The app: the types of its scripts, and its pages in a browser.
 
+use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
-use crate::folder;
 use crate::steps::{output, run};
+use crate::{folder, npm};
 
 const TYPESCRIPT: &str = "typescript@7.0.2";
 /// Names the browser to the tests. Where it is set, that program is taken.
@@ -15,7 +15,8 @@ const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 /// Checks types and pages, and returns what could not be checked, in words.
 pub(crate) fn check(python: Option<&Path>, axe: Option<&Path>) -> Result<Vec<String>, String> {
     let mut left = Vec::new();
-    match compiler() {
+    let compiler = if cfg!(windows) { ".bin/tsc.cmd" } else { ".bin/tsc" };
+    match npm::file(TYPESCRIPT, compiler) {
         Some(compiler) => run("the types of the app", Command::new(compiler).args(["-p", "crates/programs/app/web"]))?,
         None => left.push("the types of the app's scripts, since npm is not there".to_owned()),
     }
@@ -24,19 +25,6 @@ pub(crate) fn check(python: Option<&Path>, axe: Option<&Path>) -> Result<Vec<Str
         _ => left.push("the app in a browser, which needs Chromium and the packages of xtask/python.txt".to_owned()),
     }
     Ok(left)
-}
-
-/// The compiler of TypeScript, pinned and installed once.
-fn compiler() -> Option<PathBuf> {
-    let folder = folder::target().ok()?.join(TYPESCRIPT);
-    let compiler = folder.join("node_modules/.bin/tsc");
-    if compiler.is_file() {
-        return Some(compiler);
-    }
-    fs::create_dir_all(&folder).ok()?;
-    let install = ["install", "--no-save", "--no-audit", "--no-fund", "--ignore-scripts", "--silent", TYPESCRIPT];
-    let status = Command::new("npm").args(install).arg("--prefix").arg(&folder).current_dir(&folder).status();
-    status.is_ok_and(|status| status.success()).then_some(compiler).filter(|compiler| compiler.is_file())
 }
 
 fn drives(python: &Path) -> bool {

@@ -11,6 +11,7 @@ mod fmu;
 mod folder;
 mod fuzz;
 mod layers;
+mod npm;
 mod profile;
 mod python;
 mod release;

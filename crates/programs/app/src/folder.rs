@@ -3,10 +3,18 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use serde::Deserialize;
+
 use crate::answer::Fault;
 
 /// Name of the folder in which the app keeps its own files.
 pub(crate) const OWN: &str = ".dynoid";
+
+/// A file that a page names, as seen from the folder.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Which {
+    pub(crate) file: String,
+}
 
 /// A folder whose files the app may read and write.
 #[derive(Debug, Clone)]
@@ -56,11 +64,8 @@ impl Folder {
     /// Fails for a word of a command that leads out of the folder.
     pub(crate) fn permits(&self, word: &str) -> Result<(), Fault> {
         let path = Path::new(word);
-        let leaves = path.is_absolute()
-            || path.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir))
-            || word.starts_with('\\')
-            || word.get(1..3) == Some(":\\");
-        if leaves && !word.is_empty() {
+        // Paths of Windows, wherever the app runs; a colon alone stands in ranges.
+        if !goes_down(path) || word.starts_with('\\') || word.get(1..3) == Some(":\\") {
             return Err(Fault::outside(word));
         }
         // A link in it must not lead out either, whether what is behind it is there or not.
@@ -80,12 +85,15 @@ impl Folder {
 /// A name that goes down from a folder, step by step.
 fn plain(name: &str) -> Result<PathBuf, Fault> {
     let path = Path::new(name);
-    let goes_down = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     // A drive or a stream of Windows, wherever the app runs.
-    match goes_down && !name.contains(['\0', ':', '\\']) {
+    match goes_down(path) && !name.contains(['\0', ':', '\\']) {
         true => Ok(path.to_owned()),
         false => Err(Fault::outside(name)),
     }
+}
+
+fn goes_down(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 #[cfg(test)]

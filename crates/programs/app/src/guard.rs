@@ -79,8 +79,7 @@ impl Gate {
             _ => {}
         }
         let is_entering = request.uri().path() == "/enter";
-        let is_known = headers.get_all(header::COOKIE).iter().any(|cookies| self.has_cookie(cookies));
-        match is_entering || is_known {
+        match is_entering || self.is_known(headers) {
             true => Ok(()),
             false => {
                 refuse(StatusCode::UNAUTHORIZED, "open the address that `dynoid app` printed; it lets you in once")
@@ -88,9 +87,11 @@ impl Gate {
         }
     }
 
-    fn has_cookie(&self, cookies: &HeaderValue) -> bool {
-        let cookies = cookies.to_str().unwrap_or_default();
-        cookies.split(';').any(|cookie| is_same(cookie.trim(), &self.cookie()))
+    /// Tells whether a request has the cookie.
+    fn is_known(&self, headers: &HeaderMap) -> bool {
+        let (own, all) = (self.cookie(), headers.get_all(header::COOKIE));
+        let mut cookies = all.iter().flat_map(|cookies| cookies.to_str().unwrap_or_default().split(';'));
+        cookies.any(|cookie| is_same(cookie.trim(), &own))
     }
 
     /// Takes the token, if it is this one.
@@ -134,7 +135,7 @@ pub(crate) struct Entry {
 pub(crate) async fn enter(State(gate): State<Arc<Gate>>, headers: HeaderMap, Query(entry): Query<Entry>) -> Response {
     if !gate.takes(&entry.token) {
         // A page that is loaded again has the cookie.
-        return match headers.get_all(header::COOKIE).iter().any(|cookies| gate.has_cookie(cookies)) {
+        return match gate.is_known(&headers) {
             true => Redirect::to("/").into_response(),
             false => Fault::with_status(StatusCode::UNAUTHORIZED, "this address was used; start `dynoid app` again")
                 .into_response(),

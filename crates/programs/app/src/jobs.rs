@@ -15,7 +15,7 @@ use axum::Json;
 use axum::extract::{Path as InPath, State};
 use serde::{Deserialize, Serialize};
 
-use crate::answer::{Answer, Fault, json};
+use crate::answer::{Answer, Fault, json, of_type};
 use crate::folder::OWN;
 use crate::shared::Shared;
 
@@ -27,33 +27,12 @@ const EXIT: &str = "exit";
 const LOCK: &str = "lock";
 const CANCEL: &str = "cancel";
 
-/// Commands that a page may start.
-const COMMANDS: [&str; 20] = [
-    "init",
-    "study",
-    "report",
-    "can",
-    "experiment",
-    "export",
-    "diff",
-    "demo",
-    "lines",
-    "torque-signals",
-    "torque-control",
-    "controller",
-    "shaft",
-    "engine",
-    "friction",
-    "inspect",
-    "convert",
-    "data",
-    "fit",
-    "model",
-];
 /// Jobs that are kept; older ones are removed when they have ended.
 const KEPT: usize = 200;
 /// The most bytes of what a job printed that a page gets.
 const MOST_PRINTED: u64 = 32 << 20;
+/// Time in which the process of a job has begun.
+const BEGINNING: Duration = Duration::from_secs(5);
 /// From look to look for a wish to cancel.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -106,10 +85,14 @@ pub(crate) async fn start(State(shared): State<Shared>, Json(asked): Json<Asked>
 /// Fails for what is no command of a page, and for words that lead out of the folder.
 fn check(shared: &Shared, arguments: &[String]) -> Result<(), Fault> {
     let command = arguments.first().map_or("", String::as_str);
-    if !COMMANDS.contains(&command) {
+    if !shared.program.has(command) {
         return Err(Fault::refused(format!("\"{command}\" is no command of the app")));
     }
     for word in &arguments[1..] {
+        let is_short = word.starts_with('-') && word.chars().nth(1).is_some_and(|letter| letter.is_ascii_alphabetic());
+        if is_short && word.len() > 2 {
+            return Err(Fault::refused(format!("\"{word}\": give an option and its value as two words")));
+        }
         let value = word.split_once('=').filter(|_| word.starts_with("--")).map_or(word.as_str(), |(_, value)| value);
         shared.folder.permits(value)?;
     }
@@ -192,7 +175,7 @@ pub(crate) async fn printed(State(shared): State<Shared>, InPath(id): InPath<Str
     let file = File::open(folder_of(&shared, &id)?.join(PRINTED)).map_err(Fault::refused)?;
     let mut bytes = Vec::new();
     file.take(MOST_PRINTED).read_to_end(&mut bytes).map_err(Fault::refused)?;
-    Ok(crate::answer::of_type("application/json", bytes))
+    Ok(of_type("application/json", bytes))
 }
 
 /// Cancels a job.
@@ -235,11 +218,10 @@ fn forget_old(all: &Path) {
 
 fn job(folder: &Path, id: &str) -> io::Result<Job> {
     let asked: Asked = serde_json::from_str(&fs::read_to_string(folder.join(COMMAND))?)?;
-    let is_running = is_running(folder);
     let exit_code = fs::read_to_string(folder.join(EXIT)).ok().and_then(|code| code.trim().parse().ok());
     let stand = match exit_code {
         Some(_) => Stand::Ended,
-        None if is_running => Stand::Running,
+        None if is_running(folder) => Stand::Running,
         None if folder.join(CANCEL).exists() => Stand::Cancelled,
         None => Stand::Killed,
     };
@@ -257,7 +239,7 @@ fn is_running(folder: &Path) -> bool {
         Err(_) => folder
             .metadata()
             .and_then(|m| m.modified())
-            .is_ok_and(|at| at.elapsed().is_ok_and(|since| since < Duration::from_secs(5))),
+            .is_ok_and(|at| at.elapsed().is_ok_and(|since| since < BEGINNING)),
     }
 }
 

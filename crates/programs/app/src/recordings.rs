@@ -5,12 +5,13 @@ use std::time::SystemTime;
 
 use axum::extract::{Query, State};
 use dataset::inspection::{Gathered, Stretch};
+use dynoid::paths::with_slashes;
 use recording::{Catalogue, Envelope, Handle, RecordingError, Selection, Span};
 use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json, of_type};
-use crate::folder::OWN;
+use crate::folder::Which;
 use crate::shared::Shared;
 
 /// Folders within the open one, and files in all, that a page lists.
@@ -56,8 +57,11 @@ pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
         for path in files {
             let (Ok(name), Ok(metadata)) = (path.strip_prefix(root), path.metadata()) else { continue };
             let changed = metadata.modified().ok().and_then(|at| at.duration_since(SystemTime::UNIX_EPOCH).ok());
-            let name = name.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
-            let listed = Listed { file: name, bytes: metadata.len(), changed_ms: changed.map(|at| at.as_millis()) };
+            let listed = Listed {
+                file: with_slashes(name),
+                bytes: metadata.len(),
+                changed_ms: changed.map(|at| at.as_millis()),
+            };
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("toml") if dynoid::is_bench_file(&path) => contents.benches.push(listed),
                 Some("html") => contents.reports.push(listed),
@@ -80,7 +84,7 @@ fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
     let mut entries: Vec<_> = entries.collect();
     entries.sort_unstable_by_key(std::fs::DirEntry::file_name);
     for entry in entries {
-        let is_hidden = entry.file_name().to_string_lossy().starts_with('.') || entry.file_name() == OWN;
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
         let Ok(kind) = entry.file_type() else { continue };
         if is_hidden || files.len() >= MOST_FILES {
             continue;
@@ -91,12 +95,6 @@ fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
             files.push(entry.path());
         }
     }
-}
-
-/// A recording.
-#[derive(Deserialize)]
-pub(crate) struct Which {
-    file: String,
 }
 
 /// The channels of a recording.

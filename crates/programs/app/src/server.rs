@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use axum::extract::{DefaultBodyLimit, State};
-use axum::response::Response;
 use axum::routing::{get, post};
 use axum::{Router, middleware};
 
-use crate::answer::of_type;
+use crate::answer::{Answer, json};
 use crate::folder::Folder;
 use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
@@ -97,8 +96,8 @@ impl App {
 }
 
 /// The commands of the program, from which pages make forms.
-async fn commands(State(shared): State<Shared>) -> Response {
-    of_type("application/json", shared.program.commands.clone())
+async fn commands(State(shared): State<Shared>) -> Answer {
+    json(&shared.program.commands)
 }
 
 fn routes(gate: Arc<Gate>, shared: Shared) -> Router {

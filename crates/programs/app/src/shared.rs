@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use serde_json::Value;
+
 use crate::folder::Folder;
 use crate::handles::Handles;
 
@@ -23,6 +25,13 @@ pub struct Program {
     pub path: PathBuf,
     /// Words before those of a command, such as the module that an interpreter runs.
     pub before: Vec<String>,
-    /// Its commands with their arguments, as JSON.
-    pub commands: String,
+    /// Its commands with their arguments: a list, in which each has its `words`.
+    pub commands: Value,
+}
+
+impl Program {
+    /// Tells whether a word begins one of its commands.
+    pub(crate) fn has(&self, command: &str) -> bool {
+        self.commands.as_array().into_iter().flatten().any(|each| each["words"][0] == command)
+    }
 }

@@ -9,15 +9,9 @@ use dynoid::{Bench, Error, Files, replace_file};
 use serde::{Deserialize, Serialize};
 
 use crate::answer::{Answer, Fault, json, of_type};
-use crate::folder::OWN;
+use crate::folder::{OWN, Which};
 use crate::guard::REPORT_POLICY;
 use crate::shared::Shared;
-
-/// Which file.
-#[derive(Deserialize)]
-pub(crate) struct Which {
-    file: String,
-}
 
 /// A text and its state.
 #[derive(Serialize)]

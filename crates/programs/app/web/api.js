@@ -41,6 +41,11 @@ export async function get(path, given, signal) {
   return (await ask(address(path, given), { signal })).json();
 }
 
+/** What a job printed, as text. @param {string} id */
+export async function printed(id) {
+  return (await ask(`jobs/${id}/printed`)).text();
+}
+
 /** @param {string} path @param {any} body */
 export async function post(path, body) {
   const headers = { 'content-type': 'application/json' };

@@ -34,15 +34,8 @@ export async function ended(id, heard) {
   }
 }
 
-/** What a job printed. @param {string} id */
-export const printed = (id) => get(`jobs/${id}/printed`);
-
-/** Runs a command to its end and gives its JSON. @param {string[]} words @param {(job: Job) => void} [heard] */
-export async function result(words, heard) {
-  const job = await ended((await start([...words, '--json'])).id, heard);
-  if (job.stand !== 'ended' || (job.exit_code ?? 5) > 1) throw new Error(job.said.trim() || `the command was ${job.stand}`);
-  return printed(job.id);
-}
+/** Whether a job wrote its results. @param {Job} job */
+export const isDone = (job) => job.stand === 'ended' && (job.exit_code ?? 5) <= 1;
 
 /** A command as one types it. @param {string[]} words */
 export function typed(words) {

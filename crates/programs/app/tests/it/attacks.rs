@@ -165,6 +165,9 @@ fn exact_jobs_are_commands_within_the_folder() {
         r#"["inspect","/etc/passwd"]"#,
         r#"["study","bench.toml","--out=../elsewhere"]"#,
         r#"["study","bench.toml","--out","/tmp/elsewhere"]"#,
+        r#"["study","bench.toml","-o/tmp/elsewhere"]"#,
+        r#"["study","bench.toml","-qo../elsewhere"]"#,
+        r#"["study","bench.toml","-o=/tmp/elsewhere"]"#,
         r#"[]"#,
         r#"["--overwrite"]"#,
     ];

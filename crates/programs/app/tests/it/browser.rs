@@ -32,8 +32,16 @@ impl Answered {
 
 /// Starts the app on a folder.
 pub(crate) fn app_on(folder: &Path) -> Running {
-    let app =
-        App::open(folder, 0, Program { path: "dynoid".into(), before: Vec::new(), commands: "[]".into() }).unwrap();
+    let app = App::open(
+        folder,
+        0,
+        Program {
+            path: "dynoid".into(),
+            before: Vec::new(),
+            commands: serde_json::json!([{ "words": ["inspect"] }, { "words": ["study"] }]),
+        },
+    )
+    .unwrap();
     let address = app.address();
     std::thread::spawn(move || app.serve());
     let (host, entry) = address.strip_prefix("http://").unwrap().split_once('/').unwrap();

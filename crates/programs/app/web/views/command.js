@@ -1,9 +1,10 @@
 // Any command as a form: what it is, its arguments, the line that one types, and its result.
 
-import { get } from '../api.js';
+import { get, printed } from '../api.js';
 import { fill, h, say } from '../dom.js';
 import { link, note } from '../place.js';
-import { ended, start, typed } from '../work.js';
+import { ended, isDone, start, typed } from '../work.js';
+import { frame } from './report.js';
 
 export const title = 'Commands';
 
@@ -105,12 +106,8 @@ function form(element, command, state, given) {
       const bar = h('progress', { max: 1, 'aria-label': 'Progress' });
       fill(result, bar);
       const job = await ended(started.id, ({ fraction }) => { if (fraction !== null) bar.value = fraction; });
-      const text = await fetch(`/api/jobs/${job.id}/printed`).then((answer) => answer.text());
-      const isDone = job.stand === 'ended' && (job.exit_code ?? 5) <= 1;
-      fill(result, job.said && h('pre', { class: isDone ? '' : 'fault' }, job.said),
-        isDone && draws
-          ? h('iframe', { class: 'page', title: `Result of ${command.words.join(' ')}`, sandbox: 'allow-scripts allow-popups', src: `/api/report?file=${encodeURIComponent(page)}` })
-          : h('pre', {}, text));
+      fill(result, job.said && h('pre', { class: isDone(job) ? '' : 'fault' }, job.said),
+        isDone(job) && draws ? frame(page, `Result of ${command.words.join(' ')}`) : h('pre', {}, await printed(job.id)));
     } catch (error) {
       say(error instanceof Error ? error.message : String(error), true);
     }
@@ -123,7 +120,7 @@ function form(element, command, state, given) {
     h('datalist', { id: 'files' }, files.map((file) => h('option', { value: file }))),
     h('form', { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); go(); } },
       headings.map((heading) => h('fieldset', {}, h('legend', {}, heading ?? 'What and how'),
-        command.arguments.filter((argument) => argument.heading === heading && argument.option !== '--overwrite').map(field))),
+        command.arguments.filter((argument) => argument.heading === heading).map(field))),
       h('div', { class: 'tools' }, run, line)),
     result,
     command.after && h('details', {}, h('summary', {}, 'Examples and remarks'), h('pre', {}, command.after)));

@@ -6,6 +6,12 @@ import { link } from '../place.js';
 
 export const title = 'Reports';
 
+/** A page of the program in its frame, as it is now. @param {string} file @param {string} name */
+export function frame(file, name) {
+  const src = `/api/report?file=${encodeURIComponent(file)}&at=${Date.now()}`;
+  return h('iframe', { class: 'page', title: name, sandbox: 'allow-scripts allow-popups', src });
+}
+
 /** @param {HTMLElement} element @param {Record<string, string>} given */
 export async function show(element, given) {
   const { reports } = await get('state');
@@ -18,5 +24,5 @@ export async function show(element, given) {
     reports.map((/** @type {any} */ report) => h('option', { value: report.file, selected: report.file === file }, report.file)));
   fill(element,
     h('div', { class: 'tools' }, h('label', {}, 'Report ', choice)),
-    h('iframe', { class: 'page', title: file, sandbox: 'allow-scripts allow-popups', src: `/api/report?file=${encodeURIComponent(file)}` }));
+    frame(file, file));
 }

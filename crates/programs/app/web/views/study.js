@@ -3,9 +3,12 @@
 import { get, remove } from '../api.js';
 import { fill, h, say } from '../dom.js';
 import { link } from '../place.js';
-import { ended, start, typed } from '../work.js';
+import { ended, isDone, start, typed } from '../work.js';
+import { frame } from './report.js';
 
 export const title = 'Study';
+
+const NAME = 'Report of the study';
 
 /** @param {HTMLElement} element @param {Record<string, string>} given */
 export async function show(element, given) {
@@ -23,9 +26,9 @@ export async function show(element, given) {
   const run = h('button', { class: 'button', onclick: () => go() }, 'Study');
   const folder = bench.includes('/') ? bench.slice(0, bench.lastIndexOf('/') + 1) : '';
   const last = reports.find((/** @type {any} */ report) => report.file === `${folder}study/report.html`);
-  const frame = h('div', { class: 'result' }, last && page(last.file));
+  const shown = h('div', { class: 'result' }, last && frame(last.file, NAME));
   fill(element, h('h1', {}, `Study of ${bench}`),
-    h('div', { class: 'tools' }, run, h('label', {}, full, ' with all analyses of single parts'), command), progress, frame);
+    h('div', { class: 'tools' }, run, h('label', {}, full, ' with all analyses of single parts'), command), progress, shown);
 
   let isOver = false;
   async function go() {
@@ -49,7 +52,7 @@ export async function show(element, given) {
     });
     if (isOver) return;
     fill(progress, job.said && h('pre', {}, job.said));
-    if (job.stand === 'ended' && (job.exit_code ?? 5) <= 1) fill(frame, page(`${folder}study/report.html`));
+    if (isDone(job)) fill(shown, frame(`${folder}study/report.html`, NAME));
     else say(job.stand === 'cancelled' ? 'The study was cancelled. The last one is still there.' : 'The study failed; its reason is above.', job.stand !== 'cancelled');
   }
   const running = (await get('jobs')).find((/** @type {any} */ job) => job.stand === 'running' && job.arguments[0] === 'study' && job.arguments.includes(bench));
@@ -58,9 +61,4 @@ export async function show(element, given) {
     watch(running.id).finally(() => { run.disabled = false; });
   }
   return () => { isOver = true; };
-}
-
-/** @param {string} file */
-function page(file) {
-  return h('iframe', { class: 'page', title: 'Report of the study', sandbox: 'allow-scripts allow-popups', src: `/api/report?file=${encodeURIComponent(file)}&at=${Date.now()}` });
 }

@@ -48,12 +48,15 @@ enum Kind {
 }
 
 /// Options of every command, which a form does not show.
-const OF_ALL: [&str; 6] = ["quiet", "all", "color", "progress", "help", "json"];
+const OF_ALL: [&str; 7] = ["quiet", "all", "overwrite", "color", "progress", "help", "json"];
 
-/// All commands that do something, in the order of the help.
+/// Commands for programs and shells, and the app itself: a page starts none of them.
+const NOT_OF_PAGES: [&str; 4] = ["app", "schema", "shell", "help"];
+
+/// All commands that a page may start, in the order of the help.
 pub(crate) fn described(command: &Command) -> Vec<Described> {
     let mut found = Vec::new();
-    for command in command.get_subcommands().filter(|command| !["app", "shell", "help"].contains(&command.get_name())) {
+    for command in command.get_subcommands().filter(|command| !NOT_OF_PAGES.contains(&command.get_name())) {
         gather(command, &[], &mut found);
     }
     found

@@ -10,7 +10,7 @@ use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &AppArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let commands = serde_json::to_string(&Cli::described()).map_err(CliError::internal)?;
+    let commands = serde_json::to_value(Cli::described()).map_err(CliError::internal)?;
     let (path, before) = program()?;
     let app = App::open(&arguments.folder, arguments.port, Program { path, before, commands })?;
     let address = app.address();

@@ -44,7 +44,7 @@ impl Ipc<'_> {
         reader.check_size(all, 1)?;
         check_room(reader, messages, columns.len())?;
         let mut table = Table::new(plan, reader.row_distance_s, &expected);
-        let mut work = Work { reader, messages, columns: &columns, dictionaries: Dictionaries::new(), rows: 0 };
+        let mut work = Work { reader, messages, columns: &columns, dictionaries: Dictionaries::new() };
         for place in &messages.places {
             work.message(*place, &mut table)?;
         }
@@ -168,7 +168,6 @@ struct Work<'w> {
     /// The columns that are read.
     columns: &'w [usize],
     dictionaries: Dictionaries,
-    rows: u64,
 }
 
 impl Work<'_> {
@@ -180,8 +179,6 @@ impl Work<'_> {
         }
         let block = place.block(source).map_err(damaged)?;
         let batch = Batch::new(source, schema, place, &block).map_err(damaged)?;
-        self.rows = self.rows.saturating_add(batch.rows as u64);
-        self.reader.check_size(self.rows, self.columns.len())?;
         let step = if batch.is_packed() { batch.rows.max(1) } else { ROWS };
         for first in (0..batch.rows).step_by(step) {
             let rows = first..batch.rows.min(first + step);

@@ -222,12 +222,9 @@ pub(crate) fn lowest_model<C: ContinuousChannel>(
     bounds: &[Bounds],
     settings: Settings,
 ) -> Option<ContinuousModel<C>> {
-    let short = liveliest(records, COMPARED);
-    let settings = settings.within(&short, records);
     let start = starts.first()?;
-    let tried = try_starts(data, &short, starts, bounds, settings).ok()?;
-    let lowest = lowest_point(&mut errors(start, &short, data, settings), &tried[0], bounds, settings.search).ok()?;
-    start.with_parameters(&lowest.parameters).ok()
+    let tried = try_starts(data, records, starts, bounds, settings).ok()?;
+    start.with_parameters(&refined(data, records, start, &tried[0], bounds, settings)).ok()
 }
 
 /// The sum of squared errors of a model, where it has one.

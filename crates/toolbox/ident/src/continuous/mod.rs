@@ -261,6 +261,9 @@ impl ContinuousTransferFunction {
         beginning: Beginning,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
         let found = self.search(ground, output, beginning, None);
+        if self.delay_s.iter().all(|(low_s, high_s)| low_s == high_s) {
+            return found;
+        }
         let (data, records) = (ground.plain, records(ground, output, beginning)?);
         let delays_s = match &found {
             Ok(found) => found.model.channels().iter().map(RationalChannel::delay_s).collect(),
@@ -286,8 +289,8 @@ impl ContinuousTransferFunction {
             for end_s in [*low_s, *high_s] {
                 let mut held = self.clone();
                 held.delay_s[k] = (end_s, end_s);
-                let delay = |(input, delay_s): (usize, &f64)| if input == k { end_s / t } else { delay_s / t };
-                let delays: Vec<f64> = delays_s.iter().enumerate().map(delay).collect();
+                let mut delays: Vec<f64> = delays_s.iter().map(|delay_s| delay_s / t).collect();
+                delays[k] = end_s / t;
                 let starts = start::candidates(&held.structure(data, &delays), records).unwrap_or_default();
                 let starts: Vec<_> = starts.iter().filter_map(|c| held.model_of(c, t).ok()).collect();
                 found.extend(lowest_model(data, records, &starts, &held.bounds(), self.settings()));
