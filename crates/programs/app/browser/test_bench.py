@@ -55,3 +55,18 @@ def test_a_change_of_another_is_noticed(page: Page, app: App) -> None:
     expect(page.locator("#notice")).to_contain_text("changed elsewhere")
     assert file.read_text(encoding="utf-8") == "# theirs"
     expect(text).to_have_value("# mine")
+
+
+def test_a_form_changes_its_value_and_nothing_else(page: Page, app: App) -> None:
+    text = text_of(page)
+    before = text.input_value()
+    limit = page.get_by_label("Largest torque of the drive")
+    limit.fill("360,5 Nm")
+    limit.press("Tab")
+    expect(text).to_have_value(before.replace('torque = "400 Nm"', 'torque = "360.5 Nm"'))
+    page.get_by_role("button", name="Undo").click()
+    expect(text).to_have_value(before)
+    page.get_by_role("button", name="Redo").click()
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_text("saved", exact=True)).to_be_visible()
+    assert 'torque = "360.5 Nm"' in (app.folder / "bench.toml").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser
 
 from conftest import App
 
-VIEWS = ["", "look", "bench", "study", "report", "command", "command?command=fit+arx", "command?command=can", "jobs"]
+VIEWS = ["", "look", "roles", "bench", "study", "report", "command", "command?command=fit+arx", "command?command=can", "jobs"]
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 #: A folder for pictures of all views, where somebody wants to look at them.
 PICTURES = os.environ.get("DYNOID_PICTURES")

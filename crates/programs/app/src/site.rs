@@ -27,6 +27,7 @@ const ASSETS: &[Asset] = assets! {
     "app.js": SCRIPT,
     "api.js": SCRIPT,
     "dom.js": SCRIPT,
+    "edit.js": SCRIPT,
     "place.js": SCRIPT,
     "work.js": SCRIPT,
     "chart/panels.js": SCRIPT,
@@ -36,6 +37,7 @@ const ASSETS: &[Asset] = assets! {
     "views/jobs.js": SCRIPT,
     "views/look.js": SCRIPT,
     "views/report.js": SCRIPT,
+    "views/roles.js": SCRIPT,
     "views/start.js": SCRIPT,
     "views/study.js": SCRIPT,
 };

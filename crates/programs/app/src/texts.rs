@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use axum::Json;
 use axum::extract::{Query, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, IF_MATCH};
 use axum::http::{HeaderMap, HeaderValue};
-use dynoid::{Bench, Error, Files, replace_file};
+use dynoid::{Bench, Change, Error, Files, KEYS, changed, replace_file, values};
 use serde::{Deserialize, Serialize};
 
 use crate::answer::{Answer, Fault, json, of_type};
@@ -67,7 +68,15 @@ struct Faulty {
     text: String,
 }
 
-/// The faults of a text that is to be a bench file.
+/// A text that is to be a bench file.
+#[derive(Serialize)]
+struct Checked {
+    faults: Vec<Faulty>,
+    /// Its values by tables; none where it is not TOML.
+    values: Option<serde_json::Value>,
+}
+
+/// The faults of a text that is to be a bench file, and its values.
 pub(crate) async fn check(State(shared): State<Shared>, Query(which): Query<Which>, text: String) -> Answer {
     let path = shared.folder.writable(&which.file)?;
     let faults = match Bench::parse(&path, &text) {
@@ -76,7 +85,34 @@ pub(crate) async fn check(State(shared): State<Shared>, Query(which): Query<Whic
         Err(other) => return Err(Fault::refused(other)),
     };
     let faulty = faults.iter().map(|fault| Faulty { line: fault.line, text: format!("{}: {}", fault.key, fault.kind) });
-    json(&faulty.collect::<Vec<_>>())
+    json(&Checked { faults: faulty.collect(), values: values(&text) })
+}
+
+/// A text with changes that a form makes.
+#[derive(Deserialize)]
+pub(crate) struct Changes {
+    text: String,
+    changes: Vec<Change>,
+}
+
+/// Makes changes in a text, and leaves all else of it as it is. Nothing is saved.
+pub(crate) async fn change(
+    State(shared): State<Shared>,
+    Query(which): Query<Which>,
+    Json(Changes { text, changes }): Json<Changes>,
+) -> Answer {
+    let path = shared.folder.writable(&which.file)?;
+    json(&changed(&path, &text, &changes).map_err(Fault::refused)?)
+}
+
+/// The roles that a channel can play.
+pub(crate) async fn roles() -> Answer {
+    json(&dynoid::roles())
+}
+
+/// The keys of a bench file in words.
+pub(crate) async fn keys() -> Answer {
+    json(&KEYS.as_slice())
 }
 
 /// A text that was typed over a file and not saved.

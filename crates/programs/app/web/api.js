@@ -52,9 +52,23 @@ export async function post(path, body) {
   return (await ask(path, { method: 'POST', headers, body: JSON.stringify(body) })).json();
 }
 
-/** The faults of a text that is to be a bench file. @param {string} file @param {string} text */
+/**
+ * The faults of a text that is to be a bench file, and its values by tables.
+ * @param {string} file @param {string} text
+ * @returns {Promise<{ faults: { line: number, text: string }[], values: Record<string, any> | null }>}
+ */
 export async function faults(file, text) {
   return (await ask(address('check', { file }), { method: 'POST', body: text })).json();
+}
+
+/**
+ * Makes changes in a text, and leaves all else of it as it is.
+ * @param {string} file @param {string} text @param {{ key: string[], value: any }[]} changes
+ * @returns {Promise<string>}
+ */
+export async function change(file, text, changes) {
+  const headers = { 'content-type': 'application/json' };
+  return (await ask(address('change', { file }), { method: 'POST', headers, body: JSON.stringify({ text, changes }) })).json();
 }
 
 /** @param {string} path */

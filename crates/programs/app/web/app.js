@@ -8,6 +8,7 @@ import * as command from './views/command.js';
 import * as jobs from './views/jobs.js';
 import * as look from './views/look.js';
 import * as report from './views/report.js';
+import * as roles from './views/roles.js';
 import * as start from './views/start.js';
 import * as study from './views/study.js';
 
@@ -17,10 +18,10 @@ import * as study from './views/study.js';
  */
 
 /** @type {Record<string, View>} */
-const VIEWS = { '': start, look, bench, study, report, command, jobs };
+const VIEWS = { '': start, look, roles, bench, study, report, command, jobs };
 
 /** Tasks in the bar, in the order of the work. */
-const TASKS = ['look', 'bench', 'study', 'report', 'command'];
+const TASKS = ['look', 'roles', 'bench', 'study', 'report', 'command'];
 
 /** @type {void | (() => void)} */
 let end;

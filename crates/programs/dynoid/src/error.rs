@@ -31,6 +31,9 @@ pub enum Error {
     /// A file that is not text.
     #[error("{}: this is not text in UTF-8; give {wanted}, saved as UTF-8", .path.display())]
     NotText { path: PathBuf, wanted: &'static str },
+    /// A bench file that cannot be changed.
+    #[error("{}: it cannot be changed: {reason}; edit its text", .path.display())]
+    NotChanged { path: PathBuf, reason: String },
     /// A bench file with faults.
     #[error("{}: {}", .path.display(), bench_file_words(.source))]
     BenchFile { path: PathBuf, source: BenchFileError },

@@ -20,6 +20,7 @@
 //! ```
 
 mod fault;
+mod keys;
 mod read;
 mod sections;
 mod stated;
@@ -30,6 +31,7 @@ use std::str::FromStr;
 
 pub use crate::channels::ChannelMapping;
 pub use fault::{BenchFileError, Fault, FaultKind};
+pub use keys::{KEYS, Key};
 pub use stated::PLACEHOLDER;
 pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, RunChannels, ShaftPrior};
 pub use write::Draft;

@@ -1,90 +1,78 @@
-// The bench file as text: nothing that was typed is lost, and nobody's change is overwritten.
+// The bench file as a form and as text, side by side.
 
-import { Fault, faults, forget, get, keep, save } from '../api.js';
+import { faults, get } from '../api.js';
 import { fill, h, say } from '../dom.js';
+import { Edit } from '../edit.js';
 import { link } from '../place.js';
 import { ended, start } from '../work.js';
 
 export const title = 'Bench';
 
-/** After so long without a key what was typed is kept. */
-const PAUSE_MS = 300;
+/** @typedef {{ table: string, name: string, what: string, example: string, is_required: boolean }} Key */
+
+const TABLES = { bench: 'The bench', limits: 'Its limits', shaft: 'Prior knowledge of the shaft', report: 'The report' };
 
 /** @param {HTMLElement} element @param {Record<string, string>} given */
 export async function show(element, given) {
   const { benches, recordings } = await get('state');
   const file = given.file || benches[0]?.file || 'bench.toml';
-  const read = await get('text', { file });
-  if (read.state === null && recordings.length) return propose(element, file, recordings);
-  /** @type {string | null} */
-  let state = read.state;
-  const kept = await get('draft', { file });
-  const text = h('textarea', { spellcheck: false, 'aria-label': `Text of ${file}`, value: kept.text ?? read.text });
-  const stand = h('span', { class: 'soft', role: 'status' });
+  if (!benches.some((/** @type {any} */ each) => each.file === file) && recordings.length) return propose(element, file, recordings);
+  const [edit, keys] = await Promise.all([Edit.open(file), get('keys')]);
+  const text = h('textarea', { spellcheck: false, 'aria-label': `Text of ${file}`, value: edit.now, oninput: () => edit.changed(text.value) });
   const list = h('div', { class: 'faults' });
-  const write = h('button', { class: 'button', onclick: () => store() }, 'Save');
-  const drop = h('button', { onclick: () => reload() }, 'Load again');
-  fill(element, h('h1', {}, file),
-    h('div', { class: 'tools' }, write, drop, h('a', { href: link('study', { bench: file }) }, 'Study this bench'), stand), text, list);
-  check();
-
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  let pause;
-  text.addEventListener('input', () => {
-    stand.textContent = 'not saved';
-    clearTimeout(pause);
-    pause = setTimeout(() => {
-      keep(file, text.value, state);
-      check();
-    }, PAUSE_MS);
-  });
-  text.addEventListener('keydown', (event) => {
-    if (event.key === 's' && (event.ctrlKey || event.metaKey)) {
-      event.preventDefault();
-      store();
-    }
-  });
-  if (kept.text !== null && kept.text !== read.text) {
-    stand.textContent = kept.of === read.state ? 'typed earlier, not saved' : 'typed earlier; the file was changed since';
-  }
+  const form = h('div', { class: 'form' });
+  edit.tools.append(h('a', { href: link('roles', { file }) }, 'Channels'), h('a', { href: link('study', { bench: file }) }, 'Study this bench'));
+  fill(element, h('h1', {}, file), edit.tools, list, h('div', { class: 'halves' }, form, text));
+  edit.listen(element);
+  edit.heard = (now, isSettled) => {
+    if (text.value !== now) text.value = now;
+    if (isSettled) check();
+  };
+  await check();
 
   async function check() {
-    const found = /** @type {{ line: number, text: string }[]} */ (await faults(file, text.value));
+    const { faults: found, values } = await faults(file, edit.now);
     fill(list, found.length === 0
       ? h('p', { class: 'soft' }, 'The file has no faults.')
       : [h('p', {}, `${found.length} to fill in or to correct:`), h('ul', {}, found.map((fault) => h('li', {},
         h('button', { class: 'line', onclick: () => goTo(fault.line) }, `Line ${fault.line}`), ' ', fault.text)))]);
+    if (values && !form.contains(document.activeElement)) fill(form, fields(values));
+  }
+
+  /** @param {Record<string, any>} values */
+  function fields(values) {
+    return Object.entries(TABLES).map(([table, name]) => h('fieldset', {}, h('legend', {}, name),
+      keys.filter((/** @type {Key} */ key) => key.table === table).map((/** @type {Key} */ key) => field(key, values[table]?.[key.name]))));
+  }
+
+  /** @param {Key} key @param {any} value */
+  function field(key, value) {
+    const id = `${key.table}-${key.name}`;
+    const input = h('input', {
+      id, type: 'text', value: value ?? '', placeholder: key.example.replaceAll('"', ''), 'aria-required': key.is_required,
+      onchange: () => edit.set([{ key: [key.table, key.name], value: written(input.value, key.example) }]),
+    });
+    return h('div', { class: 'field' }, h('label', { for: id }, key.what, key.is_required && ' *'), input);
   }
 
   /** @param {number} line */
   function goTo(line) {
-    const before = text.value.split('\n').slice(0, line - 1).join('\n').length + (line > 1 ? 1 : 0);
-    const end = text.value.indexOf('\n', before);
+    const lines = edit.now.split('\n');
+    const before = lines.slice(0, line - 1).join('\n').length + (line > 1 ? 1 : 0);
     text.focus();
-    text.setSelectionRange(before, end < 0 ? text.value.length : end);
-    text.scrollTop = (text.scrollHeight / text.value.split('\n').length) * Math.max(0, line - 6);
+    text.setSelectionRange(before, before + (lines[line - 1] ?? '').length);
+    text.scrollTop = (text.scrollHeight / lines.length) * Math.max(0, line - 6);
   }
+}
 
-  async function store() {
-    clearTimeout(pause);
-    try {
-      state = (await save(file, text.value, state)).state;
-      stand.textContent = 'saved';
-      say('');
-    } catch (error) {
-      await keep(file, text.value, state);
-      say(error instanceof Fault ? error.message : String(error), true);
-    }
-  }
-
-  async function reload() {
-    const fresh = await get('text', { file });
-    [state, text.value] = [fresh.state, fresh.text];
-    check();
-    await forget(file);
-    stand.textContent = '';
-    say('');
-  }
+/**
+ * A value of a form as the file has it: a number, or a text; nothing takes the key away. A decimal comma becomes a point.
+ * @param {string} typed @param {string} example
+ */
+export function written(typed, example) {
+  const value = typed.trim().replace(/^([-+−]?\d+),(\d+)(?![\d,])/, '$1.$2').replace('−', '-');
+  if (value === '') return null;
+  return !example.startsWith('"') && /^[-+]?[\d.]+(e[-+]?\d+)?$/i.test(value) ? Number(value) : value;
 }
 
 /** @param {HTMLElement} element @param {string} file @param {{ file: string }[]} recordings */
