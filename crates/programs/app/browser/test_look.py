@@ -53,3 +53,21 @@ def test_channels_are_found_by_a_part_of_their_name(page: Page) -> None:
     every = page.locator(".channel").count()
     page.get_by_label("Find a channel").fill("speed")
     assert 0 < page.locator(".channel").count() < every
+
+
+def test_two_recordings_lie_over_one_another(page: Page) -> None:
+    look(page)
+    page.get_by_label("lay the next one over it").check()
+    recordings = page.get_by_label("Recording", exact=True)
+    recordings.select_option(index=1)
+    expect(page.locator(".channel input:checked")).to_have_count(3)
+    expect(page.locator(".line-of")).to_have_count(6)
+    # The same channels, in the same plots.
+    expect(page.locator(".line-of input").nth(6)).to_have_value("1")
+    offset = page.locator(".line-of input").nth(7)
+    offset.fill("2.5")
+    offset.press("Tab")
+    page.wait_for_timeout(400)
+    page.reload()
+    expect(page.locator(".line-of input").nth(7)).to_have_value("2.5")
+    expect(page.locator(".line-of input").nth(6)).to_have_value("1")

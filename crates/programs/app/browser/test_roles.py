@@ -24,8 +24,8 @@ def test_two_roles_swap_their_channels(page: Page, app: App) -> None:
 
 def test_unit_and_sign_are_written_beside_the_name(page: Page, app: App) -> None:
     roles(page)
-    page.get_by_label("Opposite sign of air-gap torque").check()
-    expect(page.get_by_label("Opposite sign of air-gap torque")).to_be_checked()
+    page.get_by_label("Opposite sign of computed air-gap torque").check()
+    expect(page.get_by_label("Opposite sign of computed air-gap torque")).to_be_checked()
     page.get_by_role("button", name="Save").click()
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     text = (app.folder / "bench.toml").read_text(encoding="utf-8")

@@ -28,11 +28,13 @@ export async function show(element, given) {
   const plots = h('div', { class: 'plots' });
   const figures = h('div', { class: 'figures' });
   const list = h('div', { class: 'channels' });
+  const shown = h('div', { class: 'shown' });
   const filter = h('input', { type: 'search', placeholder: 'Find a channel', 'aria-label': 'Find a channel', oninput: () => channels() });
+  const over = h('input', { type: 'checkbox' });
   const choice = h('select', { 'aria-label': 'Recording', onchange: () => open(choice.value) },
     files.map((each) => h('option', { value: each.file, selected: each.file === file }, `${each.file} (${size(each.bytes)})`)));
   fill(element,
-    h('aside', {}, choice, filter, list),
+    h('aside', {}, choice, h('label', {}, over, ' lay the next one over it'), filter, list, shown),
     h('section', { class: 'stage' },
       h('div', { class: 'tools' },
         h('button', { onclick: () => panels.all(), title: 'Home' }, 'All'),
@@ -74,7 +76,8 @@ export async function show(element, given) {
       const found = await catalogue(name);
       const isNew = !chosen.some((each) => each.file === name);
       if (isNew) {
-        chosen = found.channels.slice(0, 3).map((/** @type {any} */ channel, /** @type {number} */ panel) => ({ file: name, channel: channel.name, panel, offset_s: 0 }));
+        const own = usual(found.channels.map((/** @type {any} */ channel) => channel.name), name);
+        chosen = over.checked ? [...chosen, ...own] : own;
       }
       channels();
       if (isNew) await draw(true);
@@ -82,6 +85,14 @@ export async function show(element, given) {
       fill(list);
       failed(error);
     }
+  }
+
+  /** The channels to begin with: those that are drawn of another recording, or else the first. */
+  /** @param {string[]} names @param {string} name */
+  function usual(names, name) {
+    const same = chosen.filter((each) => names.includes(each.channel));
+    if (same.length) return same.map((each) => ({ ...each, file: name, offset_s: 0 }));
+    return names.slice(0, 3).map((channel, panel) => ({ file: name, channel, panel, offset_s: 0 }));
   }
 
   function channels() {
@@ -95,6 +106,23 @@ export async function show(element, given) {
         const box = h('input', { type: 'checkbox', checked: isShown, onchange: () => toggle(channel.name, box.checked) });
         return h('label', { class: 'channel', title: channel.comment || channel.name }, box, h('span', {}, channel.name), h('span', { class: 'soft' }, channel.unit));
       }));
+  }
+
+  /** The lines that are drawn: in which plot, moved in time by how much. */
+  function lines() {
+    const several = new Set(chosen.map((each) => each.file)).size > 1;
+    fill(shown, chosen.length > 0 && h('p', { class: 'soft' }, 'Plot, and time added in s'), chosen.map((each) => {
+      const name = several ? `${each.channel} of ${each.file}` : each.channel;
+      const panel = h('input', {
+        type: 'number', min: 1, value: each.panel + 1, 'aria-label': `Plot of ${name}`,
+        onchange: () => { each.panel = Math.max(1, Math.round(Number(panel.value))) - 1; draw(false).catch(failed); },
+      });
+      const offset = h('input', {
+        type: 'number', step: 'any', value: each.offset_s, 'aria-label': `Time added to ${name}, s`,
+        onchange: () => { each.offset_s = Number(offset.value) || 0; draw(false).catch(failed); },
+      });
+      return h('div', { class: 'line-of' }, h('span', { title: name }, name), panel, offset);
+    }));
   }
 
   /** @param {string} channel @param {boolean} isShown */
@@ -120,6 +148,7 @@ export async function show(element, given) {
     if (span) panels.whole = span;
     if (isAll) [panels.from, panels.to] = [panels.whole.from, panels.whole.to];
     panels.show(all);
+    lines();
     remember(false);
     measure();
   }
