@@ -1,6 +1,6 @@
 // Jobs: commands that run beside the page. Short questions at a slow pace; no stream is held open.
 
-import { get, post } from './api.js';
+import { get, post, printed } from './api.js';
 
 /**
  * @typedef {object} Job
@@ -36,6 +36,13 @@ export async function ended(id, heard) {
 
 /** Whether a job wrote its results. @param {Job} job */
 export const isDone = (job) => job.stand === 'ended' && (job.exit_code ?? 5) <= 1;
+
+/** Runs a command to its end and gives its result. @param {string[]} words @param {(job: Job) => void} [heard] */
+export async function result(words, heard) {
+  const job = await ended((await start([...words, '--json'])).id, heard);
+  if (!isDone(job)) throw new Error(job.said.trim() || `the command was ${job.stand}`);
+  return JSON.parse(await printed(job.id));
+}
 
 /** A command as one types it. @param {string[]} words */
 export function typed(words) {
