@@ -142,9 +142,9 @@ fn stat_a_study_finds_a_bench_of_the_other_simulator() {
 }
 
 #[test]
-#[ignore = "slow: 200 studies"]
+#[ignore = "slow: 80 studies"]
 fn stat_studies_hold_benches_of_the_other_simulator() {
-    let seeds = drawn(200, 70_000);
+    let seeds = drawn(80, 70_000);
     let rows = parallel::map(&seeds, |seed| {
         let known = Known::of(*seed);
         (held(*seed, &known), alarms(*seed, &known))

@@ -160,9 +160,9 @@ fn stat_predictions_have_the_size_of_what_happens() {
 }
 
 #[test]
-#[ignore = "slow: 300 studies, 1500 answers, 4500 runs of true benches"]
+#[ignore = "slow: 100 studies, 500 answers, 1500 runs of true benches"]
 fn stat_stated_bands_hold_on_benches_of_the_other_simulator() {
-    let (rows, answers) = calibrated(&drawn(300, 60_000), RUNS);
+    let (rows, answers) = calibrated(&drawn(100, 60_000), RUNS);
     let tallies = tallies(&rows, &answers);
     // What holds today, within two standard deviations of the counts; runs of one bench go together. The other goals
     // are printed, and become assertions as soon as they hold.
