@@ -12,6 +12,7 @@ pub mod excitation;
 mod extend;
 pub mod filter;
 pub mod frf;
+pub mod histogram;
 pub mod periodicity;
 mod plans;
 pub mod proportion;

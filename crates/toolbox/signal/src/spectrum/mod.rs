@@ -4,9 +4,11 @@
 
 mod coherence;
 mod peaks;
+mod spectrogram;
 mod welch;
 
 pub use peaks::{SpectralPeak, peaks, top_range};
+pub use spectrogram::{Bands, Spectrogram, SpectrogramBuilder, spectrogram};
 pub(crate) use welch::SegmentTransform;
 pub use welch::{CrossSpectrum, PowerSpectrum, Welch, cross_spectrum, power_spectrum};
 

@@ -28,14 +28,30 @@ impl Welch {
         Self { segment, overlap: segment / 2, window: Window::Hann }
     }
 
-    fn check(self, length: usize) -> Result<(), SignalError> {
+    /// Width of the rectangle that lets as much noise through as the window, `Σw² / ((Σw)² T)`: that of 1.5 lines with
+    /// the Hann window.
+    ///
+    /// # Errors
+    /// Those of [`Window::periodic`].
+    pub fn noise_bandwidth_hz(self, sample_time_s: f64) -> Result<f64, SignalError> {
+        let window = self.window.periodic(self.segment)?;
+        let (sum, energy): (f64, f64) = (window.iter().sum(), window.iter().map(|w| w * w).sum());
+        Ok(energy / (sum * sum * sample_time_s))
+    }
+
+    /// Sides of a two-sided spectrum that a line stands for: two, but one at rest and at half the sample rate.
+    pub(super) fn sides(self, line: usize) -> f64 {
+        if line == 0 || 2 * line == self.segment { 1.0 } else { 2.0 }
+    }
+
+    pub(super) fn check(self, length: usize) -> Result<(), SignalError> {
         check_range("segment", self.segment as f64, 2.0, f64::INFINITY)?;
         check_range("overlap", self.overlap as f64, 0.0, self.segment as f64 - 1.0)?;
         check_at_least(self.segment, length)
     }
 
     /// Degrees of freedom of an average over `segments`: two a segment, less what overlapping windows share.
-    fn degrees_of_freedom(self, window: &[f64], segments: usize) -> f64 {
+    pub(super) fn degrees_of_freedom(self, window: &[f64], segments: usize) -> f64 {
         let hop = self.segment - self.overlap;
         let energy: f64 = window.iter().map(|w| w * w).sum();
         let shared = |m: usize| {
@@ -165,18 +181,13 @@ pub fn cross_spectrum(x: &[f64], y: &[f64], sample_time_s: f64, welch: Welch) ->
     let energy: f64 = window.iter().map(|w| w * w).sum();
     let scale = sample_time_s / (energy * sum.segments as f64);
     sum.degrees_of_freedom = welch.degrees_of_freedom(&window, sum.segments);
-    scale_one_sided(&mut sum, scale, n);
-    Ok(sum)
-}
-
-/// Doubles all but rest and, for an even length, half the sample rate: their negative twin is missing.
-fn scale_one_sided(sum: &mut CrossSpectrum, scale: f64, n: usize) {
     for k in 0..sum.pxx.len() {
-        let factor = if k == 0 || 2 * k == n { scale } else { 2.0 * scale };
+        let factor = welch.sides(k) * scale;
         sum.pxx[k] *= factor;
         sum.pyy[k] *= factor;
         sum.pxy[k] *= factor;
     }
+    Ok(sum)
 }
 
 /// The transform of segments of one length, each without its mean and under a window; planned once.
@@ -270,10 +281,8 @@ impl PowerSpectrum {
 /// ```
 pub fn power_spectrum(x: &[f64], sample_time_s: f64, welch: Welch) -> Result<PowerSpectrum, SignalError> {
     let both = cross_spectrum(x, x, sample_time_s, welch)?;
-    let freedom = |k: usize| {
-        let is_real = k == 0 || 2 * k == welch.segment;
-        if is_real { 0.5 * both.degrees_of_freedom } else { both.degrees_of_freedom }
-    };
+    // Half as many where the transform is real.
+    let freedom = |k: usize| 0.5 * welch.sides(k) * both.degrees_of_freedom;
     let degrees_of_freedom = (0..both.freq_hz.len()).map(freedom).collect();
     Ok(PowerSpectrum { freq_hz: both.freq_hz, density: both.pxx, degrees_of_freedom })
 }

@@ -8,10 +8,12 @@ mod excitations;
 mod filters;
 mod fir;
 mod frf;
+mod histogram;
 mod periodicity;
 mod properties;
 mod repeated;
 mod spectra;
+mod spectrogram;
 mod spline;
 
 /// The record the reference values were computed from:
