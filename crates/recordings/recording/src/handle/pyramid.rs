@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use work::Context;
 
-use super::levels::{Bin, Builder, Levels};
+use super::levels::{Bin, Builder, Ends, Levels};
 use super::span::Span;
 use crate::part::{Opened, Part, Series};
 use crate::{RecordingError, Selection};
@@ -23,7 +23,7 @@ pub(super) struct Kept {
 }
 
 /// Overview of a channel: the least and the largest sample over 64 rows, 128 rows, and so on, from which plots of any
-/// width are made. Of long channels it begins with more rows, so that it takes at most 50 MB.
+/// width are made. Of long channels it begins with more rows, so that it takes at most 60 MB.
 #[derive(Clone)]
 pub struct Pyramid {
     opened: Arc<dyn Opened>,
@@ -46,14 +46,18 @@ pub struct Envelope {
     pub min: Option<f64>,
     /// The largest sample; none where all are missing.
     pub max: Option<f64>,
+    /// The first sample that is not missing; none where all are.
+    pub first: Option<f64>,
+    /// The last sample that is not missing; none where all are.
+    pub last: Option<f64>,
 }
 
 /// Makes the overviews of all channels of a part, in one pass.
 pub(super) fn make(part: &dyn Part, context: &Context) -> Result<HashMap<String, Kept>, RecordingError> {
     let (shapes, channels) = (part.clocks()?, part.channels());
-    let clocks: Vec<Builder> = shapes.iter().map(|shape| Builder::new(shape.samples)).collect();
+    let clocks: Vec<Builder> = shapes.iter().map(|shape| Builder::new(shape.samples, false)).collect();
     let samples_of = |raster: usize| shapes.get(raster).map_or(0, |shape| shape.samples);
-    let builders: Vec<Builder> = channels.iter().map(|(_, raster)| Builder::new(samples_of(*raster))).collect();
+    let builders: Vec<Builder> = channels.iter().map(|(_, raster)| Builder::new(samples_of(*raster), true)).collect();
     part.visit(context, &|series, first, numbers| {
         let builder = match series {
             Series::Clock(index) => clocks.get(index),
@@ -97,9 +101,9 @@ impl Pyramid {
         self.kept.samples.base
     }
 
-    /// At most so many columns of a plot of a span of time: of each the least and the largest sample, and the first and
-    /// the last stamp. Together they hold each sample whose row is in the span, and no other. Where there are fewer
-    /// samples than columns, each has its own.
+    /// At most so many columns of a plot of a span of time: of each the least and the largest sample, the first and the
+    /// last one, and the first and the last stamp. Together they hold each sample whose row is in the span, and no
+    /// other. Where there are fewer samples than columns, each has its own.
     ///
     /// Of the file it reads few rows: those at both ends of the span, or all of a span in which few remain.
     ///
@@ -137,6 +141,7 @@ struct Pair {
     rows: u64,
     clock: Bin,
     samples: Bin,
+    ends: Ends,
 }
 
 impl View<'_> {
@@ -175,16 +180,20 @@ impl View<'_> {
         let base = samples.base;
         let begin = rows.start.next_multiple_of(base).min(rows.end);
         let end = if rows.end == samples.samples { rows.end } else { (rows.end / base * base).max(begin) };
-        let whole = begin..end;
-        let mut pair =
-            Pair { rows: whole.end - whole.start, clock: clock.over(whole.clone()), samples: samples.over(whole) };
-        for edge in [rows.start..begin, end..rows.end] {
-            if edge.start < edge.end {
-                let (time_s, samples) = self.read(edge)?;
-                pair = pair.with(Pair::of(&time_s, &samples));
-            }
-        }
-        Ok(pair)
+        let [before, after] = [rows.start..begin, end..rows.end].map(|edge| self.read_pair(edge));
+        let whole = Pair {
+            rows: end - begin,
+            clock: clock.over(begin..end),
+            samples: samples.over(begin..end),
+            ends: samples.ends(begin..end),
+        };
+        Ok(before?.with(whole).with(after?))
+    }
+
+    /// The bins of rows that are read; of none empty ones.
+    fn read_pair(&self, rows: Range<u64>) -> Result<Pair, RecordingError> {
+        let (time_s, samples) = if rows.is_empty() { (Vec::new(), Vec::new()) } else { self.read(rows)? };
+        Ok(Pair::of(&time_s, &samples))
     }
 
     /// Stamps and samples of some rows.
@@ -202,14 +211,17 @@ impl View<'_> {
 
 impl Pair {
     fn of(time_s: &[f64], samples: &[f64]) -> Self {
-        Self { rows: samples.len() as u64, clock: Bin::of(time_s), samples: Bin::of(samples) }
+        let rows = samples.len() as u64;
+        Self { rows, clock: Bin::of(time_s), samples: Bin::of(samples), ends: Ends::of(samples) }
     }
 
+    /// These rows and later ones.
     fn with(self, other: Self) -> Self {
         Self {
             rows: self.rows + other.rows,
             clock: self.clock.with(other.clock),
             samples: self.samples.with(other.samples),
+            ends: self.ends.then(other.ends),
         }
     }
 
@@ -222,6 +234,8 @@ impl Pair {
             missing: self.samples.missing,
             min: present.map(|bin| bin.min),
             max: present.map(|bin| bin.max),
+            first: present.map(|_| self.ends.first),
+            last: present.map(|_| self.ends.last),
         }
     }
 }

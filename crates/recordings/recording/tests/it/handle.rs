@@ -254,6 +254,7 @@ proptest! {
                         (own.clone(), samples[own].iter().copied().filter(|s| !s.is_nan()).collect());
                     let least = present.iter().copied().reduce(f64::min);
                     prop_assert_eq!((column.min, column.max), (least, present.iter().copied().reduce(f64::max)));
+                    prop_assert_eq!((column.first, column.last), (present.first().copied(), present.last().copied()));
                     prop_assert_eq!(column.missing as usize, own.len() - present.len());
                     first = own.end;
                 }
