@@ -5,7 +5,7 @@
 //! bench on which tests ([`can`]) and [`experiments`] are tried. [`linear`] has models of any channels, and [`Export`]
 //! makes files of other programs from models. [`convert`] brings recordings into another format. [`replay`] runs bench
 //! models on recordings, and [`linear`] compares, tests and simulates linear ones on them. [`BenchRecordings`] are
-//! looked at one by one. A [`Demonstration`] is a bench whose every parameter is known. Long work takes a
+//! looked at one by one. [`stretches`] has spectra and the like of parts of one. A [`Demonstration`] is a bench whose every parameter is known. Long work takes a
 //! [`work::Context`], by which a program follows and ends it.
 //!
 //! ```no_run
@@ -90,6 +90,7 @@ mod roles;
 pub mod schemas;
 mod session;
 mod several;
+pub mod stretches;
 mod study_file;
 mod written;
 

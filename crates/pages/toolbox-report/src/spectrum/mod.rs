@@ -267,7 +267,13 @@ fn table(s: &Spectrum, peaks: &[SpectralPeak]) -> Table {
 }
 
 fn window(options: &SpectrumOptions, samples: usize) -> usize {
-    options.window.unwrap_or((samples / 8).clamp(16, 1024).min(samples))
+    options.window.unwrap_or_else(|| usual_window(samples))
+}
+
+/// Samples of a segment where none are given: an eighth of the record, 1024 at most.
+#[must_use]
+pub fn usual_window(samples: usize) -> usize {
+    (samples / 8).clamp(16, 1024).min(samples)
 }
 
 /// Power spectral densities of the outputs.
@@ -300,7 +306,9 @@ fn powers(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, Si
     Ok(all)
 }
 
-fn squared_per_hertz(unit: &str) -> String {
+/// The unit of a power density.
+#[must_use]
+pub fn squared_per_hertz(unit: &str) -> String {
     match unit {
         "" => "1/Hz".to_owned(),
         unit if unit.chars().all(char::is_alphabetic) => format!("{unit}²/Hz"),
