@@ -1,9 +1,10 @@
 //! The app: pages on this computer that show recordings, and in which everything is done that the commands do.
 //!
 //! [`App::serve`] answers a browser on this computer, and nobody else (`guard`). A page gets what it shows through the
-//! library `dynoid`: recordings as open handles (`recordings`), files as text (`texts`). Longer work is a command of
-//! the program, run as a process of its own (`jobs`): it outlives the page and this program, and each act can be
-//! repeated without the app. Nothing here has a formula or a rule about benches.
+//! library `dynoid`: recordings as open handles (`recordings`), spectra and the like of a stretch of one (`stretches`),
+//! files as text (`texts`). Longer work is a command of the program, run as a process of its own (`jobs`): it outlives
+//! the page and this program, and each act can be repeated without the app. Nothing here has a formula or a rule about
+//! benches.
 
 #![warn(missing_docs)]
 
@@ -16,6 +17,7 @@ mod recordings;
 mod server;
 mod shared;
 mod site;
+mod stretches;
 mod texts;
 
 pub use jobs::run_job;

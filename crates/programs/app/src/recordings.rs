@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use axum::extract::{Query, State};
-use dataset::inspection::{Gathered, Stretch};
 use dynoid::paths::with_slashes;
-use recording::{Catalogue, Envelope, Handle, RecordingError, Selection, Span};
+use recording::{Catalogue, Envelope, Handle};
 use serde::{Deserialize, Serialize};
 use work::Context;
 
@@ -117,30 +116,18 @@ pub(crate) struct Wanted {
     columns: Option<usize>,
 }
 
-impl Wanted {
-    fn names(&self) -> Result<Vec<String>, Fault> {
-        serde_json::from_str(&self.channels).map_err(Fault::refused)
-    }
-
-    fn begin_s(&self) -> f64 {
-        self.from_s.unwrap_or(f64::NEG_INFINITY)
-    }
-
-    fn end_s(&self) -> f64 {
-        self.to_s.unwrap_or(f64::INFINITY)
-    }
-}
-
 /// Columns of a plot of some channels: of each channel how many there are, then of each column the first and last
-/// stamp, the least and the largest sample, all as floats of 64 bits, the low byte first.
+/// stamp, the least and the largest sample, the first and the last sample, all as floats of 64 bits, the low byte first.
 pub(crate) async fn view(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
     blocking(move || {
-        let (handle, names) = (handle(&shared, &wanted.file)?, wanted.names()?);
+        let handle = handle(&shared, &wanted.file)?;
+        let names: Vec<String> = serde_json::from_str(&wanted.channels).map_err(Fault::refused)?;
         let columns = wanted.columns.unwrap_or(1000).clamp(1, MOST_COLUMNS);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let (from_s, to_s) = (wanted.from_s.unwrap_or(f64::NEG_INFINITY), wanted.to_s.unwrap_or(f64::INFINITY));
         let mut bytes = Vec::new();
         for pyramid in handle.pyramids(&names, &Context::new()).map_err(Fault::refused)? {
-            let view = pyramid.view(wanted.begin_s(), wanted.end_s(), columns).map_err(Fault::refused)?;
+            let view = pyramid.view(from_s, to_s, columns).map_err(Fault::refused)?;
             bytes.extend((view.len() as f64).to_le_bytes());
             bytes.extend(view.iter().flat_map(numbers));
         }
@@ -150,59 +137,13 @@ pub(crate) async fn view(State(shared): State<Shared>, Query(wanted): Query<Want
 }
 
 fn numbers(column: &Envelope) -> impl Iterator<Item = u8> + use<> {
-    let missing = f64::NAN;
-    let Envelope { from_s, to_s, min, max, .. } = *column;
-    [from_s, to_s, min.unwrap_or(missing), max.unwrap_or(missing)].into_iter().flat_map(f64::to_le_bytes)
+    let Envelope { from_s, to_s, min, max, first, last, .. } = *column;
+    let [min, max, first, last] = [min, max, first, last].map(|sample| sample.unwrap_or(f64::NAN));
+    [from_s, to_s, min, max, first, last].into_iter().flat_map(f64::to_le_bytes)
 }
 
-/// Samples that are read at once.
-const PIECE: f64 = 4e6;
-/// Times by which a stretch that has no sample grows.
-const GROWTH: f64 = 10.0;
-
-/// Figures of a stretch of some channels.
-pub(crate) async fn stretch(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
-    blocking(move || {
-        let handle = handle(&shared, &wanted.file)?;
-        let of = |name: &String| figures(&handle, name, wanted.begin_s(), wanted.end_s()).map_err(Fault::refused);
-        json(&wanted.names()?.iter().map(of).collect::<Result<Vec<_>, _>>()?)
-    })
-    .await
-}
-
-/// Figures of a stretch of a channel, read in pieces; of a single instant those of the next sample.
-fn figures(handle: &Handle, name: &str, from_s: f64, to_s: f64) -> Result<Stretch, RecordingError> {
-    let context = Context::new();
-    let pyramid = handle.pyramid(name, &context)?;
-    let Some(whole) = pyramid.view(f64::NEG_INFINITY, f64::INFINITY, 1)?.first().copied() else {
-        return Ok(Stretch::default());
-    };
-    let (from_s, mut to_s) = (from_s.max(whole.from_s), to_s.min(whole.to_s));
-    let rate = whole.samples as f64 / (whole.to_s - whole.from_s).max(f64::MIN_POSITIVE);
-    if to_s <= from_s {
-        to_s = from_s;
-        let mut wider = 1.0 / rate;
-        while to_s < whole.to_s && pyramid.view(from_s, to_s, 1)?.is_empty() {
-            to_s = (from_s + wider).min(whole.to_s);
-            wider *= GROWTH;
-        }
-    }
-    let pieces = ((to_s - from_s) * rate / PIECE).ceil().max(1.0);
-    let (mut gathered, selection) = (Gathered::default(), Selection::names([name]));
-    for piece in 0..pieces as usize {
-        let at = |k: usize| from_s + (to_s - from_s) * k as f64 / pieces;
-        // A stamp at the seam of two pieces belongs to the first one.
-        let begin = if piece == 0 { from_s } else { at(piece).next_up() };
-        let end = if piece + 1 == pieces as usize { to_s } else { at(piece + 1) };
-        let read = handle.read(&selection, &Span::Time { from_s: begin, to_s: end }, &context)?;
-        for channel in read.channels.iter().take(1) {
-            gathered.add(read.time_s(channel).unwrap_or_default(), &channel.samples);
-        }
-    }
-    Ok(gathered.figures())
-}
-
-fn handle(shared: &Shared, file: &str) -> Result<Handle, Fault> {
+/// The open recording of a file.
+pub(crate) fn handle(shared: &Shared, file: &str) -> Result<Handle, Fault> {
     shared.handles.of(file, &shared.folder.existing(file)?)
 }
 

@@ -13,7 +13,7 @@ use crate::folder::Folder;
 use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
 use crate::shared::{Inner, Program, Shared};
-use crate::{jobs, recordings, site, texts};
+use crate::{jobs, recordings, site, stretches, texts};
 
 /// The most bytes of a text that a page may send.
 const MOST_SENT: usize = 4 << 20;
@@ -106,7 +106,11 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/commands", get(commands))
         .route("/channels", get(recordings::channels))
         .route("/view", get(recordings::view))
-        .route("/stretch", get(recordings::stretch))
+        .route("/stretch", get(stretches::figures))
+        .route("/histogram", get(stretches::histogram))
+        .route("/spectrum", get(stretches::spectrum))
+        .route("/spectrogram", get(stretches::spectrogram))
+        .route("/pairs", get(stretches::pairs))
         .route("/text", get(texts::read).put(texts::write))
         .route("/check", post(texts::check))
         .route("/change", post(texts::change))

@@ -29,7 +29,11 @@ const ASSETS: &[Asset] = assets! {
     "dom.js": SCRIPT,
     "edit.js": SCRIPT,
     "place.js": SCRIPT,
+    "save.js": SCRIPT,
     "work.js": SCRIPT,
+    "chart/axes.js": SCRIPT,
+    "chart/curve.js": SCRIPT,
+    "chart/image.js": SCRIPT,
     "chart/panels.js": SCRIPT,
     "chart/scale.js": SCRIPT,
     "views/bench.js": SCRIPT,
@@ -39,6 +43,7 @@ const ASSETS: &[Asset] = assets! {
     "views/report.js": SCRIPT,
     "views/roles.js": SCRIPT,
     "views/start.js": SCRIPT,
+    "views/stretch.js": SCRIPT,
     "views/study.js": SCRIPT,
 };
 

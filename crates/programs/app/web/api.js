@@ -100,8 +100,12 @@ export async function forget(file) {
 /** @param {string | null} state @returns {Record<string, string>} */
 const over = (state) => (state === null ? {} : { 'if-match': state });
 
+/** Numbers of a column of a plot. */
+export const COLUMN = 6;
+
 /**
- * Columns of a plot: of each channel the first and last stamp, the least and the largest sample of each column.
+ * Columns of a plot: of each channel the first and last stamp, the least and the largest, and the first and the last
+ * sample of each column.
  * @param {string} file @param {string[]} channels @param {number} from_s @param {number} to_s
  * @param {number} columns @param {AbortSignal} [signal]
  * @returns {Promise<Float64Array[]>}
@@ -110,8 +114,8 @@ export async function view(file, channels, from_s, to_s, columns, signal) {
   const given = { file, channels, columns, ...(Number.isFinite(from_s) && { from_s }), ...(Number.isFinite(to_s) && { to_s }) };
   const numbers = new Float64Array(await (await ask(address('view', given), { signal })).arrayBuffer());
   const found = [];
-  for (let at = 0; at < numbers.length; at += 1 + 4 * numbers[at]) {
-    found.push(numbers.subarray(at + 1, at + 1 + 4 * numbers[at]));
+  for (let at = 0; at < numbers.length; at += 1 + COLUMN * numbers[at]) {
+    found.push(numbers.subarray(at + 1, at + 1 + COLUMN * numbers[at]));
   }
   return found;
 }

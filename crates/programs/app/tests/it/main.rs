@@ -6,3 +6,4 @@ mod attacks;
 mod browser;
 mod edits;
 mod recordings;
+mod stretches;

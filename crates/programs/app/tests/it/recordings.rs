@@ -38,11 +38,12 @@ fn exact_no_spike_is_lost_however_few_columns() {
         let answer = app.ask(&cookie, &format!("GET /api/view?{TORQUE}&columns={width}"), "");
         let numbers = columns(&answer.body);
         let found = &numbers[1..];
-        assert_eq!(numbers[0], found.len() as f64 / 4.0);
+        assert_eq!(numbers[0], found.len() as f64 / 6.0);
         assert!(numbers[0] <= f64::from(width));
-        let largest = found.chunks(4).map(|column| column[3]).fold(f64::MIN, f64::max);
+        let largest = found.chunks(6).map(|column| column[3]).fold(f64::MIN, f64::max);
         assert_eq!(largest, 900.0, "{width}");
-        assert_eq!((found[0], found[found.len() - 3]), (0.0, 99.999));
+        let last = &found[found.len() - 6..];
+        assert_eq!((found[0], last[1], found[4], last[5]), (0.0, 99.999, 0.0, 9.0));
     }
 }
 

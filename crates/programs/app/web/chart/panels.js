@@ -1,7 +1,7 @@
 // Panels over one time axis: drawn from columns that the program sends, so that no spike is ever lost.
 
 import { h } from '../dom.js';
-import { view } from '../api.js';
+import { COLUMN, view } from '../api.js';
 import { ticks, shown } from './scale.js';
 
 /**
@@ -11,7 +11,7 @@ import { ticks, shown } from './scale.js';
  * @property {string} channel
  * @property {string} unit
  * @property {number} offset_s time that is added to its stamps
- * @property {Float64Array} columns of each: first and last stamp, least and largest sample
+ * @property {Float64Array} columns of each: first and last stamp, least and largest, first and last sample
  * @property {{ from: number, to: number, width: number } | null} held span and width that the columns are of
  */
 
@@ -123,7 +123,7 @@ export class Panels {
     if (turn < this.asked - 1) return;
     traces.forEach((trace, index) => {
       trace.columns = found[index] ?? new Float64Array();
-      const isEvery = trace.columns.length / 4 < columns / 2;
+      const isEvery = trace.columns.length / COLUMN < columns / 2;
       trace.held = { from, to, width: isEvery ? 0 : (to - from) / columns };
     });
     this.draw();
@@ -190,7 +190,7 @@ export class Panels {
   extent(panel) {
     let [low, high] = [Infinity, -Infinity];
     for (const { columns, offset_s } of panel.traces) {
-      for (let k = 0; k < columns.length; k += 4) {
+      for (let k = 0; k < columns.length; k += COLUMN) {
         if (columns[k + 1] + offset_s < this.from || columns[k] + offset_s > this.to) continue;
         if (columns[k + 2] < low) low = columns[k + 2];
         if (columns[k + 3] > high) high = columns[k + 3];
@@ -233,7 +233,8 @@ export class Panels {
   }
 
   /**
-   * Within a column a line from the least to the largest sample, between columns a line from one to the next.
+   * Within a column a line from the first over the least and the largest to the last sample, between columns a line
+   * from the last to the first one, as the signal runs.
    * @param {CanvasRenderingContext2D} context @param {Trace} trace @param {string} colour
    * @param {(value: number) => number} yOf
    */
@@ -244,17 +245,22 @@ export class Panels {
     context.lineJoin = 'round';
     context.beginPath();
     let isApart = true;
-    for (let k = 0; k < columns.length; k += 4) {
-      if (columns[k + 5] + offset_s < this.from) continue;
-      const [low, high] = [columns[k + 2], columns[k + 3]];
+    for (let k = 0; k < columns.length; k += COLUMN) {
+      if (columns[k + COLUMN + 1] + offset_s < this.from) continue;
+      const [low, high, first, last] = columns.subarray(k + 2, k + 6);
       if (Number.isNaN(low)) {
         isApart = true;
         continue;
       }
       const [x0, x1] = [this.xOf(columns[k] + offset_s), this.xOf(columns[k + 1] + offset_s)];
-      if (isApart) context.moveTo(x0, yOf(low));
-      else context.lineTo(x0, yOf(low));
-      context.lineTo(x1, yOf(high));
+      if (isApart) context.moveTo(x0, yOf(first));
+      else context.lineTo(x0, yOf(first));
+      if (high > low) {
+        const [one, other] = first - low < high - first ? [low, high] : [high, low];
+        context.lineTo((x0 + x1) / 2, yOf(one));
+        context.lineTo((x0 + x1) / 2, yOf(other));
+      }
+      context.lineTo(x1, yOf(last));
       isApart = false;
       if (columns[k] + offset_s > this.to) break;
     }

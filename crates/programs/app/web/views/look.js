@@ -5,7 +5,9 @@ import { Panels } from '../chart/panels.js';
 import { figure } from '../chart/scale.js';
 import { fill, h, say, table } from '../dom.js';
 import { note } from '../place.js';
+import { nameOf, picture, stretch } from '../save.js';
 import { size } from './start.js';
+import { Stretch } from './stretch.js';
 
 export const title = 'Look';
 
@@ -33,6 +35,8 @@ export async function show(element, given) {
   const over = h('input', { type: 'checkbox' });
   const choice = h('select', { 'aria-label': 'Recording', onchange: () => open(choice.value) },
     files.map((each) => h('option', { value: each.file, selected: each.file === file }, `${each.file} (${size(each.bytes)})`)));
+  const form = h('select', { 'aria-label': 'Format' }, [['csv', 'CSV'], ['parquet', 'Parquet'], ['mf4', 'MF4']].map(([value, text]) => h('option', { value }, text)));
+  const analysis = new Stretch(given.analysis ? JSON.parse(given.analysis) : {}, { lines: () => chosen, span, changed: () => remember(false) });
   fill(element,
     h('aside', {}, choice, h('label', {}, over, ' lay the next one over it'), filter, list, shown),
     h('section', { class: 'stage' },
@@ -42,10 +46,14 @@ export async function show(element, given) {
         h('button', { onclick: () => panels.zoom(2), title: '-' }, 'Farther'),
         h('button', { onclick: () => between() }, 'Zoom to the cursors'),
         h('span', { class: 'hint' }, 'Click for cursor A, again for B. Wheel zooms, drag moves, double click shows all.')),
-      plots, figures));
+      plots, figures, analysis.element,
+      h('div', { class: 'tools' },
+        h('button', { onclick: () => saved(panels.canvas, 'plots') }, 'Save the plots as a picture'),
+        h('button', { onclick: () => analysis.plot ? saved(analysis.plot.canvas, analysis.looks.kind ?? '') : say('Choose an analysis first.') }, 'Save the analysis as a picture'),
+        h('label', {}, 'Save the stretch as ', form, ' ', h('button', { onclick: () => keep().catch(failed) }, 'Save')))));
 
   const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
-  const panels = new Panels(plots, { moved: (_from, _to, isSettled) => remember(isSettled), marked: () => { remember(false); measure(); }, failed });
+  const panels = new Panels(plots, { moved: (_from, _to, isSettled) => { remember(isSettled); if (!hasStretch()) analysis.update(); }, marked: () => { remember(false); measure(); }, failed });
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let noting;
@@ -53,7 +61,36 @@ export async function show(element, given) {
     clearTimeout(noting);
     noting = setTimeout(() => note('look', {
       file, show: JSON.stringify(chosen), from: panels.from, to: panels.to, a: panels.cursors[0], b: panels.cursors[1],
+      analysis: analysis.looks.kind && JSON.stringify(analysis.looks),
     }, isNew), 150);
+  }
+
+  function hasStretch() {
+    const [a, b] = panels.cursors;
+    return a !== null && b !== null && a !== b;
+  }
+
+  /** The stretch between the cursors, or else the one that is seen. */
+  function span() {
+    const [a, b] = panels.cursors;
+    if (a === null || b === null || a === b) return { from: panels.from, to: panels.to, words: 'What is seen' };
+    return { from: Math.min(a, b), to: Math.max(a, b), words: 'Between the cursors' };
+  }
+
+  /** @param {HTMLCanvasElement} canvas @param {string} what */
+  function saved(canvas, what) {
+    const { from, to } = what === 'plots' ? panels : span();
+    picture(canvas, nameOf(file.split('/').at(-1) ?? file, from, to, `${what}.png`));
+  }
+
+  /** Writes the stretch of each recording that is shown. */
+  async function keep() {
+    const { from, to } = span();
+    const parts = new Map(chosen.map((each) => [`${each.offset_s}\n${each.file}`, each]));
+    for (const { file: name, offset_s } of parts.values()) {
+      const own = chosen.filter((each) => each.file === name && each.offset_s === offset_s);
+      await stretch(name, own.map((each) => each.channel), from - offset_s, to - offset_s, form.value);
+    }
   }
 
   function between() {
@@ -172,6 +209,7 @@ export async function show(element, given) {
   /** @type {AbortController | undefined} */
   let measuring;
   async function measure() {
+    analysis.update();
     measuring?.abort();
     const [a, b] = panels.cursors;
     if (a === null) return fill(figures);
@@ -204,5 +242,8 @@ export async function show(element, given) {
   }
   await open(file);
   if (chosen.length) await draw(!given.from);
-  return () => clearTimeout(noting);
+  return () => {
+    clearTimeout(noting);
+    analysis.end();
+  };
 }

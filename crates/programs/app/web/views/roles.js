@@ -1,6 +1,6 @@
 // Channels and their roles: each with its trace, its unit, its sign, and why it was chosen.
 
-import { faults, get, view } from '../api.js';
+import { COLUMN, faults, get, view } from '../api.js';
 import { fill, h, say } from '../dom.js';
 import { Edit } from '../edit.js';
 import { link, note } from '../place.js';
@@ -110,8 +110,8 @@ export async function show(element, given) {
     const context = canvas.getContext('2d');
     if (!columns?.length || !context) return;
     let [low, high] = [Infinity, -Infinity];
-    for (let k = 0; k < columns.length; k += 4) [low, high] = [Math.min(low, columns[k + 2]), Math.max(high, columns[k + 3])];
-    const [first, last] = [columns[0], columns[columns.length - 3]];
+    for (let k = 0; k < columns.length; k += COLUMN) [low, high] = [Math.min(low, columns[k + 2]), Math.max(high, columns[k + 3])];
+    const [first, last] = [columns[0], columns[columns.length - COLUMN + 1]];
     const yOf = (/** @type {number} */ value) => {
       const share = high > low ? (value - low) / (high - low) : 0.5;
       return 2 * (2 + (HEIGHT - 4) * (isInverted ? share : 1 - share));
@@ -119,7 +119,7 @@ export async function show(element, given) {
     context.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue('--series-0');
     context.lineWidth = 2;
     context.beginPath();
-    for (let k = 0; k < columns.length; k += 4) {
+    for (let k = 0; k < columns.length; k += COLUMN) {
       const x = (2 * WIDTH * (columns[k] - first)) / Math.max(1e-9, last - first);
       context.lineTo(x, yOf(columns[k + 2]));
       context.lineTo(x, yOf(columns[k + 3]));

@@ -1,0 +1,118 @@
+//! Stretches of recordings: figures, histograms, spectra and pairs, as the library finds them.
+
+use axum::extract::{Query, State};
+use dynoid::stretches::RecordedStretch;
+use serde::{Deserialize, Serialize};
+use work::{Cancel, Context};
+
+use crate::answer::{Answer, Fault, json};
+use crate::recordings::handle;
+use crate::shared::Shared;
+
+/// Columns and bands of a picture, at most.
+const MOST_COLUMNS: usize = 2048;
+/// Bins of a histogram, at most.
+const MOST_BINS: usize = 10_000;
+
+/// A stretch of some channels, and how it is looked at.
+#[derive(Deserialize)]
+pub(crate) struct Asked {
+    file: String,
+    /// Names, as a list in JSON.
+    channels: String,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    bins: Option<usize>,
+    segment: Option<usize>,
+    columns: Option<usize>,
+    bands: Option<usize>,
+    up_to_hz: Option<f64>,
+}
+
+impl Asked {
+    fn names(&self) -> Result<Vec<String>, Fault> {
+        serde_json::from_str(&self.channels).map_err(Fault::refused)
+    }
+
+    /// The one channel of an act that takes one.
+    fn name(&self) -> Result<String, Fault> {
+        let [name] = self.exactly("one channel")?;
+        Ok(name)
+    }
+
+    fn exactly<const N: usize>(&self, wanted: &str) -> Result<[String; N], Fault> {
+        self.names()?.try_into().map_err(|_| Fault::refused(format!("name {wanted}")))
+    }
+
+    fn stretch(&self, shared: &Shared) -> Result<RecordedStretch, Fault> {
+        let (from_s, to_s) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        Ok(RecordedStretch::new(handle(shared, &self.file)?, &self.file, from_s, to_s))
+    }
+}
+
+/// Figures of each channel.
+pub(crate) async fn figures(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
+    cancellable(move |context| {
+        let stretch = asked.stretch(&shared)?;
+        let of = |name: &String| stretch.figures(name, context).map_err(Fault::refused);
+        asked.names()?.iter().map(of).collect::<Result<Vec<_>, _>>()
+    })
+    .await
+}
+
+/// Counts of the samples of a channel.
+pub(crate) async fn histogram(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
+    cancellable(move |context| {
+        let bins = asked.bins.map(|bins| bins.clamp(1, MOST_BINS));
+        asked.stretch(&shared)?.histogram(&asked.name()?, bins, context).map_err(Fault::refused)
+    })
+    .await
+}
+
+/// Power spectrum of a channel.
+pub(crate) async fn spectrum(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
+    cancellable(move |context| {
+        asked.stretch(&shared)?.spectrum(&asked.name()?, asked.segment, context).map_err(Fault::refused)
+    })
+    .await
+}
+
+/// Power densities of a channel over time.
+pub(crate) async fn spectrogram(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
+    cancellable(move |context| {
+        let within = |wanted: Option<usize>, usual: usize| wanted.unwrap_or(usual).clamp(1, MOST_COLUMNS);
+        let (columns, bands) = (within(asked.columns, 600), within(asked.bands, 300));
+        let up_to_hz = asked.up_to_hz.unwrap_or(f64::INFINITY);
+        let (stretch, name) = (asked.stretch(&shared)?, asked.name()?);
+        stretch.spectrogram(&name, asked.segment, columns, bands, up_to_hz, context).map_err(Fault::refused)
+    })
+    .await
+}
+
+/// Values of two channels at the same instants.
+pub(crate) async fn pairs(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
+    cancellable(move |context| {
+        let [x, y] = asked.exactly("two channels")?;
+        asked.stretch(&shared)?.pairs(&x, &y, context).map_err(Fault::refused)
+    })
+    .await
+}
+
+/// Cancels work whose answer nobody waits for any more.
+struct Unwanted(Cancel);
+
+impl Drop for Unwanted {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+/// Work on a thread where it holds nobody up, which ends when the page goes on to something else.
+async fn cancellable<T: Serialize + Send + 'static>(
+    work: impl FnOnce(&Context) -> Result<T, Fault> + Send + 'static,
+) -> Answer {
+    let context = Context::new();
+    let _unwanted = Unwanted(context.cancel());
+    let found = tokio::task::spawn_blocking(move || context.run(|| work(&context))).await;
+    json(&found.map_err(Fault::refused)?.map_err(Fault::refused)??)
+}
