@@ -10,7 +10,9 @@ from playwright.sync_api import Browser
 
 from conftest import App
 
-VIEWS = ["", "look", "roles", "bench", "study", "report", "command", "command?command=fit+arx", "command?command=can", "jobs"]
+ANALYSIS = "look?analysis=%7B%22kind%22%3A%22spectrogram%22%7D"
+VIEWS = ["", "look", ANALYSIS, "roles", "bench", "study", "report", "command", "jobs"]
+VIEWS += ["command?command=fit+arx", "command?command=can"]
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 #: A folder for pictures of all views, where somebody wants to look at them.
 PICTURES = os.environ.get("DYNOID_PICTURES")
@@ -50,7 +52,7 @@ def test_a_view_is_accessible(shared: App, browser: Browser, state: dict, view: 
     page.wait_for_selector(".view > *")
     page.wait_for_timeout(600)
     if PICTURES:
-        name = view.replace("?command=", "-").replace("+", "-") or "start"
+        name = view.partition("%")[0].replace("?command=", "-").replace("?", "-").replace("+", "-") or "start"
         page.screenshot(path=f"{PICTURES}/{name}-{scheme}-{width}.png")
     wide = page.evaluate("document.documentElement.scrollWidth")
     script = os.environ.get("DYNOID_AXE")

@@ -247,7 +247,7 @@ export class Panels {
     let isApart = true;
     for (let k = 0; k < columns.length; k += COLUMN) {
       if (columns[k + COLUMN + 1] + offset_s < this.from) continue;
-      const [low, high, first, last] = columns.subarray(k + 2, k + 6);
+      const [low, high, first, last] = [columns[k + 2], columns[k + 3], columns[k + 4], columns[k + 5]];
       if (Number.isNaN(low)) {
         isApart = true;
         continue;
