@@ -68,12 +68,13 @@ def context(browser: Browser) -> Iterator[BrowserContext]:
 
 
 @pytest.fixture
-def page(app: App, context: BrowserContext) -> Iterator[Page]:
-    """The start page; at the end nothing has been complained of in the console."""
+def page(app: App, context: BrowserContext, request: pytest.FixtureRequest) -> Iterator[Page]:
+    """The start page; at the end nothing has been complained of in the console, but what a test expects to be refused."""
     page = context.new_page()
     said: list[str] = []
-    # The refusal of a save over another's change is an answer of its own, which the browser notes as a fault.
-    is_fault = lambda message: message.type == "error" and "412" not in message.text  # noqa: E731
+    # A refusal is an answer in words, which the browser notes as a fault.
+    expected = [mark.args[0] for mark in request.node.iter_markers("refused")]
+    is_fault = lambda message: message.type == "error" and not any(code in message.text for code in expected)  # noqa: E731
     page.on("console", lambda message: said.append(message.text) if is_fault(message) else None)
     page.on("pageerror", lambda error: said.append(str(error)))
     page.goto(app.address)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from conftest import App
@@ -45,6 +46,7 @@ def test_what_was_typed_survives_a_killed_program(page: Page, app: App) -> None:
     again.kill()
 
 
+@pytest.mark.refused("412")
 def test_a_change_of_another_is_noticed(page: Page, app: App) -> None:
     text = text_of(page)
     file = app.folder / "bench.toml"

@@ -42,6 +42,7 @@ def test_an_analysis_is_drawn_read_and_kept_in_the_address(page: Page, kind: str
     expect(page.locator(".stretch [role=status]").last).to_contain_text(words)
 
 
+@pytest.mark.refused("422")
 def test_cursors_choose_the_stretch(page: Page) -> None:
     look(page)
     page.get_by_label("Analysis", exact=True).select_option("Spectrum")
