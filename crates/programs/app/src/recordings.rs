@@ -117,7 +117,7 @@ pub(crate) struct Wanted {
 }
 
 /// Columns of a plot of some channels: of each channel how many there are, then of each column the first and last
-/// stamp, the least and the largest sample, the first and the last sample, all as floats of 64 bits, the low byte first.
+/// stamp, the least and the largest sample, the first and the last sample: floats of 64 bits, the low byte first.
 pub(crate) async fn view(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
     blocking(move || {
         let handle = handle(&shared, &wanted.file)?;

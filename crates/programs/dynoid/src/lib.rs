@@ -5,8 +5,8 @@
 //! bench on which tests ([`can`]) and [`experiments`] are tried. [`linear`] has models of any channels, and [`Export`]
 //! makes files of other programs from models. [`convert`] brings recordings into another format. [`replay`] runs bench
 //! models on recordings, and [`linear`] compares, tests and simulates linear ones on them. [`BenchRecordings`] are
-//! looked at one by one. [`stretches`] has spectra and the like of parts of one. A [`Demonstration`] is a bench whose every parameter is known. Long work takes a
-//! [`work::Context`], by which a program follows and ends it.
+//! looked at one by one. [`stretches`] has spectra and the like of parts of one. A [`Demonstration`] is a bench whose
+//! every parameter is known. Long work takes a [`work::Context`], by which a program follows and ends it.
 //!
 //! ```no_run
 //! use dynoid::{Bench, Files, Session, StudyFolder, StudyOptions};

@@ -84,12 +84,12 @@ pub struct SpectrogramBuilder {
 }
 
 impl SpectrogramBuilder {
-    /// A spectrogram of a record with this start and so many samples, in so many columns, but one a segment at most. The
-    /// columns share the time of the segments, each of which stands for the time around its middle.
+    /// A spectrogram of a record with this start and so many samples, in so many columns, but one a segment at most.
+    /// The columns share the time of the segments, each of which stands for the time around its middle.
     ///
     /// # Errors
-    /// [`SignalError::TooShort`] for a record shorter than a segment, [`SignalError::Parameter`] for impossible segments
-    /// and for no column, [`SignalError::SampleTime`].
+    /// [`SignalError::TooShort`] for a record shorter than a segment, [`SignalError::Parameter`] for impossible
+    /// segments and for no column, [`SignalError::SampleTime`].
     pub fn new(
         welch: Welch,
         sample_time_s: f64,
