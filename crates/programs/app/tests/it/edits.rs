@@ -44,8 +44,9 @@ fn exact_faults_of_a_bench_file_have_their_lines() {
     let cookie = app.enter();
     let text = "[bench]\nname = \"Cell 4\"\ncylinderz = 4\n";
     let answer = app.ask(&cookie, "POST /api/check?file=bench.toml", text);
-    let faults: serde_json::Value = serde_json::from_slice(&answer.body).unwrap();
-    let faults = faults.as_array().unwrap();
+    let checked: serde_json::Value = serde_json::from_slice(&answer.body).unwrap();
+    assert_eq!(checked["values"]["bench"]["name"], "Cell 4");
+    let faults = checked["faults"].as_array().unwrap();
     let wrong = faults.iter().find(|fault| fault["line"] == 3).unwrap();
     assert!(wrong["text"].as_str().unwrap().contains("cylinders"), "{wrong}");
     assert!(faults.len() > 1, "what is missing counts, too");
