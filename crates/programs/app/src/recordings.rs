@@ -105,29 +105,48 @@ pub(crate) async fn channels(State(shared): State<Shared>, Query(which): Query<W
     .await
 }
 
-/// A stretch of some channels.
+/// A stretch of some channels, and how it is looked at.
 #[derive(Deserialize)]
-pub(crate) struct Wanted {
-    file: String,
+pub(crate) struct Asked {
+    pub(crate) file: String,
     /// Names, as a list in JSON.
     channels: String,
     from_s: Option<f64>,
     to_s: Option<f64>,
-    columns: Option<usize>,
+    pub(crate) bins: Option<usize>,
+    pub(crate) segment: Option<usize>,
+    pub(crate) columns: Option<usize>,
+    pub(crate) bands: Option<usize>,
+    pub(crate) up_to_hz: Option<f64>,
+}
+
+impl Asked {
+    /// Names of the channels.
+    pub(crate) fn names(&self) -> Result<Vec<String>, Fault> {
+        serde_json::from_str(&self.channels).map_err(Fault::refused)
+    }
+
+    /// Where the stretch begins, s; infinite where that is not said.
+    pub(crate) fn begin_s(&self) -> f64 {
+        self.from_s.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Where it ends.
+    pub(crate) fn end_s(&self) -> f64 {
+        self.to_s.unwrap_or(f64::INFINITY)
+    }
 }
 
 /// Columns of a plot of some channels: of each channel how many there are, then of each column the first and last
 /// stamp, the least and the largest sample, the first and the last sample: floats of 64 bits, the low byte first.
-pub(crate) async fn view(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
+pub(crate) async fn view(State(shared): State<Shared>, Query(asked): Query<Asked>) -> Answer {
     blocking(move || {
-        let handle = handle(&shared, &wanted.file)?;
-        let names: Vec<String> = serde_json::from_str(&wanted.channels).map_err(Fault::refused)?;
-        let columns = wanted.columns.unwrap_or(1000).clamp(1, MOST_COLUMNS);
+        let (handle, names) = (handle(&shared, &asked.file)?, asked.names()?);
+        let columns = asked.columns.unwrap_or(1000).clamp(1, MOST_COLUMNS);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let (from_s, to_s) = (wanted.from_s.unwrap_or(f64::NEG_INFINITY), wanted.to_s.unwrap_or(f64::INFINITY));
         let mut bytes = Vec::new();
         for pyramid in handle.pyramids(&names, &Context::new()).map_err(Fault::refused)? {
-            let view = pyramid.view(from_s, to_s, columns).map_err(Fault::refused)?;
+            let view = pyramid.view(asked.begin_s(), asked.end_s(), columns).map_err(Fault::refused)?;
             bytes.extend((view.len() as f64).to_le_bytes());
             bytes.extend(view.iter().flat_map(numbers));
         }

@@ -2,11 +2,11 @@
 
 use axum::extract::{Query, State};
 use dynoid::stretches::RecordedStretch;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use work::{Cancel, Context};
 
 use crate::answer::{Answer, Fault, json};
-use crate::recordings::handle;
+use crate::recordings::{Asked, handle};
 use crate::shared::Shared;
 
 /// Columns and bands of a picture, at most.
@@ -14,26 +14,7 @@ const MOST_COLUMNS: usize = 2048;
 /// Bins of a histogram, at most.
 const MOST_BINS: usize = 10_000;
 
-/// A stretch of some channels, and how it is looked at.
-#[derive(Deserialize)]
-pub(crate) struct Asked {
-    file: String,
-    /// Names, as a list in JSON.
-    channels: String,
-    from_s: Option<f64>,
-    to_s: Option<f64>,
-    bins: Option<usize>,
-    segment: Option<usize>,
-    columns: Option<usize>,
-    bands: Option<usize>,
-    up_to_hz: Option<f64>,
-}
-
 impl Asked {
-    fn names(&self) -> Result<Vec<String>, Fault> {
-        serde_json::from_str(&self.channels).map_err(Fault::refused)
-    }
-
     /// The one channel of an act that takes one.
     fn name(&self) -> Result<String, Fault> {
         let [name] = self.exactly("one channel")?;
@@ -45,8 +26,7 @@ impl Asked {
     }
 
     fn stretch(&self, shared: &Shared) -> Result<RecordedStretch, Fault> {
-        let (from_s, to_s) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
-        Ok(RecordedStretch::new(handle(shared, &self.file)?, &self.file, from_s, to_s))
+        Ok(RecordedStretch::new(handle(shared, &self.file)?, &self.file, self.begin_s(), self.end_s()))
     }
 }
 

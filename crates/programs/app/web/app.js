@@ -1,6 +1,6 @@
 // The app: one view a task, chosen by the address.
 
-import { fill, h, say } from './dom.js';
+import { failed, fill, h, say } from './dom.js';
 import { here } from './place.js';
 import { follow } from './work.js';
 import * as bench from './views/bench.js';
@@ -44,7 +44,7 @@ async function show() {
     if (turn === shown) end = ending;
     else ending?.();
   } catch (error) {
-    say(error instanceof Error ? error.message : String(error), true);
+    failed(error);
   }
 }
 

@@ -45,6 +45,12 @@ export function say(text, isFault = false) {
   line.classList.toggle('fault', isFault);
 }
 
+/** An error in words. @param {unknown} error */
+export const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
+
+/** Says an error. @param {unknown} error */
+export const failed = (error) => say(wordsOf(error), true);
+
 /**
  * A table with a heading row.
  * @param {string[]} heads

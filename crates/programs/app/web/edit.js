@@ -2,7 +2,7 @@
 // change. All views of one bench file edit it through this.
 
 import { Fault, change, forget, get, keep, save } from './api.js';
-import { h, say } from './dom.js';
+import { failed, h, say } from './dom.js';
 
 /** After so long without a key what was typed is kept. */
 const PAUSE_MS = 300;
@@ -53,7 +53,7 @@ export class Edit {
     try {
       this.changed(await change(this.file, this.now, changes));
     } catch (error) {
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
   }
 

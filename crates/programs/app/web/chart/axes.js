@@ -169,13 +169,15 @@ export class Plot {
   }
 }
 
-/** Where a value is along an axis, from 0 to 1. @param {Axis} axis @param {number} value */
-function part({ low, high, isLog }, value) {
+/** @typedef {Pick<Axis, 'low' | 'high' | 'isLog'>} Range */
+
+/** Where a value is in a range, from 0 to 1. @param {Range} range @param {number} value */
+export function part({ low, high, isLog }, value) {
   return isLog ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
 }
 
-/** @param {Axis} axis @param {number} part */
-function value({ low, high, isLog }, part) {
+/** The value at a part of a range. @param {Range} range @param {number} part */
+export function value({ low, high, isLog }, part) {
   return isLog ? low * (high / low) ** part : low + part * (high - low);
 }
 

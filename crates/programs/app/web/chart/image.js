@@ -1,7 +1,7 @@
 // Plots of numbers over a plane, as colours with their scale. The colours are Viridis: they rise in lightness, so that
 // those who see colours differently, and prints in grey, show the same order.
 
-import { HEIGHT, TOP } from './axes.js';
+import { HEIGHT, TOP, part, value as valueAt } from './axes.js';
 
 /** @typedef {import('./axes.js').Axis} Axis */
 /** @typedef {import('./axes.js').Drawing} Drawing */
@@ -35,14 +35,11 @@ function viridis(part) {
 /** @param {Plane} given @returns {Drawing} */
 export function imageOf({ label, x, y, along_x, along_y, values, range: [low, high], isLog, scale, words }) {
   const [columns, rows] = [values.length, values[0]?.length ?? 0];
-  const part = (/** @type {number} */ value) => {
-    if (!(high > low)) return 1;
-    return isLog ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-  };
+  const range = { low, high, isLog };
   const pixels = new ImageData(Math.max(1, columns), Math.max(1, rows));
   values.forEach((column, i) => column.forEach((value, j) => {
     if (value === null || (isLog && value <= 0)) return;
-    pixels.data.set([...viridis(part(value)), 255], 4 * ((rows - 1 - j) * columns + i));
+    pixels.data.set([...viridis(high > low ? part(range, value) : 1), 255], 4 * ((rows - 1 - j) * columns + i));
   }));
   const picture = new OffscreenCanvas(pixels.width, pixels.height);
   picture.getContext('2d')?.putImageData(pixels, 0, 0);
@@ -75,8 +72,7 @@ export function imageOf({ label, x, y, along_x, along_y, values, range: [low, hi
     context.textBaseline = 'middle';
     context.fillText(scale, left, TOP + 6);
     for (const share of [0, 0.25, 0.5, 0.75, 1]) {
-      const value = isLog ? low * (high / low) ** share : low + share * (high - low);
-      context.fillText(String(Number(value.toPrecision(3))).replace('-', '−'), left + 18, Math.min(HEIGHT - 50, TOP + 20 + (1 - share) * height));
+      context.fillText(String(Number(valueAt(range, share).toPrecision(3))).replace('-', '−'), left + 18, Math.min(HEIGHT - 50, TOP + 20 + (1 - share) * height));
     }
   }
 }

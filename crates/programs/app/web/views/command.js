@@ -1,7 +1,7 @@
 // Any command as a form: what it is, its arguments, the line that one types, and its result.
 
 import { get, printed } from '../api.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h } from '../dom.js';
 import { link, note } from '../place.js';
 import { ended, isDone, start, typed } from '../work.js';
 import { frame } from './report.js';
@@ -109,7 +109,7 @@ function form(element, command, state, given) {
       fill(result, job.said && h('pre', { class: isDone(job) ? '' : 'fault' }, job.said),
         isDone(job) && draws ? frame(page, `Result of ${command.words.join(' ')}`) : h('pre', {}, await printed(job.id)));
     } catch (error) {
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
     run.disabled = false;
   }

@@ -3,7 +3,7 @@
 import { get, view } from '../api.js';
 import { Panels } from '../chart/panels.js';
 import { figure } from '../chart/scale.js';
-import { fill, h, say, table } from '../dom.js';
+import { failed, fill, h, say, table } from '../dom.js';
 import { note } from '../place.js';
 import { nameOf, picture, stretch } from '../save.js';
 import { size } from './start.js';
@@ -52,8 +52,7 @@ export async function show(element, given) {
         h('button', { onclick: () => analysis.plot ? saved(analysis.plot.canvas, analysis.looks.kind ?? '') : say('Choose an analysis first.') }, 'Save the analysis as a picture'),
         h('label', {}, 'Save the stretch as ', form, ' ', h('button', { onclick: () => keep().catch(failed) }, 'Save')))));
 
-  const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
-  const panels = new Panels(plots, { moved: (_from, _to, isSettled) => { remember(isSettled); if (!hasStretch()) analysis.update(); }, marked: () => { remember(false); measure(); }, failed });
+  const panels = new Panels(plots, { moved: (_from, _to, isSettled) => { remember(isSettled); if (!marked()) analysis.update(); }, marked: () => { remember(false); measure(); }, failed });
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let noting;
@@ -65,16 +64,15 @@ export async function show(element, given) {
     }, isNew), 150);
   }
 
-  function hasStretch() {
+  /** The stretch between the cursors; none without two of them. */
+  function marked() {
     const [a, b] = panels.cursors;
-    return a !== null && b !== null && a !== b;
+    return a === null || b === null || a === b ? null : { from: Math.min(a, b), to: Math.max(a, b), words: 'Between the cursors' };
   }
 
   /** The stretch between the cursors, or else the one that is seen. */
   function span() {
-    const [a, b] = panels.cursors;
-    if (a === null || b === null || a === b) return { from: panels.from, to: panels.to, words: 'What is seen' };
-    return { from: Math.min(a, b), to: Math.max(a, b), words: 'Between the cursors' };
+    return marked() ?? { from: panels.from, to: panels.to, words: 'What is seen' };
   }
 
   /** @param {HTMLCanvasElement} canvas @param {string} what */
@@ -94,9 +92,9 @@ export async function show(element, given) {
   }
 
   function between() {
-    const [a, b] = panels.cursors;
-    if (a === null || b === null || a === b) say('Set both cursors first: click twice into a plot.');
-    else panels.goTo(Math.min(a, b), Math.max(a, b));
+    const found = marked();
+    if (found) panels.goTo(found.from, found.to);
+    else say('Set both cursors first: click twice into a plot.');
   }
 
   /** @param {string} name */
@@ -124,8 +122,10 @@ export async function show(element, given) {
     }
   }
 
-  /** The channels to begin with: those that are drawn of another recording, or else the first. */
-  /** @param {string[]} names @param {string} name */
+  /**
+   * The channels to begin with: those that are drawn of another recording, or else the first.
+   * @param {string[]} names @param {string} name
+   */
   function usual(names, name) {
     const same = chosen.filter((each) => names.includes(each.channel));
     if (same.length) return same.map((each) => ({ ...each, file: name, offset_s: 0 }));

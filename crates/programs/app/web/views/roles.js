@@ -1,7 +1,7 @@
 // Channels and their roles: each with its trace, its unit, its sign, and why it was chosen.
 
 import { COLUMN, faults, get, view } from '../api.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h, say } from '../dom.js';
 import { Edit } from '../edit.js';
 import { link, note } from '../place.js';
 import { result } from '../work.js';
@@ -50,7 +50,7 @@ export async function show(element, given) {
       channels = name ? (await get('channels', { file: name })).channels : [];
       await draw();
     } catch (error) {
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
   }
 
@@ -87,8 +87,10 @@ export async function show(element, given) {
       h('td', { class: 'why' }, reason ? `${is}, ${Math.round(100 * reason.confidence)} %: ${reason.reasons.join('; ')}` : ''));
   }
 
-  /** Gives a role a channel; the role that had it gets the other one, so that two are swapped by one act. */
-  /** @param {Role} role @param {Mapping | null} now @param {string} name @param {Record<string, any>} all */
+  /**
+   * Gives a role a channel; the role that had it gets the other one, so that two are swapped by one act.
+   * @param {Role} role @param {Mapping | null} now @param {string} name @param {Record<string, any>} all
+   */
   function choose(role, now, name, all) {
     const changes = [{ key: ['channels', role.key], value: name ? written({ ...now, name }) : null }];
     const other = name && roles.find((/** @type {Role} */ each) => each.key !== role.key && mapping(all[each.key])?.name === name);
@@ -134,7 +136,7 @@ export async function show(element, given) {
       for (const channel of proposal.channels) reasons.set(channel.role, channel);
       await draw();
     } catch (error) {
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
     why.disabled = false;
   }

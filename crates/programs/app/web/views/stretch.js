@@ -6,7 +6,7 @@ import { Plot, about } from '../chart/axes.js';
 import { barsOf, dotsOf, lineOf } from '../chart/curve.js';
 import { imageOf } from '../chart/image.js';
 import { figure } from '../chart/scale.js';
-import { fill, h } from '../dom.js';
+import { fill, h, wordsOf } from '../dom.js';
 import { typed } from '../work.js';
 
 /** @typedef {import('../chart/axes.js').Drawing} Drawing */
@@ -132,7 +132,7 @@ export class Stretch {
     } catch (error) {
       if (asking.signal.aborted) return;
       this.clear();
-      fill(this.words, h('p', { class: 'fault' }, error instanceof Error ? error.message : String(error)));
+      fill(this.words, h('p', { class: 'fault' }, wordsOf(error)));
     }
   }
 

@@ -1,7 +1,7 @@
 // The study: run it, follow it, read its answer.
 
 import { get, remove } from '../api.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h, say } from '../dom.js';
 import { link } from '../place.js';
 import { ended, isDone, start, typed } from '../work.js';
 import { frame } from './report.js';
@@ -37,7 +37,7 @@ export async function show(element, given) {
       const job = await start(words());
       await watch(job.id);
     } catch (error) {
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
     run.disabled = false;
   }

@@ -122,17 +122,8 @@ fn ends_soon(document: &BenchModelDocument, what: &str) {
 /// Every number at these places takes these values; returns how many files were read. All processors share the work.
 fn walk(places: &[String], values: &[f64]) -> usize {
     let file = valid();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let read_by = &|thread: usize| {
-        let own = places.iter().skip(thread).step_by(threads);
-        own.flat_map(|place| values.iter().map(move |value| (place, *value)))
-            .filter(|(place, value)| is_read(&file, place, *value))
-            .count()
-    };
-    std::thread::scope(|scope| {
-        let all: Vec<_> = (0..threads).map(|thread| scope.spawn(move || read_by(thread))).collect();
-        all.into_iter().map(|thread| thread.join().unwrap()).sum()
-    })
+    let read = |place: &String| values.iter().filter(|value| is_read(&file, place, **value)).count();
+    numerics::parallel::map(places, read).into_iter().sum()
 }
 
 /// Reads the file with another number at a place and uses it, or hears in clear words why it is not read.

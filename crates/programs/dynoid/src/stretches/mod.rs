@@ -92,8 +92,11 @@ impl RecordedStretch {
     }
 
     fn some_course(&self, channel: &str, context: &Context) -> Result<Course, Error> {
-        let none = || self.unusable(channel, "it has no sample in this stretch; choose a longer one");
-        self.course(channel, context)?.ok_or_else(none)
+        self.course(channel, context)?.ok_or_else(|| self.no_sample(channel))
+    }
+
+    fn no_sample(&self, channel: &str) -> Error {
+        self.unusable(channel, "it has no sample in this stretch; choose a longer one")
     }
 
     /// The sample at the beginning or the next one, perhaps with some that follow; none behind the last sample.

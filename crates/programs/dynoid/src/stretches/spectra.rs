@@ -115,8 +115,7 @@ impl RecordedStretch {
             }
         }
         let Some(Gathering { builder, mut segments }) = gathering else {
-            let none = || self.unusable(channel, "it has no sample in this stretch; choose a longer one");
-            return Err(nothing.map_or_else(none, Error::from));
+            return Err(nothing.map_or_else(|| self.no_sample(channel), Error::from));
         };
         let found = builder.finish();
         (segments.segments, segments.left_out) = (found.segments.iter().sum(), found.left_out);
