@@ -9,13 +9,13 @@ use numerics::parallel;
 use rig::ControlMode;
 use rig::experiment::{Demands, ExperimentPlan};
 use rig::random::Source;
-use work::Context;
 
 use crate::added::Added;
+use crate::courses;
 use crate::cycle_run::CycleGrid;
 use crate::demand::Demand;
 use crate::error::CapabilityError;
-use crate::extremes::{LimitOf, Peak, TORQUE_CHANGE_S, peaks, unbounded};
+use crate::extremes::{Drive, LimitOf, Peak, TORQUE_CHANGE_S, peaks, unbounded};
 use crate::filter;
 use crate::fired::Firing;
 use crate::following::Following;
@@ -24,32 +24,10 @@ use crate::outcome::{CanInputs, Drawn, Outcome, keeps_limits, meets_sets};
 use crate::plan_run;
 use crate::pulses::Pulses;
 use crate::trace::Trace;
-use crate::verdict::{Verdict, band_places, verdict};
+use crate::verdict::band_places;
 
 /// Standard deviations that the largest sample of noise has at the most: one of 10 000.
 const MOST_NOISE: f64 = 4.0;
-
-/// Answers. The runs of the benches are a step of the work.
-///
-/// # Errors
-/// The nominal bench cannot be simulated, no samples, an uncertainty without possible benches, a requirement that
-/// cannot be applied.
-pub fn can(inputs: &CanInputs<'_>, context: &Context) -> Result<Verdict, CapabilityError> {
-    if inputs.samples == 0 {
-        return Err(CapabilityError::NoSamples);
-    }
-    let benches = benches(inputs)?;
-    let driven = Driven::of(inputs);
-    let nominal = nominal(inputs);
-    let trace = driven.trace(inputs, &nominal)?;
-    judged::check_own(&trace, inputs.own)?;
-    let of_nominal = outcome(inputs, &driven, &nominal, Ok(trace.clone()))?;
-    let run = |bench: &Drawn| outcome(inputs, &driven, bench, driven.trace(inputs, bench));
-    let outcomes: Vec<Outcome> = parallel::map_as_step(context, "running the test on benches", &benches, run)
-        .into_iter()
-        .collect::<Result<_, _>>()?;
-    Ok(verdict(inputs, &benches, &outcomes, &of_nominal, trace))
-}
 
 /// Tells whether the nominal bench keeps everything.
 pub(crate) fn nominal_keeps(inputs: &CanInputs<'_>) -> Result<bool, CapabilityError> {
@@ -81,23 +59,24 @@ fn keeps_all(inputs: &CanInputs<'_>, driven: &Driven<'_>, bench: &Drawn) -> Resu
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(false),
         other => other?,
     };
-    let meets_all =
-        judged::own(&trace, inputs.own).iter().all(Judged::passes) && meets_sets(inputs, &validations(inputs, &trace)?);
+    let meets_all = judged::own(&trace, inputs.own).iter().all(Judged::passes)
+        && meets_sets(inputs.sets, &validations(inputs, &trace)?);
     if !meets_all {
         return Ok(false);
     }
     // Bounds that keep the limits spare the simulation of the firings.
+    let keeps = |peaks: &[Peak; LimitOf::COUNT]| keeps_limits(inputs.demand.has_shaft(), &inputs.limits, peaks);
     let enough = |firing: &Firing<'_>| match firing.bounds() {
-        bounds if keeps_limits(inputs, &bounds) => Ok(bounds),
+        bounds if keeps(&bounds) => Ok(bounds),
         _ => firing.peaks(),
     };
     match with_pulses(inputs, driven, bench, &trace, enough) {
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => Ok(false),
-        other => Ok(keeps_limits(inputs, &other?)),
+        other => Ok(keeps(&other?)),
     }
 }
 
-fn nominal(inputs: &CanInputs<'_>) -> Drawn {
+pub(crate) fn nominal(inputs: &CanInputs<'_>) -> Drawn {
     Drawn {
         model: inputs.model.clone(),
         engine: inputs.engine.clone(),
@@ -109,7 +88,7 @@ fn nominal(inputs: &CanInputs<'_>) -> Drawn {
     }
 }
 
-fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
+pub(crate) fn benches(inputs: &CanInputs<'_>) -> Result<Vec<Drawn>, CapabilityError> {
     let mut random = Source::Safety.stream(inputs.seed);
     let mut of_friction = Source::Friction.stream(inputs.seed);
     let mut of_disturbances = Source::Disturbances.stream(inputs.seed);
@@ -153,14 +132,14 @@ fn largest_demanded_nm(inputs: &CanInputs<'_>) -> Option<f64> {
 }
 
 /// Inputs that drive the benches.
-enum Driven<'a> {
+pub(crate) enum Driven<'a> {
     Cycle(CycleGrid),
     /// With the demands that the bench gets, if they are other ones.
     Plan(&'a ExperimentPlan, &'a Demands, Option<Demands>),
 }
 
 impl<'a> Driven<'a> {
-    fn of(inputs: &CanInputs<'a>) -> Self {
+    pub(crate) fn of(inputs: &CanInputs<'a>) -> Self {
         match inputs.demand {
             Demand::Cycle(cycle) => Driven::Cycle(CycleGrid::of(&cycle, inputs.model, inputs.filter_hz)),
             Demand::Plan(plan, demands) => {
@@ -169,7 +148,7 @@ impl<'a> Driven<'a> {
         }
     }
 
-    fn trace(&self, inputs: &CanInputs<'_>, bench: &Drawn) -> Result<Trace, CapabilityError> {
+    pub(crate) fn trace(&self, inputs: &CanInputs<'_>, bench: &Drawn) -> Result<Trace, CapabilityError> {
         let trace = match self {
             Driven::Cycle(grid) => grid.run(bench)?,
             Driven::Plan(plan, asked, filtered) => {
@@ -191,11 +170,12 @@ impl<'a> Driven<'a> {
     }
 }
 
-fn outcome(
+pub(crate) fn outcome(
     inputs: &CanInputs<'_>,
     driven: &Driven<'_>,
     bench: &Drawn,
     trace: Result<Trace, CapabilityError>,
+    with_courses: bool,
 ) -> Result<Outcome, CapabilityError> {
     let trace = match trace {
         Err(CapabilityError::Prediction(PredictionError::Unstable)) => return Ok(unstable()),
@@ -211,6 +191,7 @@ fn outcome(
         own: judged::own(&trace, inputs.own),
         is_unstable: false,
         course: band_places(&trace).map(|k| (trace.speed_rad_s[k], trace.torque_nm[k])).collect(),
+        limited: if with_courses { courses::of(&trace, &drive(inputs, bench)) } else { Vec::new() },
     })
 }
 
@@ -232,13 +213,15 @@ fn with_pulses(
 ) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
     let plan = if let Demand::Plan(plan, _) = inputs.demand { Some(plan) } else { None };
     let near = &AtResonance::of(&bench.model.mechanics, &bench.engine, plan);
-    let limits = &inputs.limits;
+    let drive = &drive(inputs, bench);
     match driven {
-        Driven::Plan(..) => Ok(peaks(trace, &[], near, limits)),
-        Driven::Cycle(grid) => {
-            of_cycle(&Firing { grid, bench, trace, added: &added(grid, bench, trace), near, limits })
-        }
+        Driven::Plan(..) => Ok(peaks(trace, &[], near, drive)),
+        Driven::Cycle(grid) => of_cycle(&Firing { grid, bench, trace, added: &added(grid, bench, trace), near, drive }),
     }
+}
+
+fn drive(inputs: &CanInputs<'_>, bench: &Drawn) -> Drive {
+    Drive { torque_limit_nm: bench.model.torque_limit_nm, heat: inputs.limits.drive_heat }
 }
 
 /// Largest additions of pulses to each value of a cycle's run.
@@ -262,5 +245,12 @@ fn of_encoder(bench: &Drawn, speed_rad_s: f64) -> Added {
 }
 
 fn unstable() -> Outcome {
-    Outcome { peaks: unbounded(), validations: Vec::new(), own: Vec::new(), is_unstable: true, course: Vec::new() }
+    Outcome {
+        peaks: unbounded(),
+        validations: Vec::new(),
+        own: Vec::new(),
+        is_unstable: true,
+        course: Vec::new(),
+        limited: Vec::new(),
+    }
 }

@@ -87,6 +87,14 @@ pub fn of_model(validity: &Validity, speed_rad_s: &[f64], torque_nm: &[f64]) -> 
     [speed, torque].into_iter().flatten().collect()
 }
 
+/// Tells of each value of a run whether it leaves the range of the recordings that a model is from.
+pub(crate) fn is_beyond_model(validity: &Validity, trace: &Trace) -> impl Fn(usize) -> bool {
+    let wide = |range: Option<Range>| range.map(|(low, high)| (low - EDGE * (high - low), high + EDGE * (high - low)));
+    let (speed, torque) = (wide(validity.dyno_speed_rad_s), wide(validity.air_gap_torque_nm));
+    let leaves = |range: Option<Range>, value: f64| range.is_some_and(|(low, high)| value < low || value > high);
+    move |k| leaves(speed, trace.dyno_speed_rad_s[k]) || leaves(torque, trace.dyno_demand_nm[k])
+}
+
 fn of_engine(map: &EngineMap, trace: &Trace) -> Vec<Beyond> {
     let (speeds, torques) = (&trace.speed_demand_rad_s, &trace.torque_demand_nm);
     let map_rad_s = (map.lowest_rad_s(), map.highest_rad_s());

@@ -27,6 +27,16 @@ pub enum CapabilityError {
         /// Text that was written.
         text: String,
     },
+    /// A torque limit above what the drive gives in the runs that it is to judge.
+    #[error(
+        "the drive gives no more than {drive_nm} Nm, and some benches reach that; state a larger `torque` in [limits], and run the test again"
+    )]
+    BeyondDrive {
+        /// The limit, Nm.
+        limit_nm: f64,
+        /// The torque that the drive gives, Nm.
+        drive_nm: f64,
+    },
     /// No samples.
     #[error("at least one bench must be drawn")]
     NoSamples,

@@ -2,7 +2,7 @@
 
 use design::safety::{AtResonance, SPEED_CHANGE_S};
 use numerics::null::nan_if_null;
-use rig::bench_file::Limits;
+use rig::bench_file::{DriveHeat, Limits};
 use serde::{Deserialize, Serialize};
 
 use crate::added::Added;
@@ -109,45 +109,74 @@ impl LimitOf {
             LimitOf::DriveHeat => limits.drive_heat.map(|_| 1.0),
         }
     }
+
+    /// Limits with another one of this quantity, SI. The heat of the drive has none but 1, and stays.
+    #[must_use]
+    pub fn with(self, limits: Limits, limit: Option<f64>) -> Limits {
+        let mut other = limits;
+        match self {
+            LimitOf::ShaftTorque => other.shaft_torque_nm = limit,
+            LimitOf::ShaftTorqueSlew => other.shaft_torque_slew_nm_per_s = limit,
+            LimitOf::TorqueDemand => other.torque_nm = limit,
+            LimitOf::TorqueSlew => other.torque_slew_nm_per_s = limit,
+            LimitOf::Speed => other.speed_rad_s = limit,
+            LimitOf::SpeedGradient => other.speed_gradient_rad_s2 = limit,
+            LimitOf::Power => other.power_w = limit,
+            LimitOf::TimeAtResonance => other.time_at_resonance_s = limit,
+            LimitOf::DriveHeat => {}
+        }
+        other
+    }
+}
+
+/// What holds the drive of a bench, whatever the limits by which a run is judged.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drive {
+    /// The controller demands no more, Nm.
+    pub(crate) torque_limit_nm: Option<f64>,
+    pub(crate) heat: Option<DriveHeat>,
 }
 
 /// The peaks of a run, by the place of each quantity in [`LimitOf::ALL`]. A run that has no pulses of its own comes
 /// with what they add to each of its values; another one with an empty slice.
-pub(crate) fn peaks(trace: &Trace, added: &[Added], near: &AtResonance<'_>, limits: &Limits) -> [Peak; LimitOf::COUNT] {
-    let (demand, dyno, engine) = (&trace.dyno_demand_nm, &trace.dyno_speed_rad_s, &trace.engine_speed_rad_s);
-    let of = |k: usize| added.get(k).copied().unwrap_or_default();
-    let along = |values: &[f64], value: &dyn Fn(usize) -> f64| peak(trace, (0..values.len()).map(value));
-    LimitOf::ALL.map(|limit| match limit {
-        LimitOf::ShaftTorque => along(&trace.shaft_torque_nm, &|k| {
-            let shaft = trace.shaft_torque_nm[k];
-            (shaft + of(k).shaft_above_nm).max(of(k).shaft_below_nm - shaft)
-        }),
-        LimitOf::ShaftTorqueSlew => along(&trace.shaft_torque_nm, &|k| {
-            let shaft = &trace.shaft_torque_nm;
-            (shaft[k] - shaft[k.saturating_sub(1)]).abs() / trace.step_s + of(k).shaft_slew_nm_per_s
-        }),
-        LimitOf::TorqueDemand => along(demand, &|k| demanded_nm(demand[k], &of(k), limits)),
-        LimitOf::TorqueSlew => change(trace, demand, TORQUE_CHANGE_S, &|k| of(k).demand_slew_nm_per_s),
-        LimitOf::Speed => {
-            let speeds = [
-                along(dyno, &|k| dyno[k].abs() + of(k).dyno_speed_rad_s),
-                along(engine, &|k| engine[k].abs() + of(k).engine_speed_rad_s),
-            ];
-            if speeds[1].value > speeds[0].value { speeds[1] } else { speeds[0] }
-        }
-        LimitOf::SpeedGradient => change(trace, dyno, SPEED_CHANGE_S, &|k| of(k).speed_gradient_rad_s2),
-        LimitOf::Power => {
-            along(demand, &|k| demanded_nm(demand[k], &of(k), limits) * (dyno[k].abs() + of(k).dyno_speed_rad_s))
-        }
+pub(crate) fn peaks(trace: &Trace, added: &[Added], near: &AtResonance<'_>, drive: &Drive) -> [Peak; LimitOf::COUNT] {
+    LimitOf::ALL.map(|of| match of {
         LimitOf::TimeAtResonance => longest_at_resonance(trace, near),
-        LimitOf::DriveHeat => heat(trace, limits, &|k| of(k).demand_rms_nm),
+        of => peak(trace, course(of, trace, added, drive).into_iter()),
     })
 }
 
+/// The magnitudes of a run that are compared with a limit, with what pulses add; none of a stay at the resonance.
+pub(crate) fn course(of: LimitOf, trace: &Trace, added: &[Added], drive: &Drive) -> Vec<f64> {
+    let (demand, dyno, shaft) = (&trace.dyno_demand_nm, &trace.dyno_speed_rad_s, &trace.shaft_torque_nm);
+    let of_pulses = |k: usize| added.get(k).copied().unwrap_or_default();
+    let demanded = |k: usize| demanded_nm(demand[k], &of_pulses(k), drive);
+    let along = |values: &[f64], value: &dyn Fn(usize) -> f64| (0..values.len()).map(value).collect();
+    match of {
+        LimitOf::ShaftTorque => {
+            along(shaft, &|k| (shaft[k] + of_pulses(k).shaft_above_nm).max(of_pulses(k).shaft_below_nm - shaft[k]))
+        }
+        LimitOf::ShaftTorqueSlew => along(shaft, &|k| {
+            (shaft[k] - shaft[k.saturating_sub(1)]).abs() / trace.step_s + of_pulses(k).shaft_slew_nm_per_s
+        }),
+        LimitOf::TorqueDemand => along(demand, &demanded),
+        LimitOf::TorqueSlew => changes(trace, demand, TORQUE_CHANGE_S, &|k| of_pulses(k).demand_slew_nm_per_s),
+        LimitOf::Speed => along(dyno, &|k| {
+            let of_dyno = dyno[k].abs() + of_pulses(k).dyno_speed_rad_s;
+            let engine = trace.engine_speed_rad_s.get(k);
+            engine.map_or(of_dyno, |speed| of_dyno.max(speed.abs() + of_pulses(k).engine_speed_rad_s))
+        }),
+        LimitOf::SpeedGradient => changes(trace, dyno, SPEED_CHANGE_S, &|k| of_pulses(k).speed_gradient_rad_s2),
+        LimitOf::Power => along(demand, &|k| demanded(k) * (dyno[k].abs() + of_pulses(k).dyno_speed_rad_s)),
+        LimitOf::TimeAtResonance => Vec::new(),
+        LimitOf::DriveHeat => heats(trace, drive, &|k| of_pulses(k).demand_rms_nm),
+    }
+}
+
 /// |T_d*| with its pulses, which the controller's own limit holds as it does the rest.
-fn demanded_nm(demand_nm: f64, added: &Added, limits: &Limits) -> f64 {
+fn demanded_nm(demand_nm: f64, added: &Added, drive: &Drive) -> f64 {
     let with_pulses = demand_nm.abs() + added.demand_nm;
-    limits.torque_nm.map_or(with_pulses, |limit| with_pulses.min(limit.max(demand_nm.abs())))
+    drive.torque_limit_nm.map_or(with_pulses, |limit| with_pulses.min(limit.max(demand_nm.abs())))
 }
 
 /// A run that grows without bound reaches every limit at once.
@@ -161,16 +190,16 @@ fn peak(trace: &Trace, values: impl Iterator<Item = f64>) -> Peak {
     Peak { value: largest.1, time_s: trace.time_s(largest.0) }
 }
 
-/// The largest change within a time, over that time, with what pulses add to it: a step within it counts as one over
-/// all of it.
-fn change(trace: &Trace, values: &[f64], within_s: f64, added: &dyn Fn(usize) -> f64) -> Peak {
+/// The largest change within a time from each value on, over that time, with what pulses add to it: a step within it
+/// counts as one over all of it.
+fn changes(trace: &Trace, values: &[f64], within_s: f64, added: &dyn Fn(usize) -> f64) -> Vec<f64> {
     let apart = ((within_s / trace.step_s).round() as usize).max(1);
     let over_s = apart as f64 * trace.step_s;
     let from = |k: usize| {
         let later = values[k..].iter().take(apart + 1);
         later.fold(0.0, |most: f64, value| most.max((value - values[k]).abs())) / over_s + added(k)
     };
-    peak(trace, (0..values.len()).map(from))
+    (0..values.len()).map(from).collect()
 }
 
 fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
@@ -178,10 +207,10 @@ fn longest_at_resonance(trace: &Trace, near: &AtResonance<'_>) -> Peak {
     Peak { value: stay as f64 * trace.step_s, time_s: trace.time_s(place) }
 }
 
-/// The largest heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at
-/// the first one; T² with the mean square of the pulses.
-fn heat(trace: &Trace, limits: &Limits, pulses_rms_nm: &dyn Fn(usize) -> f64) -> Peak {
-    let Some(drive) = limits.drive_heat else { return Peak { value: 0.0, time_s: trace.start_s } };
+/// The heat of the drive: τ dθ/dt = (T/T_c)² − θ, T the torque demand, held from value to value, from rest at the first
+/// one; T² with the mean square of the pulses.
+fn heats(trace: &Trace, drive: &Drive, pulses_rms_nm: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    let Some(drive) = drive.heat else { return Vec::new() };
     let stays = (-trace.step_s / drive.time_constant_s).exp();
     let towards = |(k, torque_nm): (usize, &f64)| {
         (torque_nm * torque_nm + pulses_rms_nm(k).powi(2)) / drive.continuous_torque_nm.powi(2)
@@ -192,5 +221,5 @@ fn heat(trace: &Trace, limits: &Limits, pulses_rms_nm: &dyn Fn(usize) -> f64) ->
         now = towards(one) + (now - towards(one)) * stays;
         before
     });
-    peak(trace, heats)
+    heats.collect()
 }

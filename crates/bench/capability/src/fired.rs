@@ -5,12 +5,11 @@
 //! have a larger value.
 
 use design::safety::AtResonance;
-use rig::bench_file::Limits;
 
 use crate::added::Added;
 use crate::cycle_run::CycleGrid;
 use crate::error::CapabilityError;
-use crate::extremes::{LimitOf, Peak, peaks};
+use crate::extremes::{Drive, LimitOf, Peak, peaks};
 use crate::outcome::Drawn;
 use crate::trace::Trace;
 
@@ -36,19 +35,19 @@ pub(crate) struct Firing<'a> {
     pub(crate) trace: &'a Trace,
     pub(crate) added: &'a [Added],
     pub(crate) near: &'a AtResonance<'a>,
-    pub(crate) limits: &'a Limits,
+    pub(crate) drive: &'a Drive,
 }
 
 impl Firing<'_> {
     /// Upper bounds of the largest values.
     pub(crate) fn bounds(&self) -> [Peak; LimitOf::COUNT] {
-        peaks(self.trace, self.added, self.near, self.limits)
+        peaks(self.trace, self.added, self.near, self.drive)
     }
 
     /// The largest values. Heat and stay at the resonance are of all the cycle, and hardly depend on the pulses' phase:
     /// theirs are the bounds.
     pub(crate) fn peaks(&self) -> Result<[Peak; LimitOf::COUNT], CapabilityError> {
-        let (bounds, mut most) = (self.bounds(), peaks(self.trace, &[], self.near, self.limits));
+        let (bounds, mut most) = (self.bounds(), peaks(self.trace, &[], self.near, self.drive));
         let is_of_all = |of: LimitOf| matches!(of, LimitOf::TimeAtResonance | LimitOf::DriveHeat);
         for of in LimitOf::ALL.into_iter().filter(|of| is_of_all(*of)) {
             most[of as usize] = bounds[of as usize];
@@ -66,7 +65,7 @@ impl Firing<'_> {
             };
             next.is_simulated = true;
             let fired = self.grid.fired(self.bench, next.from, next.to)?;
-            let found = peaks(&fired, &[], self.near, self.limits);
+            let found = peaks(&fired, &[], self.near, self.drive);
             for of in LimitOf::ALL.into_iter().filter(|of| !is_of_all(*of)) {
                 let place = of as usize;
                 most[place] = if found[place].value > most[place].value { found[place] } else { most[place] };
@@ -79,7 +78,7 @@ impl Firing<'_> {
         let (count, length) = (self.added.len(), ((STRETCH_S / self.trace.step_s) as usize).max(1));
         let stretch = |from: usize| {
             let to = (from + length).min(count - 1);
-            let bounds = peaks(&self.trace.part(from, to), &self.added[from..=to], self.near, self.limits);
+            let bounds = peaks(&self.trace.part(from, to), &self.added[from..=to], self.near, self.drive);
             Stretch { from, to, bounds, is_simulated: false }
         };
         (0..count.saturating_sub(1)).step_by(length).map(stretch).collect()

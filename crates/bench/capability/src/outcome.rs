@@ -53,6 +53,7 @@ pub struct CanInputs<'a> {
 }
 
 /// Outcome of one bench.
+#[derive(Debug, Clone)]
 pub(crate) struct Outcome {
     pub(crate) peaks: [Peak; LimitOf::COUNT],
     pub(crate) validations: Vec<Validation>,
@@ -60,9 +61,12 @@ pub(crate) struct Outcome {
     pub(crate) is_unstable: bool,
     /// Speed and torque at the times of the bands.
     pub(crate) course: Vec<(f64, f64)>,
+    /// The largest magnitude in each stretch of the run, by quantity; empty where nobody asks for it.
+    pub(crate) limited: Vec<Vec<f64>>,
 }
 
 /// One bench that could be the one at hand.
+#[derive(Debug, Clone)]
 pub(crate) struct Drawn {
     pub(crate) model: BenchModel,
     pub(crate) engine: EngineParameters,
@@ -75,23 +79,22 @@ pub(crate) struct Drawn {
     pub(crate) firing_seed: Option<u64>,
 }
 
-/// Tells whether a bench keeps every limit and meets every requirement.
-pub(crate) fn keeps(inputs: &CanInputs<'_>, outcome: &Outcome) -> bool {
-    let meets_own = outcome.own.len() == inputs.own.len() && outcome.own.iter().all(Judged::passes);
-    !outcome.is_unstable
-        && meets_own
-        && meets_sets(inputs, &outcome.validations)
-        && keeps_limits(inputs, &outcome.peaks)
+/// Tells whether every limit is kept.
+pub(crate) fn keeps_limits(has_shaft: bool, limits: &Limits, peaks: &[Peak; LimitOf::COUNT]) -> bool {
+    reached(has_shaft, limits, peaks).next().is_none()
 }
 
-/// Tells whether every limit is kept.
-pub(crate) fn keeps_limits(inputs: &CanInputs<'_>, peaks: &[Peak; LimitOf::COUNT]) -> bool {
-    let is_reached =
-        |of: LimitOf| of.limit(&inputs.limits).is_some_and(|limit| reaches(peaks[of as usize].value, limit));
-    !LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits).any(is_reached)
+/// The limits that are reached.
+pub(crate) fn reached<'a>(
+    has_shaft: bool,
+    limits: &'a Limits,
+    peaks: &'a [Peak; LimitOf::COUNT],
+) -> impl Iterator<Item = LimitOf> + 'a {
+    let is_reached = |of: &LimitOf| of.limit(limits).is_some_and(|limit| reaches(peaks[*of as usize].value, limit));
+    LimitOf::of_test(has_shaft, limits).filter(is_reached)
 }
 
 /// Tells whether every requirement set is met.
-pub(crate) fn meets_sets(inputs: &CanInputs<'_>, validations: &[Validation]) -> bool {
-    validations.len() == inputs.sets.len() && validations.iter().all(|validation| validation.passes)
+pub(crate) fn meets_sets(sets: &[RequirementSet], validations: &[Validation]) -> bool {
+    validations.len() == sets.len() && validations.iter().all(|validation| validation.passes)
 }

@@ -7,10 +7,10 @@ use numerics::order;
 use serde::{Deserialize, Serialize};
 use signal::proportion::Proportion;
 
-use crate::beyond::{Beyond, beyond};
-use crate::doubt::{Doubt, doubts};
+use crate::beyond::Beyond;
+use crate::doubt::Doubt;
 use crate::extremes::LimitOf;
-use crate::outcome::{CanInputs, Drawn, Outcome, keeps};
+use crate::outcome::Outcome;
 use crate::trace::Trace;
 
 /// Times at which the spread of a course is kept.
@@ -175,42 +175,23 @@ impl Spread {
     }
 }
 
-/// Puts the outcomes of all benches together.
-pub(crate) fn verdict(
-    inputs: &CanInputs<'_>,
-    benches: &[Drawn],
-    outcomes: &[Outcome],
-    nominal: &Outcome,
-    trace: Trace,
-) -> Verdict {
-    let kept = proportion(outcomes, |outcome| keeps(inputs, outcome));
-    let limits: Vec<LimitVerdict> = LimitOf::of_test(inputs.demand.has_shaft(), &inputs.limits)
-        .map(|of| limit_verdict(of, of.limit(&inputs.limits), outcomes, nominal))
-        .collect();
-    let is_judged = !inputs.sets.is_empty() || !inputs.own.is_empty() || limits.iter().any(|one| one.limit.is_some());
-    let beyond = beyond(&inputs.demand, &inputs.validity, &trace);
-    let answer = match kept.estimate {
+impl Verdict {
+    /// The stated limit that most benches reach; of several, the one that 95 % of the benches come nearest to.
+    pub fn binding(&self) -> Option<LimitOf> {
+        let of = |one: &LimitVerdict| Some((one.of, one.reached?.count, one.values.quantile(0.95) / one.limit?));
+        let stated = self.limits.iter().filter_map(of);
+        stated.max_by(|a, b| a.1.cmp(&b.1).then(a.2.total_cmp(&b.2))).map(|(of, ..)| of)
+    }
+}
+
+/// The answer of benches of which so many keep everything.
+pub(crate) fn answer_of(kept: &Proportion, is_judged: bool, is_beyond: bool) -> Answer {
+    match kept.estimate {
         _ if is_share_of_yes(kept.count, kept.of) && !is_judged => Answer::NotJudged,
-        _ if is_share_of_yes(kept.count, kept.of) && beyond.is_empty() => Answer::Yes,
+        _ if is_share_of_yes(kept.count, kept.of) && !is_beyond => Answer::Yes,
         _ if is_share_of_yes(kept.count, kept.of) => Answer::NotShown,
         share if share > NO => Answer::Perhaps,
         _ => Answer::No,
-    };
-    Verdict {
-        answer,
-        beyond,
-        kept,
-        unstable: proportion(outcomes, |outcome| outcome.is_unstable),
-        unchecked: limits.iter().filter(|one| one.limit.is_none()).map(|one| one.of).collect(),
-        limits,
-        sets: inputs.sets.iter().enumerate().map(|(k, set)| set_verdict(k, set, outcomes, nominal)).collect(),
-        own: inputs.own.iter().enumerate().map(|(k, own)| own_verdict(k, own, outcomes, nominal)).collect(),
-        doubts: match answer {
-            Answer::Perhaps => doubts(benches, &outcomes.iter().map(|one| keeps(inputs, one)).collect::<Vec<_>>()),
-            Answer::Yes | Answer::No | Answer::NotShown | Answer::NotJudged => Vec::new(),
-        },
-        bands: bands(&trace, outcomes),
-        nominal: trace,
     }
 }
 
@@ -224,11 +205,11 @@ pub(crate) fn most_misses(of: usize) -> usize {
     (0..=of).rev().find(|misses| is_share_of_yes(of - misses, of)).unwrap_or(0)
 }
 
-fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {
+pub(crate) fn proportion(outcomes: &[Outcome], is: impl Fn(&Outcome) -> bool) -> Proportion {
     Proportion::new(outcomes.iter().filter(|outcome| is(outcome)).count(), outcomes.len())
 }
 
-fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal: &Outcome) -> LimitVerdict {
+pub(crate) fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal: &Outcome) -> LimitVerdict {
     let value = |outcome: &Outcome| outcome.peaks[of as usize].value;
     LimitVerdict {
         of,
@@ -239,7 +220,7 @@ fn limit_verdict(of: LimitOf, limit: Option<f64>, outcomes: &[Outcome], nominal:
     }
 }
 
-fn set_verdict(place: usize, set: &RequirementSet, outcomes: &[Outcome], nominal: &Outcome) -> SetVerdict {
+pub(crate) fn set_verdict(place: usize, set: &RequirementSet, outcomes: &[Outcome], nominal: &Outcome) -> SetVerdict {
     let of_nominal = nominal.validations.get(place);
     let statistic = |k: usize| {
         let first = &of_nominal?.checked[k];
@@ -261,7 +242,7 @@ fn set_verdict(place: usize, set: &RequirementSet, outcomes: &[Outcome], nominal
     }
 }
 
-fn own_verdict(place: usize, own: &Own, outcomes: &[Outcome], nominal: &Outcome) -> OwnVerdict {
+pub(crate) fn own_verdict(place: usize, own: &Own, outcomes: &[Outcome], nominal: &Outcome) -> OwnVerdict {
     let of_nominal = nominal.own.get(place);
     OwnVerdict {
         own: *own,
@@ -277,7 +258,7 @@ pub(crate) fn band_places(trace: &Trace) -> impl Iterator<Item = usize> {
     (0..BAND_POINTS.min(count)).map(move |k| k * count.saturating_sub(1) / (BAND_POINTS.min(count) - 1).max(1))
 }
 
-fn bands(trace: &Trace, outcomes: &[Outcome]) -> Bands {
+pub(crate) fn bands(trace: &Trace, outcomes: &[Outcome]) -> Bands {
     let places: Vec<usize> = band_places(trace).collect();
     let at = |k: usize, of: fn(&(f64, f64)) -> f64, probability: f64| {
         Spread::of(outcomes.iter().filter_map(|outcome| outcome.course.get(k)).map(of).collect()).quantile(probability)

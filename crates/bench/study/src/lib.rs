@@ -35,7 +35,10 @@ pub use comparison::{
 pub use gather::{Prepared, Source, StudyError, experiment_of};
 pub use known::known;
 pub use model_json::{BenchModelError, Origin, Words, bench_model, model, model_with_validity, parameters};
-pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
+pub use next::{
+    Candidate, Gain, NextError, NextExperiments, NextOptions, RatedExperiment, next_experiments, rated_experiments,
+    rated_plan,
+};
 pub use recorded::{RecordedCourse, StepResponse};
 pub use replayed::{REPLAYED_S, ReplayModel, replayed_stretch};
 pub use result::*;

@@ -12,7 +12,7 @@ use bench_model::disturbances::Disturbances;
 use bench_model::model::{AssembledModel, BenchModel};
 use bench_model::prediction::PredictionInputs;
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
-use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, Safety, SafetyInputs, check};
+use design::safety::{ASSUMED_ENGINE, BenchSpread, FrictionSpread, Prior, Safety, SafetyCheck, SafetyInputs, check};
 use numerics::null::nan_if_null;
 use numerics::parallel;
 use part_controller::speed_controller::Encoder;
@@ -238,6 +238,12 @@ impl Candidate {
         (new, self.gains.iter().map(of).sum())
     }
 
+    /// The factor by which it narrows intervals that are too wide, all factors multiplied; spoiled numbers count as in
+    /// [`Candidate::worth`].
+    pub fn narrowing(&self, enough: f64) -> f64 {
+        self.worth(enough).1.exp()
+    }
+
     /// Tells whether it buys anything.
     pub fn is_worth_while(&self) -> bool {
         self.gains.iter().any(Gain::is_worth_while)
@@ -247,6 +253,15 @@ impl Candidate {
     pub fn is_unsafe(&self) -> bool {
         self.safety == Some(Safety::Unsafe)
     }
+}
+
+/// An experiment with its gains, and with its check.
+#[derive(Debug, Clone)]
+pub struct RatedExperiment {
+    /// The experiment with its gains.
+    pub candidate: Candidate,
+    /// The check of its safety; `None` where it cannot be checked, or was not, since it buys nothing.
+    pub check: Option<SafetyCheck>,
 }
 
 /// Gains from each experiment of the method, beside the recordings there are; there may be none.
@@ -259,55 +274,128 @@ pub fn next_experiments(
     options: NextOptions,
     context: &Context,
 ) -> Result<NextExperiments, NextError> {
-    let experiments = match recordings.usable(bench) {
-        Ok(prepared) => prepared.experiments,
-        Err(StudyError::NoRecordings) => Arc::default(),
-        Err(error) => return Err(error.into()),
-    };
+    Ok(rated_experiments(bench, recordings, options, context)?.0)
+}
+
+/// The same, with the check of each candidate, in their order.
+///
+/// # Errors
+/// Those of [`next_experiments`].
+pub fn rated_experiments(
+    bench: &BenchFile,
+    recordings: Prepared,
+    options: NextOptions,
+    context: &Context,
+) -> Result<(NextExperiments, Vec<Option<SafetyCheck>>), NextError> {
+    let experiments = usable(bench, recordings)?;
     let all: Vec<&Experiment> = experiments.iter().collect();
-    beside(&Parts::of(&all, bench), options, context)
+    rated_beside(&Parts::of(&all, bench), options, context)
+}
+
+/// The gains from one experiment with this plan, and its check. Of the options, the plan has speed and length of its
+/// own; the speed is only stated.
+///
+/// # Errors
+/// Those of [`next_experiments`].
+pub fn rated_plan(
+    bench: &BenchFile,
+    recordings: Prepared,
+    plan: &ExperimentPlan,
+    options: NextOptions,
+    context: &Context,
+) -> Result<RatedExperiment, NextError> {
+    let experiments = usable(bench, recordings)?;
+    let all: Vec<&Experiment> = experiments.iter().collect();
+    let parts = Parts::of(&all, bench);
+    let step = context.step("trying the experiment on a bench like this one", 0);
+    let rated = Ground::of(&parts, options, &step)?.rate(plan, false, true)?;
+    Ok(rated)
+}
+
+fn usable(bench: &BenchFile, recordings: Prepared) -> Result<Arc<Vec<Experiment>>, NextError> {
+    match recordings.usable(bench) {
+        Ok(prepared) => Ok(prepared.experiments),
+        Err(StudyError::NoRecordings) => Ok(Arc::default()),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// The same, beside recordings that were prepared.
 pub(super) fn beside(parts: &Parts<'_>, options: NextOptions, context: &Context) -> Result<NextExperiments, NextError> {
-    if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
-        return Err(NextError::TooShort { duration_s: options.duration_s });
-    }
-    let bench = parts.bench;
-    let known = Known::of(parts, context);
-    let assembled = known.model.as_ref();
-    let mut stated = StatedBench::of(bench, assembled.map(|assembled| &assembled.model))?
-        .with_pulses(assembled.and_then(|assembled| assembled.engine_pulses.as_ref()));
-    if !stated.knows_shaft() {
-        return Err(NextError::UnknownShaft);
-    }
-    adopt_sensors(&mut stated, &parts.experiments, known.encoder);
+    Ok(rated_beside(parts, options, context)?.0)
+}
+
+fn rated_beside(
+    parts: &Parts<'_>,
+    options: NextOptions,
+    context: &Context,
+) -> Result<(NextExperiments, Vec<Option<SafetyCheck>>), NextError> {
+    let ground = Ground::of(parts, options, context)?;
     let at = OperatingPoint { speed_rad_s: options.speed_rpm * RPM_RAD_S, torque_nm: DESIGNED_AT_NM };
-    let plans: Vec<(ExperimentPlan, bool)> = designed(bench, &stated, at, options.duration_s)
+    let plans: Vec<(ExperimentPlan, bool)> = designed(parts.bench, &ground.stated, at, options.duration_s)
         .into_iter()
         .map(|plan| (plan, true))
         .chain(of_the_method(options.speed_rpm, options.duration_s).map(|plan| (plan, false)))
         .collect();
-    let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
-        let (then, peak_shaft_torque_nm) = try_out(parts, &stated, plan, options.seed)?;
+    let rate = |(plan, is_designed): &(ExperimentPlan, bool)| ground.rate(plan, *is_designed, false);
+    let rated = parallel::map_as_step(context, "trying experiments on a bench like this one", &plans, rate);
+    let mut rated = rated.into_iter().collect::<Result<Vec<RatedExperiment>, VirtualBenchError>>()?;
+    let worth = |one: &RatedExperiment| one.candidate.worth(options.enough);
+    rated.sort_by(|a, b| worth(b).partial_cmp(&worth(a)).unwrap_or(std::cmp::Ordering::Equal));
+    let (candidates, checks) = rated.into_iter().map(|one| (one.candidate, one.check)).unzip();
+    let Ground { known, stated, .. } = ground;
+    let found =
+        NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions };
+    Ok((found, checks))
+}
+
+/// Ground on which experiments are tried: what recordings show, and a virtual bench that is as this one is known to be.
+struct Ground<'a, 'b> {
+    parts: &'a Parts<'b>,
+    known: Known,
+    stated: StatedBench,
+    options: NextOptions,
+}
+
+impl<'a, 'b> Ground<'a, 'b> {
+    fn of(parts: &'a Parts<'b>, options: NextOptions, context: &Context) -> Result<Self, NextError> {
+        if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
+            return Err(NextError::TooShort { duration_s: options.duration_s });
+        }
+        let known = Known::of(parts, context);
+        let assembled = known.model.as_ref();
+        let mut stated = StatedBench::of(parts.bench, assembled.map(|assembled| &assembled.model))?
+            .with_pulses(assembled.and_then(|assembled| assembled.engine_pulses.as_ref()));
+        if !stated.knows_shaft() {
+            return Err(NextError::UnknownShaft);
+        }
+        adopt_sensors(&mut stated, &parts.experiments, known.encoder);
+        Ok(Ground { parts, known, stated, options })
+    }
+
+    /// Gains from a plan, and its check: always, or where it buys anything.
+    fn rate(
+        &self,
+        plan: &ExperimentPlan,
+        is_designed: bool,
+        is_always_checked: bool,
+    ) -> Result<RatedExperiment, VirtualBenchError> {
+        let Ground { parts, known, stated, options } = self;
+        let (then, peak_shaft_torque_nm) = try_out(parts, stated, plan, options.seed)?;
         let candidate = Candidate {
             label: plan.label.clone(),
-            is_designed: *is_designed,
+            is_designed,
             speed_rpm: options.speed_rpm,
             duration_s: plan.duration_s,
             peak_shaft_torque_nm,
             safety: None,
             gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
         };
-        let safety =
-            candidate.is_worth_while().then(|| safety(bench, &stated, known.model.as_ref(), plan, options.seed));
-        Ok(Candidate { safety: safety.flatten(), ..candidate })
-    };
-    let candidates = parallel::map_as_step(context, "trying experiments on a bench like this one", &plans, tried);
-    let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
-    let worth = |candidate: &Candidate| candidate.worth(options.enough);
-    candidates.sort_by(|a, b| worth(b).partial_cmp(&worth(a)).unwrap_or(std::cmp::Ordering::Equal));
-    Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
+        let is_checked = is_always_checked || candidate.is_worth_while();
+        let check = is_checked.then(|| safety(parts.bench, stated, known.model.as_ref(), plan, options.seed)).flatten();
+        let safety = check.as_ref().map(|check| check.safety);
+        Ok(RatedExperiment { candidate: Candidate { safety, ..candidate }, check })
+    }
 }
 
 /// Knowledge that recordings give.
@@ -413,14 +501,14 @@ fn try_out(
     Ok((then.numbers, peak_nm))
 }
 
-/// Result of a check of an experiment; `None` where it cannot be checked.
+/// Check of an experiment; `None` where it cannot be checked.
 fn safety(
     bench: &BenchFile,
     stated: &StatedBench,
     known: Option<&AssembledModel>,
     plan: &ExperimentPlan,
     seed: u64,
-) -> Option<Safety> {
+) -> Option<SafetyCheck> {
     let model = stated.linear_model(known.map(|known| &known.model));
     let demands = Demands::of(plan, seed, DEMAND_HOLD_S);
     let estimated = known.and_then(|known| known.dyno_friction.as_ref());
@@ -444,7 +532,7 @@ fn safety(
         samples: CHECKED,
         seed,
     };
-    check(&inputs, &Context::new()).ok().map(|checked| checked.safety)
+    check(&inputs, &Context::new()).ok()
 }
 
 /// Gain in a number.

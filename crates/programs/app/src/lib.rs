@@ -9,16 +9,19 @@
 #![warn(missing_docs)]
 
 mod answer;
+mod can;
 mod folder;
 mod guard;
 mod handles;
 mod jobs;
+mod next;
 mod recordings;
 mod server;
 mod shared;
 mod site;
 mod stretches;
 mod texts;
+mod tries;
 
 pub use jobs::run_job;
 pub use server::{App, AppError};

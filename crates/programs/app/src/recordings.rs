@@ -167,6 +167,6 @@ pub(crate) fn handle(shared: &Shared, file: &str) -> Result<Handle, Fault> {
 }
 
 /// Work that takes its time, on a thread where it holds nobody up.
-async fn blocking(work: impl FnOnce() -> Answer + Send + 'static) -> Answer {
+pub(crate) async fn blocking(work: impl FnOnce() -> Answer + Send + 'static) -> Answer {
     tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| Err(Fault::refused(error)))
 }

@@ -13,7 +13,8 @@ use crate::folder::Folder;
 use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
 use crate::shared::{Inner, Program, Shared};
-use crate::{jobs, recordings, site, stretches, texts};
+use crate::tries::Tries;
+use crate::{can, jobs, next, recordings, site, stretches, texts};
 
 /// The most bytes of a text that a page may send.
 const MOST_SENT: usize = 4 << 20;
@@ -70,7 +71,13 @@ impl App {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(no_port)?;
         let own = listener.local_addr().map_err(no_port)?.port();
         let gate = Gate::new(own).map_err(|reason| AppError::NoSecrets { reason: reason.to_string() })?;
-        let shared = Inner { folder, program, handles: Handles::default() };
+        let shared = Inner {
+            folder,
+            program,
+            handles: Handles::default(),
+            predictions: Tries::default(),
+            proposals: Tries::default(),
+        };
         Ok(App { listener, gate: Arc::new(gate), shared: Arc::new(shared) })
     }
 
@@ -121,6 +128,15 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/jobs", get(jobs::list).post(jobs::start))
         .route("/jobs/{id}", get(jobs::show).delete(jobs::cancel))
         .route("/jobs/{id}/printed", get(jobs::printed))
+        .route("/can", post(can::start))
+        .route("/can/tests", get(can::tests))
+        .route("/can/{key}", get(can::show).delete(can::forget))
+        .route("/can/{key}/answer", get(can::answer))
+        .route("/can/{key}/judged", get(can::judged))
+        .route("/can/{key}/course", get(can::course))
+        .route("/next", post(next::start))
+        .route("/next/{key}", get(next::show).delete(next::forget))
+        .route("/next/{key}/answer", get(next::answer))
         .with_state(shared);
     Router::new()
         .route("/", get(site::index))

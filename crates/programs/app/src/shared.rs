@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::folder::Folder;
 use crate::handles::Handles;
+use crate::tries::Tries;
 
 /// State that all answers share.
 pub(crate) type Shared = Arc<Inner>;
@@ -16,6 +17,8 @@ pub(crate) struct Inner {
     pub(crate) folder: Folder,
     pub(crate) program: Program,
     pub(crate) handles: Handles,
+    pub(crate) predictions: Tries<dynoid::can::Tried>,
+    pub(crate) proposals: Tries<dynoid::experiments::RatedExperiments>,
 }
 
 /// The program, whose commands the app runs.

@@ -4,9 +4,11 @@ import { failed, fill, h, say } from './dom.js';
 import { here } from './place.js';
 import { follow } from './work.js';
 import * as bench from './views/bench.js';
+import * as can from './views/can.js';
 import * as command from './views/command.js';
 import * as jobs from './views/jobs.js';
 import * as look from './views/look.js';
+import * as next from './views/next.js';
 import * as report from './views/report.js';
 import * as roles from './views/roles.js';
 import * as start from './views/start.js';
@@ -18,10 +20,10 @@ import * as study from './views/study.js';
  */
 
 /** @type {Record<string, View>} */
-const VIEWS = { '': start, look, roles, bench, study, report, command, jobs };
+const VIEWS = { '': start, look, roles, bench, study, can, next, report, command, jobs };
 
 /** Tasks in the bar, in the order of the work. */
-const TASKS = ['look', 'roles', 'bench', 'study', 'report', 'command'];
+const TASKS = ['look', 'roles', 'bench', 'study', 'can', 'next', 'report', 'command'];
 
 /** @type {void | (() => void)} */
 let end;

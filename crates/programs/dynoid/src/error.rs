@@ -448,6 +448,12 @@ pub enum NotPredicted {
         "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or give a study"
     )]
     UnknownShaft,
+    /// A limit that is no positive number.
+    #[error("{name}: the limit must be a number above zero; clear it to judge without it")]
+    NoLimit {
+        /// Name of what it limits.
+        name: &'static str,
+    },
     /// Many benches cannot be drawn, or run the test.
     #[error(transparent)]
     Capability(#[from] CapabilityError),

@@ -9,11 +9,12 @@ use part_lines::lines::RecordingLines;
 use part_shaft::shaft_analysis::ShaftAnalysis;
 use part_torque::model_comparison::{ModelComparison, OrdersTried};
 use part_torque::torque_signals::TorqueSignals;
-use rig::{Diagnostic, Experiment};
+use rig::{BenchFile, Diagnostic, Experiment};
 use study::{Analyses, Campaign, NextExperiments, NextOptions, Prepared, Source, Study, StudyError, next_experiments};
 use work::Context;
 
 use crate::bench::Bench;
+use crate::can::OtherLimits;
 use crate::error::Error;
 use crate::files::Files;
 use crate::find::{InputFile, listed};
@@ -81,6 +82,21 @@ impl Session {
     /// Doubts about the recordings, and why some cannot be used.
     pub fn doubts(&self) -> &[Diagnostic] {
         self.recordings.diagnostics()
+    }
+
+    /// The recordings, prepared.
+    pub(crate) fn prepared(&self) -> Prepared {
+        self.recordings.clone()
+    }
+
+    /// The bench file with other limits.
+    pub(crate) fn limited(&self, other: &OtherLimits) -> Result<BenchFile, Error> {
+        let path = || self.bench.path().to_owned();
+        let limits = other.in_place_of(&self.bench.file().limits);
+        let limits = limits.map_err(|reason| Error::NotPredicted { path: path(), reason })?;
+        let mut file = self.bench.file().clone();
+        file.limits = limits;
+        Ok(file)
     }
 
     /// The campaign of this session, for a function that studies it.

@@ -7,5 +7,6 @@ mod calibration;
 mod maps;
 mod pulses;
 mod results;
+mod runs;
 mod statistics;
 mod support;

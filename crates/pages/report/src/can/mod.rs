@@ -10,6 +10,6 @@ mod words;
 pub use changes::change;
 pub use map::{MapPage, page as map};
 pub(crate) use predicted::beyond as beyond_findings;
-pub use predicted::{Asked, page as predicted};
+pub use predicted::{Asked, page as predicted, rests_on};
 pub use recorded::{AlignedOn, JudgedOwn, RecordedRun, Referred, ScalesOf, page as recorded};
 pub use words::{answer, beyond, limit_of, omission, own, required, statistic, value_of};

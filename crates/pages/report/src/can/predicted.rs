@@ -67,6 +67,16 @@ pub fn page(asked: &Asked<'_>) -> Page {
     Page::new(format!("{}, predicted", asked.test), all.into_vec())
 }
 
+/// What the answer rests on, each as a finding: how benches were drawn, what was not checked, and what is assumed.
+pub fn rests_on(asked: &Asked<'_>) -> Vec<Finding> {
+    let finding = |block: Block| match block {
+        Block::Finding(finding) => Some(finding),
+        Block::Paragraph { text, .. } => Some(Finding::new(Tone::Plain, "how", text)),
+        _ => None,
+    };
+    findings(asked).into_vec().into_iter().chain(assumptions(asked.assumptions)).filter_map(finding).collect()
+}
+
 /// Green is an answer on all limits alone.
 fn tone(asked: &Asked<'_>) -> Tone {
     match asked.verdict.answer {

@@ -89,8 +89,8 @@ pub fn instead(other: &Candidate) -> String {
     }
 }
 
-/// Gain from an experiment.
-fn reasons(candidate: &Candidate) -> String {
+/// Gain from an experiment; empty where it gains nothing.
+pub fn reasons(candidate: &Candidate) -> String {
     let gains =
         |known: bool| candidate.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
     let new: Vec<String> = gains(false).map(|gain| gain.quantity.symbol().to_owned()).collect();

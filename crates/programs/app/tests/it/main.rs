@@ -7,3 +7,4 @@ mod browser;
 mod edits;
 mod recordings;
 mod stretches;
+mod tries;

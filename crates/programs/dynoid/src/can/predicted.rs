@@ -1,9 +1,9 @@
 //! Answers of a model.
 
-use capability::{Answer, CanInputs, Easier, FollowingSpread, LimitOf, Verdict, can, easier};
+use capability::{Answer, CanInputs, CapabilityError, Easier, FollowingSpread, LimitOf, Verdict, can, easier};
 use cycle::RequirementSet;
 use design::safety::{ASSUMED_ENGINE, FrictionSpread};
-use page::Page;
+use page::{Finding, Page};
 use report::can::{Asked, answer};
 use rig::engine_pulses::KnownPulses;
 use virtual_bench::Assumption;
@@ -44,6 +44,19 @@ impl Predicted {
         draws: Draws,
         context: &Context,
     ) -> Result<Self, Error> {
+        let run = |inputs: &CanInputs<'_>| Ok((can(inputs, context)?, ()));
+        Self::by(bench, test, wanted, draws, run, context).map(|(predicted, ())| predicted)
+    }
+
+    /// The same, by a run that gives more than the verdict.
+    pub(super) fn by<T>(
+        bench: &KnownBench,
+        test: &Test,
+        wanted: &Requirements,
+        draws: Draws,
+        run: impl FnOnce(&CanInputs<'_>) -> Result<(Verdict, T), CapabilityError>,
+        context: &Context,
+    ) -> Result<(Self, T), Error> {
         let stated = bench.virtual_bench();
         let (model, assumptions) = match &test.what {
             What::Plan { plan, .. } => (bench.model_for(plan), stated.assumed_for(plan)),
@@ -69,12 +82,12 @@ impl Predicted {
             samples: draws.benches,
             seed: draws.seed,
         };
-        let verdict = can(&inputs, context).map_err(|error| bench.refused(error))?;
+        let (verdict, more) = run(&inputs).map_err(|error| bench.refused(error))?;
         let easier = match verdict.answer {
             Answer::No => easier(&inputs, context).map_err(|error| bench.refused(error))?,
             Answer::Yes | Answer::Perhaps | Answer::NotShown | Answer::NotJudged => Vec::new(),
         };
-        Ok(Predicted {
+        let predicted = Predicted {
             test: test.title().to_owned(),
             duration_s: test.duration_s(),
             easier,
@@ -86,7 +99,21 @@ impl Predicted {
             friction: inputs.friction,
             following: Some(inputs.following).filter(|_| is_assumed && inputs.is_torque_demanded()),
             verdict,
-        })
+        };
+        Ok((predicted, more))
+    }
+
+    /// The same test with another verdict on its runs; changes that would make a no a yes were not looked for.
+    pub(super) fn with_verdict(&self, verdict: Verdict) -> Self {
+        Predicted {
+            verdict,
+            test: self.test.clone(),
+            easier: Vec::new(),
+            sets: self.sets.clone(),
+            pulses: self.pulses.clone(),
+            assumptions: self.assumptions.clone(),
+            ..*self
+        }
     }
 
     /// The verdict, with all its numbers.
@@ -116,7 +143,16 @@ impl Predicted {
 
     /// The answer as a page; [`KnownBench::on_page`] adds the bench.
     pub fn page(&self) -> Page {
-        report::can::predicted(&Asked {
+        report::can::predicted(&self.asked())
+    }
+
+    /// What the answer rests on.
+    pub(super) fn rests_on(&self) -> Vec<Finding> {
+        report::can::rests_on(&self.asked())
+    }
+
+    fn asked(&self) -> Asked<'_> {
+        Asked {
             test: &self.test,
             duration_s: self.duration_s,
             verdict: &self.verdict,
@@ -128,7 +164,7 @@ impl Predicted {
             assumptions: &self.assumptions,
             friction: self.friction,
             following: self.following,
-        })
+        }
     }
 
     /// The answer in numbers.
