@@ -232,7 +232,7 @@ export async function show(element, given) {
   async function demands(button, asked, files) {
     button.disabled = true;
     try {
-      const { files: written } = await result([...asked, '--force']);
+      const { files: written } = await result(asked);
       fill(files, written.map((/** @type {string} */ file) => h('li', {}, file, ' ', file.endsWith('.csv') && h('button', { onclick: () => download(file).catch(failed) }, 'Download'))));
     } catch (error) {
       failed(error);

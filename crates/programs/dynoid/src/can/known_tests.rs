@@ -9,7 +9,7 @@ use super::test::Test;
 
 /// A cycle by its name.
 #[derive(Debug, Serialize)]
-pub struct CycleFacts {
+struct CycleFacts {
     name: &'static str,
     title: &'static str,
     /// True of a schedule of a vehicle, which needs one; all others need an engine map.
@@ -18,7 +18,7 @@ pub struct CycleFacts {
 
 /// A shape with its numbers.
 #[derive(Debug, Serialize)]
-pub struct ShapeFacts {
+struct ShapeFacts {
     name: &'static str,
     demands: &'static str,
     parameters: &'static [Parameter],
