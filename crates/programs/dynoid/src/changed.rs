@@ -4,14 +4,18 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
-use toml_edit::{DocumentMut, Formatted, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Formatted, InlineTable, Item, Table, TableLike, Value};
 
 use crate::error::Error;
+
+/// The place behind the last element of a list.
+const BEHIND: &str = "+";
 
 /// A key that gets another value, or none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Change {
-    /// The key with its tables, such as `channels` and `dyno_speed`.
+    /// The key with its tables, such as `channels` and `dyno_speed`. Of a list the place counts from zero, and `+`
+    /// adds an element behind the last.
     pub key: Vec<String>,
     /// The value; null takes the key away.
     pub value: Json,
@@ -36,32 +40,101 @@ pub fn values(text: &str) -> Option<Json> {
 }
 
 fn apply(root: &mut Table, change: &Change) -> Result<(), String> {
-    let Some((last, tables)) = change.key.split_last() else { return Err("a change names no key".to_owned()) };
-    let mut place: &mut dyn TableLike = root;
-    for name in tables {
-        if change.value.is_null() && !place.contains_key(name) {
-            return Ok(());
-        }
-        let below = place.entry(name).or_insert_with(|| Item::Table(Table::new()));
-        place = below.as_table_like_mut().ok_or_else(|| format!("`{name}` is a value, and holds no keys"))?;
-    }
-    if change.value.is_null() {
-        place.remove(last);
+    let Some((first, rest)) = change.key.split_first() else { return Err("a change names no key".to_owned()) };
+    in_table(root, first, rest, &change.value)
+}
+
+/// Changes a key of a table, or what is below it.
+fn in_table(table: &mut dyn TableLike, name: &str, rest: &[String], value: &Json) -> Result<(), String> {
+    let Some((next, below)) = rest.split_first() else { return set(table, name, value) };
+    if value.is_null() && !table.contains_key(name) {
         return Ok(());
     }
-    let value = in_toml(&change.value)?;
-    match place.get_mut(last).and_then(Item::as_value_mut) {
-        // What stands around the value stays: spaces, and a remark behind it.
-        Some(old) => {
-            let around = old.decor().clone();
-            *old = value;
-            *old.decor_mut() = around;
+    let item = table.entry(name).or_insert_with(|| match next == BEHIND {
+        true if value.is_object() || !below.is_empty() => Item::ArrayOfTables(ArrayOfTables::new()),
+        true => Item::Value(Value::Array(Array::new())),
+        false => Item::Table(Table::new()),
+    });
+    match item {
+        Item::ArrayOfTables(tables) => in_tables(tables, next, below, value),
+        Item::Value(Value::Array(array)) => in_array(array, next, below, value),
+        item => {
+            let table = item.as_table_like_mut().ok_or_else(|| format!("`{name}` is a value, and holds no keys"))?;
+            in_table(table, next, below, value)
         }
+    }
+}
+
+/// Changes a table of a list of tables, or what is below it.
+fn in_tables(tables: &mut ArrayOfTables, place: &str, rest: &[String], value: &Json) -> Result<(), String> {
+    let place = place_in(place, tables.len())?;
+    if place < tables.len() && value.is_null() && rest.is_empty() {
+        tables.remove(place);
+        return Ok(());
+    }
+    if place == tables.len() {
+        tables.push(Table::new());
+    }
+    let table = tables.get_mut(place).ok_or("the list is empty")?;
+    match (rest.split_first(), value) {
+        (Some((name, rest)), value) => in_table(table, name, rest, value),
+        (None, Json::Object(fields)) => {
+            table.retain(|name, _| fields.contains_key(name));
+            fields.iter().try_for_each(|(name, field)| set(table, name, field))
+        }
+        (None, _) => Err("a list of tables holds tables alone".to_owned()),
+    }
+}
+
+/// Changes an element of a list, or what is below it.
+fn in_array(array: &mut Array, place: &str, rest: &[String], value: &Json) -> Result<(), String> {
+    let place = place_in(place, array.len())?;
+    if place < array.len() && value.is_null() && rest.is_empty() {
+        array.remove(place);
+        return Ok(());
+    }
+    if place == array.len() {
+        array.push(if rest.is_empty() { in_toml(value)? } else { Value::InlineTable(InlineTable::new()) });
+    }
+    let element = array.get_mut(place).ok_or("the list is empty")?;
+    match (rest.split_first(), element) {
+        (Some((name, rest)), Value::InlineTable(table)) => in_table(table, name, rest, value),
+        (Some(_), _) => Err(format!("element {place} of the list is a value, and holds no keys")),
+        (None, element) => {
+            replace(element, in_toml(value)?);
+            Ok(())
+        }
+    }
+}
+
+fn place_in(place: &str, count: usize) -> Result<usize, String> {
+    match place.parse() {
+        _ if place == BEHIND => Ok(count),
+        Ok(place) if place < count => Ok(place),
+        _ => Err(format!("the list has no place {place}")),
+    }
+}
+
+fn set(table: &mut dyn TableLike, name: &str, value: &Json) -> Result<(), String> {
+    if value.is_null() {
+        table.remove(name);
+        return Ok(());
+    }
+    let value = in_toml(value)?;
+    match table.get_mut(name).and_then(Item::as_value_mut) {
+        Some(old) => replace(old, value),
         None => {
-            place.insert(last, Item::Value(value));
+            table.insert(name, Item::Value(value));
         }
     }
     Ok(())
+}
+
+/// What stands around the value stays: spaces, and a remark behind it.
+fn replace(old: &mut Value, value: Value) {
+    let around = old.decor().clone();
+    *old = value;
+    *old.decor_mut() = around;
 }
 
 fn in_toml(value: &Json) -> Result<Value, String> {
@@ -131,5 +204,41 @@ mod tests {
         let change = Change { key: vec!["bench".into(), "name".into(), "first".into()], value: json!(1) };
         assert!(changed("bench.toml".as_ref(), TEXT, &[change]).unwrap_err().to_string().contains("`name`"));
         assert!(changed("bench.toml".as_ref(), "[bench", &[]).is_err());
+    }
+
+    const LISTS: &str = "[recordings]\nfiles = [\n  \"a.mf4\", # first\n]\n\n# The valve stuck.\n[[recordings.label]]\nfile = \"a.mf4\"\nlabel = \"FILL IN\" # e.g. BS\n\n[report]\n";
+
+    fn changed_lists(key: &[&str], value: Json) -> String {
+        let key = key.iter().map(|part| (*part).to_owned()).collect();
+        changed("bench.toml".as_ref(), LISTS, &[Change { key, value }]).unwrap()
+    }
+
+    #[test]
+    fn exact_tables_of_a_list_change_come_and_go() {
+        let text = changed_lists(&["recordings", "label", "0", "label"], json!("BS_T_NT"));
+        assert_eq!(text, LISTS.replace("FILL IN", "BS_T_NT"));
+        let text = changed_lists(&["recordings", "label", "+"], json!({"file": "b.mf4", "label": "BS_T_NT"}));
+        let added = "[[recordings.label]]\nfile = \"b.mf4\"\nlabel = \"BS_T_NT\"\n\n[report]";
+        assert_eq!(text, LISTS.replace("[report]", added));
+        let text = changed_lists(&["recordings", "label", "0"], Json::Null);
+        assert!(!text.contains("label") && text.contains("# first") && text.ends_with("[report]\n"), "{text}");
+        let text = changed_lists(&["recordings", "stretch", "+"], json!({"file": "a.mf4", "leave_out": [1.5, 2]}));
+        assert!(text.contains("[[recordings.stretch]]\nfile = \"a.mf4\"\nleave_out = [1.5, 2]\n"), "{text}");
+    }
+
+    #[test]
+    fn exact_elements_of_a_list_change_come_and_go() {
+        let text = changed_lists(&["recordings", "files", "+"], json!("b.mf4"));
+        assert!(text.contains("# first") && text.contains("\"b.mf4\""), "{text}");
+        assert_eq!(values(&text).unwrap()["recordings"]["files"], json!(["a.mf4", "b.mf4"]));
+        let text = changed_lists(&["recordings", "files", "0"], Json::Null);
+        assert_eq!(values(&text).unwrap()["recordings"]["files"], json!([]));
+    }
+
+    #[test]
+    fn exact_a_place_beyond_a_list_is_refused() {
+        let key = ["recordings", "label", "7", "label"].map(str::to_owned).to_vec();
+        let refused = changed("bench.toml".as_ref(), LISTS, &[Change { key, value: json!("BS_T_NT") }]);
+        assert!(refused.unwrap_err().to_string().contains("no place 7"));
     }
 }
