@@ -75,7 +75,7 @@ pub fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
             .filter(is_recorded)
             .map(|(role, name)| (*role, ChannelMapping::named(*name)))
             .collect(),
-        recordings: RecordingList { files: vec![recordings.to_owned()], labels: Vec::new() },
+        recordings: RecordingList { files: vec![recordings.to_owned()], ..RecordingList::default() },
         report: ReportIdentity::default(),
     }
 }

@@ -212,6 +212,26 @@ pub enum Finding {
         /// How much of the recording is not used, s.
         lost_s: f64,
     },
+    /// Stretches that the bench file leaves out.
+    LeftOut {
+        /// Start and end of each, s.
+        stretches_s: Vec<(f64, f64)>,
+        /// Start and end of the uninterrupted part that is used, s.
+        used_s: (f64, f64),
+        /// How much of the recording is not used beside them, since it is no part of that, s.
+        unused_s: f64,
+    },
+    /// A stretch of the bench file holds no sample of its recording.
+    StretchOutside {
+        /// Its beginning, s.
+        from_s: f64,
+        /// Its end, s.
+        to_s: f64,
+        /// Time of the first and last sample of the recording, s.
+        recorded_s: (f64, f64),
+    },
+    /// The bench file states a stretch of a recording that is not there.
+    StretchOfNoRecording,
     /// Time stamps go backwards or repeat.
     TimeNotIncreasing,
     /// Time stamps come in bursts, far closer to each other than one comes on average.

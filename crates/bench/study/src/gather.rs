@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
+use rig::bench_file::names_same_file;
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare};
 use work::Context;
 
@@ -101,6 +102,20 @@ impl Prepared {
         })
     }
 
+    /// Stretches of recordings that are not there: a name may be misspelt.
+    fn doubts_of_stretches(&self, bench: &BenchFile) -> Vec<Diagnostic> {
+        let is_there = |file: &str| self.recordings.iter().any(|recording| names_same_file(&recording.file, file));
+        let mut missing: Vec<&str> = bench.recordings.stretches.iter().map(|stretch| stretch.file.as_str()).collect();
+        missing.retain(|file| !is_there(file));
+        missing.dedup();
+        let doubt = |file: &str| Diagnostic {
+            severity: Severity::Warning,
+            place: Place { file: Some(file.to_owned()), ..Place::default() },
+            finding: Finding::StretchOfNoRecording,
+        };
+        missing.into_iter().map(doubt).collect()
+    }
+
     /// These recordings, of which at least one can be used.
     pub(crate) fn usable(mut self, bench: &BenchFile) -> Result<Self, StudyError> {
         if bench.channels.is_empty() {
@@ -111,6 +126,8 @@ impl Prepared {
         }
         let doubt = self.doubt_of_simulated();
         self.diagnostics.extend(doubt);
+        let doubts = self.doubts_of_stretches(bench);
+        self.diagnostics.extend(doubts);
         match self.experiments.is_empty() {
             true => Err(StudyError::NothingUsable { count: self.recordings.len(), diagnostics: self.diagnostics }),
             false => Ok(self),

@@ -5,3 +5,4 @@
 
 mod speed_control;
 mod speed_controller;
+mod stretches;

@@ -138,6 +138,30 @@ pub enum FaultKind {
         /// The reader's words.
         message: String,
     },
+    /// A stretch of a recording that holds no time.
+    #[error("from {from_s} s to {to_s} s there is no time; write the beginning first, and a later end")]
+    EmptyStretch {
+        /// The beginning, s.
+        from_s: f64,
+        /// The end, s.
+        to_s: f64,
+    },
+    /// A stretch with two uses.
+    #[error("this stretch has the use `{first}` already; write another [[recordings.stretch]] for the other use")]
+    TwoUses {
+        /// The key of the first use.
+        first: &'static str,
+    },
+    /// Two stretches of a recording share time.
+    #[error(
+        "this overlaps the stretch from {from_s} s to {to_s} s of the same recording; make them end where the other begins"
+    )]
+    StretchesOverlap {
+        /// Beginning of the other, s.
+        from_s: f64,
+        /// End of the other, s.
+        to_s: f64,
+    },
     /// A text is not a label.
     #[error("`{text}` is no label; write {{test}}_{{T|N}}_{{NT|TN}}, such as \"BS_T_NT\"")]
     NotALabel {

@@ -24,6 +24,7 @@ mod keys;
 mod read;
 mod sections;
 mod stated;
+mod stretches;
 mod virtual_bench;
 mod write;
 
@@ -32,8 +33,11 @@ use std::str::FromStr;
 pub use crate::channels::ChannelMapping;
 pub use fault::{BenchFileError, Fault, FaultKind};
 pub use keys::{KEYS, Key};
-pub use stated::PLACEHOLDER;
-pub use stated::{BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, RunChannels, ShaftPrior};
+pub use stated::{
+    BenchFile, DriveHeat, LabelOverride, Limits, RecordingList, ReportIdentity, RunChannels, ShaftPrior, StatedStretch,
+    StretchUse,
+};
+pub use stated::{PLACEHOLDER, names_same_file};
 pub use write::Draft;
 
 impl FromStr for BenchFile {

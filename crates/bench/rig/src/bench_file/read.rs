@@ -7,7 +7,7 @@ use units::{self, Quantity, Unit, UnitError};
 
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
-use super::virtual_bench;
+use super::{stretches, virtual_bench};
 use crate::bench_file::stated::{
     BenchFile, DriveHeat, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ReportIdentity, RunChannels,
     ShaftPrior,
@@ -465,8 +465,12 @@ fn read_inverted(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> bool {
 }
 
 fn read_recordings(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> RecordingList {
-    section.only(&["files", "label"], faults);
-    RecordingList { files: read_files(section, faults), labels: read_labels(section, faults) }
+    section.only(&["files", "label", "stretch"], faults);
+    RecordingList {
+        files: read_files(section, faults),
+        labels: read_labels(section, faults),
+        stretches: stretches::read(section, faults),
+    }
 }
 
 fn read_files(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Vec<String> {

@@ -166,6 +166,43 @@ pub struct RecordingList {
     pub files: Vec<String>,
     /// Labels of recordings whose names hold none, or the wrong one.
     pub labels: Vec<LabelOverride>,
+    /// Stretches of recordings that are left out, or alone are used. Those of one recording do not overlap.
+    pub stretches: Vec<StatedStretch>,
+}
+
+/// A stretch of one recording and its use. A sample at either end belongs to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedStretch {
+    /// The recording's file.
+    pub file: String,
+    /// Its beginning, s of the recording's clock.
+    pub from_s: f64,
+    /// Its end, s of the recording's clock.
+    pub to_s: f64,
+    /// Its use.
+    pub usage: StretchUse,
+}
+
+/// Use of a stretch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StretchUse {
+    /// Of its recording only such stretches are used.
+    Estimate,
+    /// Its samples are treated as missing.
+    LeaveOut,
+}
+
+impl StretchUse {
+    /// All uses.
+    pub const ALL: [StretchUse; 2] = [StretchUse::Estimate, StretchUse::LeaveOut];
+
+    /// Its key in a bench file.
+    pub fn key(self) -> &'static str {
+        match self {
+            StretchUse::Estimate => "estimate",
+            StretchUse::LeaveOut => "leave_out",
+        }
+    }
 }
 
 /// The label of one recording.
@@ -182,6 +219,12 @@ impl BenchFile {
     pub fn label_of(&self, file: &str) -> Option<ExperimentLabel> {
         let stated = self.recordings.labels.iter().find(|stated| names_same_file(file, &stated.file));
         stated.map(|stated| stated.label.clone()).or_else(|| file_name(file).parse().ok())
+    }
+
+    /// The stretches that the bench file states of a recording.
+    pub fn stretches_of(&self, file: &str) -> Vec<&StatedStretch> {
+        let stretches = self.recordings.stretches.iter();
+        stretches.filter(|stated| names_same_file(file, &stated.file)).collect()
     }
 
     /// The firing of its engine.
@@ -223,7 +266,7 @@ pub(super) fn file_name(file: &str) -> &str {
 }
 
 /// Tells whether two paths mean one file: equal, or one is the other's last part.
-pub(super) fn names_same_file(file: &str, stated: &str) -> bool {
+pub fn names_same_file(file: &str, stated: &str) -> bool {
     let (file, stated) = (file.replace('\\', "/"), stated.replace('\\', "/"));
     file == stated || file.ends_with(&format!("/{stated}")) || stated.ends_with(&format!("/{file}"))
 }

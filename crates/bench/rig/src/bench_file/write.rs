@@ -135,6 +135,11 @@ engine_inertia = "{PLACEHOLDER}"
             let label = quoted(&stated.label.to_string());
             let _ = writeln!(text, "\n[[recordings.label]]\nfile = {}\nlabel = {label}", quoted(&stated.file));
         }
+        for stretch in &self.recordings.stretches {
+            let (file, key) = (quoted(&stretch.file), stretch.usage.key());
+            let (from_s, to_s) = (stretch.from_s, stretch.to_s);
+            let _ = writeln!(text, "\n[[recordings.stretch]]\nfile = {file}\n{key} = [{from_s:?}, {to_s:?}]");
+        }
         write_report(&mut text, &self.report);
         write_virtual_bench(&mut text, &self.virtual_bench);
         text

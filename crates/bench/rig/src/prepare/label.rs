@@ -68,12 +68,12 @@ fn seen_instead(experiment: &Experiment, bench_file: &BenchFile) -> Option<(Seen
 }
 
 /// Answer of T_d* to a change of N_d.
-enum Answer {
+pub(super) enum Answer {
     ToSpeed,
     Rests,
 }
 
-fn answers(experiment: &Experiment) -> Option<Answer> {
+pub(super) fn answers(experiment: &Experiment) -> Option<Answer> {
     let changes = |means: Vec<f64>| means.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
     let roles = [Role::DynoSpeed, Role::DynoTorqueDemand];
     let [speed, demand] = blocks(experiment, roles, ANSWERS_WITHIN_S)?.map(changes);
@@ -101,7 +101,7 @@ fn answers_to_noise(experiment: &Experiment) -> Option<bool> {
 }
 
 /// Tells whether the engine's speed follows that of the dynamometer.
-fn turns_with(experiment: &Experiment) -> bool {
+pub(super) fn turns_with(experiment: &Experiment) -> bool {
     let roles = [Role::DynoSpeed, Role::EngineSpeed];
     let compared = || {
         let [dyno, engine] = blocks(experiment, roles, BLOCK_S)?;
@@ -115,7 +115,7 @@ fn turns_with(experiment: &Experiment) -> bool {
 
 /// The inertia that T_d moves, kg m², where T_d is almost all that does: −∫T_d dt over the change of ω_d, by least
 /// squares.
-fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
+pub(super) fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
     let [speed, torque] = blocks(experiment, [Role::DynoSpeed, Role::AirGapTorque], BLOCK_S)?;
     let acceleration: Vec<f64> = central_difference(&speed, BLOCK_S).ok()?;
     let related = correlation(&acceleration, &torque)?;
@@ -124,7 +124,7 @@ fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
 }
 
 /// Means of two signals over blocks of the time that they share.
-fn blocks(experiment: &Experiment, roles: [Role; 2], block_s: f64) -> Option<[Vec<f64>; 2]> {
+pub(super) fn blocks(experiment: &Experiment, roles: [Role; 2], block_s: f64) -> Option<[Vec<f64>; 2]> {
     let (from_s, to_s) = common_window(experiment, &roles)?;
     let count = ((to_s - from_s) / block_s) as usize;
     let means = |signal: &Signal| {
@@ -137,7 +137,7 @@ fn blocks(experiment: &Experiment, roles: [Role; 2], block_s: f64) -> Option<[Ve
     Some([means(experiment.signal(roles[0])?)?, means(experiment.signal(roles[1])?)?])
 }
 
-fn mean(x: &[f64]) -> Option<f64> {
+pub(super) fn mean(x: &[f64]) -> Option<f64> {
     (!x.is_empty()).then(|| x.iter().sum::<f64>() / x.len() as f64)
 }
 
@@ -147,7 +147,7 @@ fn spread(x: &[f64]) -> Option<f64> {
 }
 
 /// Correlation of as many values as both have; none where one does not change.
-fn correlation(x: &[f64], y: &[f64]) -> Option<f64> {
+pub(super) fn correlation(x: &[f64], y: &[f64]) -> Option<f64> {
     let count = x.len().min(y.len());
     let (x, y) = (&x[..count], &y[..count]);
     let (x_mean, y_mean) = (mean(x)?, mean(y)?);

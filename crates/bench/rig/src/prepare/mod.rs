@@ -11,10 +11,12 @@ mod log;
 mod map;
 mod physics;
 mod rasters;
+mod recognised;
 mod run;
 mod samples;
 mod sign;
 mod source;
+mod stated;
 mod torques;
 
 use std::collections::BTreeMap;
@@ -24,10 +26,14 @@ use recording::Recording;
 use crate::bench_file::BenchFile;
 use crate::diagnostics::Diagnostic;
 use crate::experiment::{Experiment, ExperimentLabel};
+use crate::role::Role;
 use log::Log;
 pub use physics::saturated_stretches;
+pub use recognised::{LabelReason, recognised};
 pub use run::prepare_run;
 pub use sign::{believable, wrong_sign};
+use signal::Signal;
+use stated::Stated;
 
 /// A recording of which nothing can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -63,8 +69,8 @@ pub enum PrepareError {
 /// Each role of the bench file whose channel is there and usable becomes a signal in SI, with the sign of the role's
 /// convention, on the uniform clock that its time stamps describe (rasters that start at different times stay so).
 /// Samples that only repeat or interpolate others, and spikes, are left out. Gaps and runs of NaN of at most 20 ms or
-/// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal. What was
-/// refused, mended, cut or looks wrong is in the diagnostics.
+/// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal. Stretches
+/// that the bench file leaves out are such gaps, before anything looks at their samples. What was refused, mended, cut or looks wrong is in the diagnostics.
 ///
 /// # Errors
 ///
@@ -91,6 +97,11 @@ pub fn prepare(
 ) -> Result<(Experiment, Vec<Diagnostic>), PrepareError> {
     let mut log = Log::new(file);
     log.reader_findings(recording);
+    let stated = Stated::new(bench_file.stretches_of(file), recording);
+    if !stated.is_within(recording, &mut log) {
+        return Err(PrepareError::NothingUsable { file: file.to_owned(), diagnostics: log.diagnostics });
+    }
+    let recording = &*stated.kept(recording);
     let sources = map::sources(recording, bench_file, &label, &mut log);
     exchanged::check(&sources, &label, &mut log);
     let mut mended = BTreeMap::new();
@@ -108,6 +119,7 @@ pub fn prepare(
     let Some(signals) = cut::longest_common(mended, &mut log) else {
         return Err(PrepareError::NoCommonStretch { file: file.to_owned(), diagnostics: log.diagnostics });
     };
+    stated.note(span(&signals), &mut log);
     rasters::check(&sources, &signals, &mut log);
     let experiment = Experiment { file: file.to_owned(), label, signals };
     physics::check(&experiment, bench_file, &mut log);
@@ -117,4 +129,10 @@ pub fn prepare(
         return Err(PrepareError::Mislabelled { file: file.to_owned(), diagnostics: log.diagnostics });
     }
     Ok((experiment, log.diagnostics))
+}
+
+/// The time from the first sample to the last one, of all signals, s.
+fn span(signals: &BTreeMap<Role, Signal>) -> (f64, f64) {
+    let times = signals.values().flat_map(|signal| [signal.start_s, signal.end_s()]);
+    times.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), time_s| (first.min(time_s), last.max(time_s)))
 }

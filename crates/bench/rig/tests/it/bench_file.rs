@@ -1,5 +1,5 @@
 use proptest::prelude::*;
-use rig::bench_file::{BenchFileError, Draft, DriveHeat, FaultKind, PLACEHOLDER};
+use rig::bench_file::{BenchFileError, Draft, DriveHeat, FaultKind, PLACEHOLDER, StretchUse};
 use rig::bench_parameters::BenchParameters;
 use rig::channels::guess_roles;
 use rig::facts::BenchVariant;
@@ -32,6 +32,18 @@ files = ["*.mf4"]
 [[recordings.label]]
 file = "run_17.mf4"
 label = "BS_T_NT"
+
+[[recordings.stretch]]
+file = "run_17.mf4"
+leave_out = [12.5, 14]
+
+[[recordings.stretch]]
+file = "run_17.mf4"
+leave_out = [14.0, 15.25]
+
+[[recordings.stretch]]
+file = "run_18.mf4"
+estimate = [-1.0, 30.0]
 "#;
 
 fn parse(text: &str) -> Result<BenchFile, BenchFileError> {
@@ -268,6 +280,41 @@ fn regress_not_a_label() {
     let (line, _, kind, _) = fault("label = \"BS_T_NT\"", "label = \"BS\"");
     assert_eq!(line, 23);
     assert!(matches!(kind, FaultKind::NotALabel { .. }));
+}
+
+#[test]
+fn exact_stretches_of_a_recording() {
+    let file = parse(GOOD).unwrap();
+    let of = |name: &str| {
+        let stretches = file.stretches_of(name).into_iter();
+        stretches.map(|stretch| (stretch.from_s, stretch.to_s, stretch.usage)).collect::<Vec<_>>()
+    };
+    let left_out = [(12.5, 14.0, StretchUse::LeaveOut), (14.0, 15.25, StretchUse::LeaveOut)];
+    assert_eq!(of("measurements/run_17.mf4"), left_out);
+    assert_eq!(of("run_18.mf4"), [(-1.0, 30.0, StretchUse::Estimate)]);
+    assert!(of("run_1.mf4").is_empty());
+}
+
+#[test]
+fn regress_faults_of_stretches_have_line_and_remedy() {
+    let line = 1 + GOOD.lines().position(|line| line == "leave_out = [14.0, 15.25]").unwrap();
+    let cases = [
+        ("[14.0, 15.25]", "[15.25, 14.0]", "recordings.stretch.leave_out", "a later end"),
+        ("[14.0, 15.25]", "[14.0, 14.0]", "recordings.stretch.leave_out", "a later end"),
+        ("[14.0, 15.25]", "[13.0, 15.0]", "recordings.stretch.leave_out", "overlaps the stretch from 12.5 s to 14 s"),
+        ("[14.0, 15.25]", "[14.0]", "recordings.stretch.leave_out", "leave_out = [12.5, 14.0]"),
+        ("[14.0, 15.25]", "[14.0, nan]", "recordings.stretch.leave_out", "leave_out = [12.5, 14.0]"),
+        ("leave_out = [14.0, 15.25]", "leave = [14.0, 15.25]", "recordings.stretch.leave", "leave_out"),
+    ];
+    for (from, to, key, words) in cases {
+        let faults = parse(&GOOD.replace(from, to)).unwrap_err().faults;
+        assert_eq!((faults[0].key.as_str(), faults[0].line.abs_diff(line) <= 2), (key, true), "{faults:?}");
+        assert!(faults.iter().any(|fault| fault.to_string().contains(words)), "{faults:?}");
+    }
+    let (at, key, ..) = fault("leave_out = [14.0, 15.25]", "leave_out = [14.0, 15.25]\nestimate = [16, 17]");
+    assert_eq!((at, key.as_str()), (line + 1, "recordings.stretch"));
+    let (at, key, ..) = fault("leave_out = [14.0, 15.25]", "");
+    assert_eq!((at, key.as_str()), (line - 2, "recordings.stretch"));
 }
 
 #[test]

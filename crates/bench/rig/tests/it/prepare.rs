@@ -1,4 +1,5 @@
 use recording::Recording;
+use rig::bench_file::{StatedStretch, StretchUse};
 use rig::prepare::saturated_stretches;
 use rig::{BenchFile, Diagnostic, Experiment, Finding, PrepareError, Role, Severity, prepare};
 use units::RPM_RAD_S;
@@ -221,6 +222,75 @@ fn regress_long_gap_leaves_the_longest_common_stretch() {
     for signal in experiment.signals.values() {
         assert!(signal.start_s >= 2.5 - 1e-9 && signal.start_s < 2.505);
     }
+}
+
+fn with_stretches(stretches: &[(&str, f64, f64, StretchUse)]) -> BenchFile {
+    let mut file = bench_file("", &[]);
+    file.recordings.stretches = stretches
+        .iter()
+        .map(|(file, from_s, to_s, usage)| StatedStretch {
+            file: (*file).to_owned(),
+            from_s: *from_s,
+            to_s: *to_s,
+            usage: *usage,
+        })
+        .collect();
+    file
+}
+
+#[test]
+fn exact_stretches_of_others_change_no_bit() {
+    let recording = named(BENCH_A, "rpm", "Nm");
+    let other = with_stretches(&[("b.mf4", 1.0, 2.0, StretchUse::LeaveOut)]);
+    assert_eq!(run_with(&recording, &other, "WhiteNoise_T_TN"), run(&recording));
+    // Nor does a stretch that holds all of the recording.
+    let all = with_stretches(&[("a.mf4", -1.0, 100.0, StretchUse::Estimate)]);
+    assert_eq!(run_with(&recording, &all, "WhiteNoise_T_TN").0, run(&recording).0);
+}
+
+/// A sensor that fails from 2 s to 3 s, and what is kept beside it.
+#[test]
+fn exact_nothing_looks_at_what_is_left_out() {
+    let (clean, _) = run(&named(BENCH_A, "rpm", "Nm"));
+    let damaged = changed("DynoSpeed", |_, samples| samples[2000..=3000].fill(1e9));
+    let refused = prepare("a.mf4", &damaged, &bench_file("", &[]), "WhiteNoise_T_TN".parse().unwrap());
+    assert!(!refused.unwrap().0.signals.contains_key(&Role::DynoSpeed));
+    let file = with_stretches(&[("a.mf4", 2.0, 3.0, StretchUse::LeaveOut)]);
+    let (experiment, diagnostics) = run_with(&damaged, &file, "WhiteNoise_T_TN");
+    let Finding::LeftOut { stretches_s, used_s, unused_s } = &only(&diagnostics).finding else {
+        panic!("{diagnostics:#?}")
+    };
+    assert_eq!(stretches_s, &[(2.0, 3.0)]);
+    assert!((used_s.0 - 3.001).abs() < 0.004 && (unused_s - 2.0).abs() < 0.02, "{used_s:?} {unused_s}");
+    assert_eq!(diagnostics[0].severity, Severity::Warning);
+    for (role, signal) in &experiment.signals {
+        let whole = clean.signal(*role).unwrap();
+        let first = ((signal.start_s - whole.start_s) / whole.sample_time_s).round() as usize;
+        assert!(signal.start_s > 3.0 - 1e-9, "{role:?}");
+        assert_eq!(signal.samples, whole.samples[first..], "{role:?}");
+    }
+}
+
+#[test]
+fn exact_only_stretches_for_estimation_are_used() {
+    let recording = named(BENCH_A, "rpm", "Nm");
+    let file = with_stretches(&[("a.mf4", 1.0, 4.0, StretchUse::Estimate)]);
+    let (experiment, diagnostics) = run_with(&recording, &file, "WhiteNoise_T_TN");
+    let Finding::LeftOut { stretches_s, unused_s, .. } = &only(&diagnostics).finding else {
+        panic!("{diagnostics:#?}")
+    };
+    assert_eq!((stretches_s.len(), *unused_s, diagnostics[0].severity), (2, 0.0, Severity::Note));
+    let speed = experiment.signal(Role::DynoSpeed).unwrap();
+    assert!((speed.start_s - 1.0).abs() < 1e-9 && (speed.end_s() - 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn regress_a_stretch_outside_its_recording_is_an_error() {
+    let recording = named(BENCH_A, "rpm", "Nm");
+    let file = with_stretches(&[("a.mf4", 50.0, 60.0, StretchUse::LeaveOut)]);
+    let refused = prepare("a.mf4", &recording, &file, "WhiteNoise_T_TN".parse().unwrap());
+    let Err(PrepareError::NothingUsable { diagnostics, .. }) = refused else { panic!("{refused:?}") };
+    assert!(matches!(only(&diagnostics).finding, Finding::StretchOutside { from_s: 50.0, to_s: 60.0, .. }));
 }
 
 #[test]

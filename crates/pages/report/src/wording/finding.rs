@@ -45,6 +45,15 @@ pub fn finding(finding: &Finding) -> String {
                 time(*to)
             )
         }
+        Finding::LeftOut { stretches_s, used_s, unused_s } => left_out(stretches_s, *used_s, *unused_s),
+        Finding::StretchOutside { from_s, to_s, recorded_s: (first, last) } => format!(
+            "The stretch from {} to {} holds no sample; the recording is from {} to {}.",
+            time(*from_s),
+            time(*to_s),
+            time(*first),
+            time(*last)
+        ),
+        Finding::StretchOfNoRecording => "The bench file states stretches of it, but does not use the file.".to_owned(),
         Finding::SamplesRaised { every, interpolated } => raised(*every, *interpolated),
         Finding::SamplesRepeated { share: of, longest_s } => format!(
             "{} of the samples repeat the one before, for up to {}, although the values are in finer steps.",
@@ -211,6 +220,19 @@ pub fn finding(finding: &Finding) -> String {
     }
 }
 
+fn left_out(stretches_s: &[(f64, f64)], (from, to): (f64, f64), unused_s: f64) -> String {
+    let each = |(from, to): &(f64, f64)| format!("{} to {}", time(*from), time(*to));
+    let stretches: Vec<String> = stretches_s.iter().map(each).collect();
+    let all: f64 = stretches_s.iter().map(|(from, to)| to - from).sum();
+    let (all, listed) = (duration(all), join(&stretches, "and"));
+    let (from, to) = (time(from), time(to));
+    let used = format!("The bench file leaves out {all}: from {listed}. The part from {from} to {to} is used");
+    match unused_s > 0.0 {
+        true => format!("{used}; another {} are not used.", duration(unused_s)),
+        false => format!("{used}."),
+    }
+}
+
 /// Advice on a finding, as a sentence.
 pub fn advice(finding: &Finding) -> &'static str {
     match finding {
@@ -232,6 +254,14 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
         Finding::ShortGaps { .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
         Finding::Cut { .. } => "Record again without interruption to use the whole recording.",
+        Finding::LeftOut { unused_s, .. } if *unused_s > 0.0 => {
+            "Estimates need one uninterrupted part, so the longest is used. To use another one, leave out the rest."
+        }
+        Finding::LeftOut { .. } => "Nothing to do.",
+        Finding::StretchOutside { .. } => {
+            "The recording was not used. Correct the times in [[recordings.stretch]] of the bench file: s of the recording’s own clock."
+        }
+        Finding::StretchOfNoRecording => "Correct the file’s name in [[recordings.stretch]] of the bench file.",
         Finding::SamplesRaised { .. } => {
             "Only its own samples are used. Export the channel with its own time stamps: the skew of the repeated ones is not known."
         }
