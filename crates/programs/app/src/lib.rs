@@ -14,6 +14,7 @@ mod folder;
 mod guard;
 mod handles;
 mod jobs;
+mod labels;
 mod next;
 mod recordings;
 mod server;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json, of_type};
-use crate::folder::Which;
+use crate::folder::{Folder, Which};
 use crate::shared::Shared;
 
 /// Folders within the open one, and files in all, that a page lists.
@@ -65,16 +65,26 @@ pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
                 Some("toml") if dynoid::is_bench_file(&path) => contents.benches.push(listed),
                 Some("html") => contents.reports.push(listed),
                 Some("json") if listed.file.contains("model") => contents.models.push(listed),
-                // The figures of a study are no recording.
-                _ if dynoid::is_recording(&path) && !listed.file.ends_with(dynoid::SERIES) => {
-                    contents.recordings.push(listed)
-                }
+                _ if is_recording(&path) => contents.recordings.push(listed),
                 _ => {}
             }
         }
         json(&contents)
     })
     .await
+}
+
+/// Names of the recordings of the folder, in order.
+pub(crate) fn recordings_of(folder: &Folder) -> Vec<String> {
+    let mut files = Vec::new();
+    walk(folder.root(), DEEPEST, &mut files);
+    let recordings = files.iter().filter(|path| is_recording(path));
+    recordings.filter_map(|path| Some(with_slashes(path.strip_prefix(folder.root()).ok()?))).collect()
+}
+
+/// The figures of a study are no recording.
+fn is_recording(path: &Path) -> bool {
+    dynoid::is_recording(path) && !path.ends_with(dynoid::SERIES)
 }
 
 /// The files below a folder, in order; hidden folders and links are left out.

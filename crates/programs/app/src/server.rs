@@ -14,7 +14,7 @@ use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
 use crate::shared::{Inner, Program, Shared};
 use crate::tries::Tries;
-use crate::{can, jobs, next, recordings, site, stretches, texts};
+use crate::{can, jobs, labels, next, recordings, site, stretches, texts};
 
 /// The most bytes of a text that a page may send.
 const MOST_SENT: usize = 4 << 20;
@@ -123,6 +123,8 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/change", post(texts::change))
         .route("/keys", get(texts::keys))
         .route("/roles", get(texts::roles))
+        .route("/uses", post(labels::uses))
+        .route("/label", post(labels::seen))
         .route("/draft", get(texts::draft).put(texts::keep_draft).delete(texts::drop_draft))
         .route("/report", get(texts::report))
         .route("/jobs", get(jobs::list).post(jobs::start))

@@ -71,6 +71,16 @@ export async function change(file, text, changes) {
   return (await ask(address('change', { file }), { method: 'POST', headers, body: JSON.stringify({ text, changes }) })).json();
 }
 
+/** How the text of a bench file uses the recordings of the folder. @param {string} bench @param {string} text */
+export async function uses(bench, text) {
+  return (await ask(address('uses', { file: bench }), { method: 'POST', body: text })).json();
+}
+
+/** The experiment that a recording shows by itself, by the channels of a bench file. @param {string} file @param {string} text */
+export async function seen(file, text) {
+  return (await ask(address('label', { file }), { method: 'POST', body: text })).json();
+}
+
 /** @param {string} path */
 export async function remove(path) {
   return (await ask(path, { method: 'DELETE' })).json();

@@ -7,6 +7,7 @@ import * as bench from './views/bench.js';
 import * as can from './views/can.js';
 import * as command from './views/command.js';
 import * as jobs from './views/jobs.js';
+import * as labels from './views/labels.js';
 import * as look from './views/look.js';
 import * as next from './views/next.js';
 import * as report from './views/report.js';
@@ -20,10 +21,10 @@ import * as study from './views/study.js';
  */
 
 /** @type {Record<string, View>} */
-const VIEWS = { '': start, look, roles, bench, study, can, next, report, command, jobs };
+const VIEWS = { '': start, look, labels, roles, bench, study, can, next, report, command, jobs };
 
 /** Tasks in the bar, in the order of the work. */
-const TASKS = ['look', 'roles', 'bench', 'study', 'can', 'next', 'report', 'command'];
+const TASKS = ['look', 'labels', 'roles', 'bench', 'study', 'can', 'next', 'report', 'command'];
 
 /** @type {void | (() => void)} */
 let end;

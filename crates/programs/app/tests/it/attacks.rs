@@ -134,6 +134,8 @@ fn exact_files_outside_of_the_folder_are_refused() {
             assert!(!answer.text().contains("time [s]"));
         }
         assert_eq!(app.ask(&cookie, &format!("PUT /api/text?file={name}"), "x").status, 403, "{name}");
+        assert_eq!(app.ask(&cookie, &format!("POST /api/label?file={name}"), "").status, 403, "{name}");
+        assert_eq!(app.ask(&cookie, &format!("POST /api/uses?file={name}"), "").status, 403, "{name}");
     }
     assert!(app.ask(&cookie, "GET /site/../Cargo.toml", "").status >= 400);
     assert!(app.ask(&cookie, "GET /site/%2e%2e/server.rs", "").status >= 400);

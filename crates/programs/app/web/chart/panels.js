@@ -39,7 +39,7 @@ export class Panels {
     this.to = 1;
     /** @type {(number | null)[]} */
     this.cursors = [null, null];
-    /** @type {{ from_s: number, to_s: number, kind: string }[]} */
+    /** Marked stretches, with the text at their head. @type {{ from_s: number, to_s: number, kind: string, text: string }[]} */
     this.stretches = [];
     this.asked = 0;
     this.canvas = h('canvas', {
@@ -293,13 +293,14 @@ export class Panels {
 
   /** @param {CanvasRenderingContext2D} context @param {(name: string) => string} colour @param {number} height */
   paintMarks(context, colour, height) {
-    for (const { from_s, to_s, kind } of this.stretches) {
+    for (const { from_s, to_s, kind, text } of this.stretches) {
       const [x0, x1] = [Math.max(LEFT, this.xOf(from_s)), Math.min(LEFT + this.width, this.xOf(to_s))];
       if (x1 <= x0) continue;
       context.fillStyle = colour(`mark-${kind}`);
       context.globalAlpha = 0.16;
       context.fillRect(x0, 0, x1 - x0, height - AXIS);
       context.globalAlpha = 1;
+      paintEnds(context, colour, text, x0, x1, height - AXIS);
     }
     this.cursors.forEach((time, index) => {
       if (time === null || time < this.from || time > this.to) return;
@@ -341,8 +342,7 @@ export class Panels {
     });
     canvas.addEventListener('pointerup', (event) => {
       if (held && !held.hasMoved && event.offsetX >= LEFT) {
-        // The first click sets A, the next B, then A again.
-        this.setCursor(this.cursors[0] === null || this.cursors[1] !== null ? 0 : 1, this.timeAt(event.offsetX));
+        this.click(this.timeAt(event.offsetX));
       } else if (held && held.cursor < 0 && held.hasMoved) {
         this.told.moved(this.from, this.to, true);
       }
@@ -387,6 +387,11 @@ export class Panels {
     return acts[key];
   }
 
+  /** The first click sets A, the next B, then A again. @param {number} time */
+  click(time) {
+    this.setCursor(this.cursors[0] === null || this.cursors[1] !== null ? 0 : 1, time);
+  }
+
   /** Moves a cursor by a pixel. @param {number} index @param {number} sign */
   nudge(index, sign) {
     const time = this.cursors[index] ?? 0.5 * (this.from + this.to);
@@ -399,4 +404,18 @@ export class Panels {
     this.draw();
     this.told.marked();
   }
+}
+
+/**
+ * The ends of a stretch and its text, which tell its kind without colours.
+ * @param {CanvasRenderingContext2D} context @param {(name: string) => string} colour @param {string} text
+ * @param {number} x0 @param {number} x1 @param {number} height
+ */
+function paintEnds(context, colour, text, x0, x1, height) {
+  context.strokeStyle = colour('text-soft');
+  context.strokeRect(x0 + 0.5, 0.5, Math.max(1, x1 - x0 - 1), height - 1);
+  context.fillStyle = colour('text');
+  context.textAlign = 'center';
+  context.textBaseline = 'bottom';
+  context.fillText(text, 0.5 * (x0 + x1), height - 4, Math.max(8, x1 - x0));
 }

@@ -6,6 +6,7 @@ import { figure } from '../chart/scale.js';
 import { failed, fill, h, say, table } from '../dom.js';
 import { note } from '../place.js';
 import { nameOf, picture, stretch } from '../save.js';
+import { Marks } from './marks.js';
 import { size } from './start.js';
 import { Stretch } from './stretch.js';
 
@@ -37,6 +38,7 @@ export async function show(element, given) {
     files.map((each) => h('option', { value: each.file, selected: each.file === file }, `${each.file} (${size(each.bytes)})`)));
   const form = h('select', { 'aria-label': 'Format' }, [['csv', 'CSV'], ['parquet', 'Parquet'], ['mf4', 'MF4']].map(([value, text]) => h('option', { value }, text)));
   const analysis = new Stretch(given.analysis ? JSON.parse(given.analysis) : {}, { lines: () => chosen, span, changed: () => remember(false) });
+  const [marking, marked] = [h('span'), h('div')];
   fill(element,
     h('aside', {}, choice, h('label', {}, over, ' lay the next one over it'), filter, list, shown),
     h('section', { class: 'stage' },
@@ -44,15 +46,19 @@ export async function show(element, given) {
         h('button', { onclick: () => panels.all(), title: 'Home' }, 'All'),
         h('button', { onclick: () => panels.zoom(0.5), title: '+' }, 'Closer'),
         h('button', { onclick: () => panels.zoom(2), title: '-' }, 'Farther'),
-        h('button', { onclick: () => between() }, 'Zoom to the cursors'),
+        h('button', { onclick: () => between() }, 'Zoom to the cursors'), marking,
         h('span', { class: 'hint' }, 'Click for cursor A, again for B. Wheel zooms, drag moves, double click shows all.')),
-      plots, figures, analysis.element,
+      plots, figures, marked, analysis.element,
       h('div', { class: 'tools' },
         h('button', { onclick: () => saved(panels.canvas, 'plots') }, 'Save the plots as a picture'),
         h('button', { onclick: () => analysis.plot ? saved(analysis.plot.canvas, analysis.looks.kind ?? '') : say('Choose an analysis first.') }, 'Save the analysis as a picture'),
         h('label', {}, 'Save the stretch as ', form, ' ', h('button', { onclick: () => keep().catch(failed) }, 'Save')))));
 
   const panels = new Panels(plots, { moved: (_from, _to, isSettled) => { remember(isSettled); if (!marked()) analysis.update(); }, marked: () => { remember(false); measure(); }, failed });
+
+  const marks = new Marks(panels, () => ({ file, drawn: chosen }), state.benches[0]?.file);
+  marking.append(marks.button);
+  marked.append(marks.element);
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let noting;
@@ -115,6 +121,7 @@ export async function show(element, given) {
         chosen = over.checked ? [...chosen, ...own] : own;
       }
       channels();
+      marks.show();
       if (isNew) await draw(true);
     } catch (error) {
       fill(list);
@@ -185,6 +192,7 @@ export async function show(element, given) {
     if (span) panels.whole = span;
     if (isAll) [panels.from, panels.to] = [panels.whole.from, panels.whole.to];
     panels.show(all);
+    marks.show();
     lines();
     remember(false);
     measure();
@@ -240,6 +248,7 @@ export async function show(element, given) {
     [panels.from, panels.to] = [Number(given.from), Number(given.to)];
     panels.cursors = [given.a, given.b].map((time) => (time ? Number(time) : null));
   }
+  await marks.open().catch(failed);
   await open(file);
   if (chosen.length) await draw(!given.from);
   return () => {
