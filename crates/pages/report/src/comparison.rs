@@ -1,17 +1,17 @@
 //! Two bench models, compared: whether the bench is still the same.
 
-use bench_model::document::BenchModelDocument;
+use bench_model::document::{BenchModelDocument, DescribedParameter};
 use bench_model::model::ModelParameter;
 use page::{Align, Block, Blocks, Cell, Finding, Page, Prose, Quantity, Table, Tone};
+use serde::Serialize;
 use study::{CHANGED, ComparedPart, ModelComparison, ParameterComparison, PartComparison, SourceChanges};
 
 use crate::wording::{self, number};
 
 /// The page of a comparison; the models by the names of their files.
 pub fn page(comparison: &ModelComparison, [first, second]: [(&str, &BenchModelDocument); 2]) -> Page {
-    let changed = comparison.has_changed();
-    let title = if changed { "The bench has changed" } else { "No change of the bench is found" };
-    let tone = if changed { Tone::Bad } else { Tone::Good };
+    let title = title(comparison);
+    let tone = if comparison.has_changed() { Tone::Bad } else { Tone::Good };
     let mut all = Blocks::from(Block::Callout {
         tone,
         kicker: "Two bench models".to_owned(),
@@ -35,6 +35,10 @@ pub fn page(comparison: &ModelComparison, [first, second]: [(&str, &BenchModelDo
         100.0 * CHANGED
     )));
     Page::new("Two bench models, compared", all.into_vec())
+}
+
+fn title(comparison: &ModelComparison) -> &'static str {
+    if comparison.has_changed() { "The bench has changed" } else { "No change of the bench is found" }
 }
 
 fn words(part: ComparedPart) -> &'static str {
@@ -140,8 +144,14 @@ fn explanation(ModelComparison { sources, shared_recordings, .. }: &ModelCompari
 }
 
 fn findings(comparison: &ModelComparison) -> Blocks {
-    let mut all = Blocks::default();
-    let mut warn = |text: String| all.push(Block::Finding(Finding::new(Tone::Caution, "warning", text)));
+    let warning = |text| Block::Finding(Finding::new(Tone::Caution, "warning", text));
+    remarks(comparison).into_iter().map(warning).collect()
+}
+
+/// Remarks on what the comparison rests on, in words.
+fn remarks(comparison: &ModelComparison) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut warn = |text: String| all.push(text);
     if !comparison.shared_recordings.is_empty() {
         let files = comparison.shared_recordings.join(", ");
         warn(format!("both models come from {files}; the test finds less than it should"));
@@ -194,4 +204,94 @@ fn row(one: &ParameterComparison) -> [Cell; 5] {
 /// Within its own part the symbol of the thesis says enough.
 fn short(parameter: ModelParameter, symbol: &'static str) -> &'static str {
     if parameter == ModelParameter::ControllerDelay { parameter.quantity().symbol() } else { symbol }
+}
+
+/// Two bench models, compared, in words and in the units that people use.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparisonFacts {
+    changed: bool,
+    title: &'static str,
+    parts: Vec<PartFacts>,
+    /// Remarks on what the comparison rests on.
+    remarks: Vec<String>,
+    /// Differences between the sources of the models.
+    sources: String,
+}
+
+/// A part of the bench, compared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct PartFacts {
+    name: String,
+    changed: bool,
+    /// Probability of so large a difference by chance, in words.
+    chance: String,
+    parameters: Vec<ParameterFacts>,
+}
+
+/// A parameter in both models.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ParameterFacts {
+    symbol: &'static str,
+    name: String,
+    unit: &'static str,
+    first: ValueFacts,
+    second: ValueFacts,
+    /// The second less the first.
+    difference: f64,
+    /// 95 % interval of the difference; none where both count as exact.
+    interval_95: Option<(f64, f64)>,
+    chance: String,
+}
+
+/// A value in one of the models.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct ValueFacts {
+    value: f64,
+    /// None of a value that counts as exact.
+    interval_95: Option<(f64, f64)>,
+}
+
+impl ComparisonFacts {
+    /// Of a comparison of these models.
+    pub fn of(comparison: &ModelComparison, models: [&BenchModelDocument; 2]) -> Self {
+        ComparisonFacts {
+            changed: comparison.has_changed(),
+            title: title(comparison),
+            parts: comparison.parts.iter().map(|part| PartFacts::of(part, models)).collect(),
+            remarks: remarks(comparison),
+            sources: explanation(comparison),
+        }
+    }
+}
+
+impl PartFacts {
+    fn of(part: &PartComparison, models: [&BenchModelDocument; 2]) -> Self {
+        PartFacts {
+            name: wording::capitalised(words(part.part)),
+            changed: part.has_changed(),
+            chance: chance(part.test.map(|test| test.adjusted_p_value)),
+            parameters: part.parameters.iter().filter_map(|one| ParameterFacts::of(one, models)).collect(),
+        }
+    }
+}
+
+impl ParameterFacts {
+    fn of(one: &ParameterComparison, models: [&BenchModelDocument; 2]) -> Option<Self> {
+        let (symbol, unit, si) = wording::model_parameter(one.parameter);
+        let [first, second] = models.map(|model| model.parameters().iter().find(|p| p.parameter == one.parameter));
+        let (first, second) = (first?, second?);
+        let scaled = |(low, high): (f64, f64)| (low / si, high / si);
+        let value =
+            |of: &DescribedParameter| ValueFacts { value: of.value / si, interval_95: of.interval_95.map(scaled) };
+        Some(ParameterFacts {
+            symbol: short(one.parameter, symbol),
+            name: first.name.clone(),
+            unit,
+            first: value(first),
+            second: value(second),
+            difference: (one.second - one.first) / si,
+            interval_95: (one.standard_error > 0.0).then(|| scaled(one.difference)),
+            chance: chance(one.p_value),
+        })
+    }
 }

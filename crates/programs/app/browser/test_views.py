@@ -11,8 +11,8 @@ from playwright.sync_api import Browser
 from conftest import App
 
 ANALYSIS = "look?analysis=%7B%22kind%22%3A%22spectrogram%22%7D"
-VIEWS = ["", "look", ANALYSIS, "labels", "roles", "bench", "study", "can", "next", "report", "command", "jobs"]
-VIEWS += ["command?command=fit+arx", "command?command=can"]
+VIEWS = ["", "look", ANALYSIS, "labels", "roles", "bench", "study", "can", "next", "report", "jobs"]
+VIEWS += ["compare", "model", "campbell", "command", "command?command=fit+arx", "command?command=can"]
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 #: A folder for pictures of all views, where somebody wants to look at them.
 PICTURES = os.environ.get("DYNOID_PICTURES")

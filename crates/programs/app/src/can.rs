@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json};
+use crate::blocking::blocking;
 use crate::folder::Folder;
-use crate::recordings::blocking;
 use crate::shared::Shared;
 use crate::tries::key_of;
 

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::answer::{Answer, Fault, json, of_type};
 use crate::folder::OWN;
+use crate::session::{self, Act};
 use crate::shared::Shared;
 
 /// Files of a job.
@@ -79,6 +80,7 @@ struct Progress {
 pub(crate) async fn start(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Answer {
     check(&shared, &asked.arguments)?;
     let id = begin(&shared, &asked).map_err(Fault::refused)?;
+    session::note(&shared, Act::of_command(&asked.arguments)).map_err(Fault::refused)?;
     json(&job(&folder_of(&shared, &id)?, &id).map_err(Fault::refused)?)
 }
 

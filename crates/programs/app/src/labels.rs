@@ -6,8 +6,9 @@ use serde::Serialize;
 use work::Context;
 
 use crate::answer::{Answer, Fault, json};
+use crate::blocking::blocking;
 use crate::folder::Which;
-use crate::recordings::{blocking, recordings_of};
+use crate::recordings::recordings_of;
 use crate::shared::Shared;
 
 /// A recording of the folder, as the bench file uses it.

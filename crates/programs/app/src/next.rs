@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json};
-use crate::recordings::blocking;
+use crate::blocking::blocking;
 use crate::shared::Shared;
 use crate::tries::key_of;
 

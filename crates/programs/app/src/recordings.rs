@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json, of_type};
+use crate::blocking::blocking;
 use crate::folder::{Folder, Which};
 use crate::shared::Shared;
 
@@ -51,16 +52,10 @@ pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
             reports: Vec::new(),
             models: Vec::new(),
         };
-        let mut files = Vec::new();
-        walk(root, DEEPEST, &mut files);
-        for path in files {
-            let (Ok(name), Ok(metadata)) = (path.strip_prefix(root), path.metadata()) else { continue };
+        for (file, path) in files_of(&shared.folder) {
+            let Ok(metadata) = path.metadata() else { continue };
             let changed = metadata.modified().ok().and_then(|at| at.duration_since(SystemTime::UNIX_EPOCH).ok());
-            let listed = Listed {
-                file: with_slashes(name),
-                bytes: metadata.len(),
-                changed_ms: changed.map(|at| at.as_millis()),
-            };
+            let listed = Listed { file, bytes: metadata.len(), changed_ms: changed.map(|at| at.as_millis()) };
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("toml") if dynoid::is_bench_file(&path) => contents.benches.push(listed),
                 Some("html") => contents.reports.push(listed),
@@ -76,15 +71,19 @@ pub(crate) async fn state(State(shared): State<Shared>) -> Answer {
 
 /// Names of the recordings of the folder, in order.
 pub(crate) fn recordings_of(folder: &Folder) -> Vec<String> {
-    let mut files = Vec::new();
-    walk(folder.root(), DEEPEST, &mut files);
-    let recordings = files.iter().filter(|path| is_recording(path));
-    recordings.filter_map(|path| Some(with_slashes(path.strip_prefix(folder.root()).ok()?))).collect()
+    files_of(folder).filter(|(_, path)| is_recording(path)).map(|(name, _)| name).collect()
 }
 
 /// The figures of a study are no recording.
 fn is_recording(path: &Path) -> bool {
     dynoid::is_recording(path) && !path.ends_with(dynoid::SERIES)
+}
+
+/// The files of the folder with their names in it.
+pub(crate) fn files_of(folder: &Folder) -> impl Iterator<Item = (String, PathBuf)> {
+    let (root, mut files) = (folder.root().to_owned(), Vec::new());
+    walk(&root, DEEPEST, &mut files);
+    files.into_iter().filter_map(move |path| Some((with_slashes(path.strip_prefix(&root).ok()?), path)))
 }
 
 /// The files below a folder, in order; hidden folders and links are left out.
@@ -174,9 +173,4 @@ fn numbers(column: &Envelope) -> impl Iterator<Item = u8> + use<> {
 /// The open recording of a file.
 pub(crate) fn handle(shared: &Shared, file: &str) -> Result<Handle, Fault> {
     shared.handles.of(file, &shared.folder.existing(file)?)
-}
-
-/// Work that takes its time, on a thread where it holds nobody up.
-pub(crate) async fn blocking(work: impl FnOnce() -> Answer + Send + 'static) -> Answer {
-    tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| Err(Fault::refused(error)))
 }

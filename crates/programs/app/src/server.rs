@@ -14,7 +14,7 @@ use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
 use crate::shared::{Inner, Program, Shared};
 use crate::tries::Tries;
-use crate::{can, jobs, labels, next, recordings, site, stretches, texts};
+use crate::{campbell, can, jobs, labels, models, next, recordings, session, site, stretches, texts};
 
 /// The most bytes of a text that a page may send.
 const MOST_SENT: usize = 4 << 20;
@@ -127,6 +127,14 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/label", post(labels::seen))
         .route("/draft", get(texts::draft).put(texts::keep_draft).delete(texts::drop_draft))
         .route("/report", get(texts::report))
+        .route("/models", get(models::list))
+        .route("/pair", get(models::pair))
+        .route("/dynamics", get(models::dynamics_of))
+        .route("/campbell", get(campbell::maps))
+        .route("/folded", get(campbell::folded))
+        .route("/meet", get(models::meet))
+        .route("/session", get(session::list).delete(session::begin))
+        .route("/session/{kind}", get(session::file))
         .route("/jobs", get(jobs::list).post(jobs::start))
         .route("/jobs/{id}", get(jobs::show).delete(jobs::cancel))
         .route("/jobs/{id}/printed", get(jobs::printed))

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::answer::{Answer, Fault, json, of_type};
 use crate::folder::{OWN, Which};
 use crate::guard::REPORT_POLICY;
+use crate::session::{self, Act};
 use crate::shared::Shared;
 
 /// A text and its state.
@@ -47,6 +48,7 @@ pub(crate) async fn write(
         return Err(Fault::changed(&which.file));
     }
     replace_file(&path, text.as_bytes(), &Files::new("app", true)).map_err(Fault::refused)?;
+    session::note(&shared, Act::Saved { file: which.file.clone(), text: text.clone() }).map_err(Fault::refused)?;
     forget_draft(&shared, &which.file)?;
     json(&Text { state: Some(dynoid::sha256_of_text(&text)), text })
 }

@@ -129,3 +129,13 @@ export async function view(file, channels, from_s, to_s, columns, signal) {
   }
   return found;
 }
+
+/**
+ * The time that some channels of a recording take.
+ * @param {string} file @param {string[]} channels
+ */
+export async function extent(file, channels) {
+  const found = await view(file, channels, -Infinity, Infinity, 1);
+  const ends = found.filter((columns) => columns.length).map(([from, to]) => ({ from, to }));
+  return { from: Math.min(...ends.map((end) => end.from)), to: Math.max(...ends.map((end) => end.to)) };
+}

@@ -4,11 +4,14 @@ import { failed, fill, h, say } from './dom.js';
 import { here } from './place.js';
 import { follow } from './work.js';
 import * as bench from './views/bench.js';
+import * as campbell from './views/campbell.js';
 import * as can from './views/can.js';
 import * as command from './views/command.js';
+import * as compare from './views/compare.js';
 import * as jobs from './views/jobs.js';
 import * as labels from './views/labels.js';
 import * as look from './views/look.js';
+import * as model from './views/model.js';
 import * as next from './views/next.js';
 import * as report from './views/report.js';
 import * as roles from './views/roles.js';
@@ -21,10 +24,10 @@ import * as study from './views/study.js';
  */
 
 /** @type {Record<string, View>} */
-const VIEWS = { '': start, look, labels, roles, bench, study, can, next, report, command, jobs };
+const VIEWS = { '': start, look, labels, roles, bench, study, report, can, next, compare, model, campbell, command, jobs };
 
 /** Tasks in the bar, in the order of the work. */
-const TASKS = ['look', 'labels', 'roles', 'bench', 'study', 'can', 'next', 'report', 'command'];
+const TASKS = ['look', 'labels', 'roles', 'bench', 'study', 'report', 'can', 'next', 'compare', 'model', 'campbell', 'command'];
 
 /** @type {void | (() => void)} */
 let end;

@@ -64,3 +64,6 @@ export function table(heads, rows, caption) {
       h('thead', {}, h('tr', {}, heads.map((head) => h('th', { scope: 'col' }, head)))),
       h('tbody', {}, rows.map((row) => h('tr', {}, row.map((cell) => h('td', {}, ...[cell].flat())))))));
 }
+
+/** A patch in the colour of a series. @param {number} series */
+export const swatch = (series) => h('span', { class: `swatch series-${series % 8}`, 'aria-hidden': 'true' });

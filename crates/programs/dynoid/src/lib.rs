@@ -58,6 +58,8 @@
 
 pub mod analyses;
 mod bench;
+mod benches;
+mod campbell;
 pub mod can;
 mod changed;
 pub mod convert;
@@ -77,6 +79,7 @@ mod known;
 mod labels;
 pub mod linear;
 mod mark;
+mod meeting;
 mod models;
 mod output;
 pub mod pages;
@@ -96,6 +99,8 @@ mod study_file;
 mod written;
 
 pub use bench::{Bench, bench_text};
+pub use benches::{TwoBenches, TwoBenchesFacts};
+pub use campbell::{campbell, folded_hz};
 pub use changed::{Change, changed, values};
 pub use demonstration::{Demonstration, EFFECTS};
 pub use error::{Error, NotDesigned, NotPredicted};
@@ -107,7 +112,8 @@ pub use formats::{FileFormat, encode_mdf4, encode_table};
 pub use known::{Draws, KnownBench, PulsesFrom};
 pub use labels::{PlacedStretch, RecordingUse, SeenLabel, seen_label, uses};
 pub use mark::{Kind, Mark, is_bench_file};
-pub use models::{MODEL, Model, check_model_file, model_name};
+pub use meeting::{Meeting, MeetingFacts};
+pub use models::{MODEL, Model, ModelFacts, check_model_file, model_name};
 pub use output::{OutputFolder, Staging, check_file, check_replaceable, remove_when_ended, replace_file, replace_with};
 pub use proposal::{Proposal, ProposalFacts};
 pub use read::{Read, is_json, refuse_model, selection, sha256_of_text};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bench_model::document::{BenchModelDocument, format_of, from_json};
-use ident::{DocumentHeader, ModelDocument};
-use serde::Deserialize;
+use ident::{DocumentHeader, Label, ModelDocument};
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::files::Files;
@@ -25,6 +25,55 @@ pub enum Model {
     Bench(Box<BenchModelDocument>),
     /// A linear model of any channels.
     Linear(Box<ModelDocument>),
+}
+
+/// A model of a file in short.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum ModelFacts {
+    /// A model of a bench.
+    Bench {
+        /// Name of the bench.
+        bench: String,
+        /// Day of its study.
+        date: String,
+    },
+    /// A linear model of any channels.
+    Linear {
+        /// Names of its inputs.
+        inputs: Vec<String>,
+        /// Names of its outputs.
+        outputs: Vec<String>,
+        /// Method and orders of its estimate; none of a model that was written down.
+        method: Option<String>,
+        /// Recordings that it was estimated from.
+        recordings: Vec<String>,
+        /// Its sample time, s.
+        sample_time_s: f64,
+    },
+}
+
+impl Model {
+    /// The model in short.
+    pub fn facts(&self) -> ModelFacts {
+        match self {
+            Model::Bench(document) => {
+                ModelFacts::Bench { bench: document.bench.name.clone(), date: document.provenance.date.clone() }
+            }
+            Model::Linear(document) => {
+                let names = |labels: &[Label]| labels.iter().map(|label| label.name.clone()).collect();
+                let estimate = document.estimate.as_ref();
+                let sources = estimate.iter().flat_map(|estimate| &estimate.sources);
+                ModelFacts::Linear {
+                    inputs: names(&document.inputs),
+                    outputs: names(&document.outputs),
+                    method: estimate.map(|estimate| estimate.method.clone()),
+                    recordings: sources.map(|source| source.file.clone()).collect(),
+                    sample_time_s: document.sample_time_s,
+                }
+            }
+        }
+    }
 }
 
 impl Files {

@@ -22,7 +22,7 @@ use work::Context;
 use crate::bench::Bench;
 use crate::error::Error;
 use crate::files::Files;
-use crate::linear::Note;
+use crate::linear::{MEASURED, Note, RESIDUAL};
 use crate::recordings::{NOTHING_USABLE, worst};
 use crate::{paths, read};
 
@@ -114,6 +114,27 @@ impl BenchReplays {
     /// The replays in numbers, without their traces.
     pub fn facts(&self) -> Vec<ReplayFacts> {
         self.all.iter().map(ReplayFacts::of).collect()
+    }
+
+    /// Of each signal what was measured, what was modelled, and the first less the second where both have a sample.
+    pub fn beside_measured(&self) -> Recording {
+        let (mut rasters, mut channels) = (Vec::new(), Vec::new());
+        for signal in self.all.iter().flat_map(|one| &one.replay.signals) {
+            let Validation { measured, modelled, stretch, .. } = signal;
+            let residual = measured.values.iter().zip(&modelled.values).map(|(one, other)| one - other).collect();
+            let residual = Trace { values: residual, ..measured.clone() };
+            for (what, trace) in [(MEASURED, measured), ("simulated", modelled), (RESIDUAL, &residual)] {
+                channels.push(Channel {
+                    name: format!("{}_{what}", signal.quantity),
+                    unit: signal.unit.clone(),
+                    comment: String::new(),
+                    raster: raster(&mut rasters, trace, &stretch.file),
+                    samples: trace.values.clone(),
+                });
+            }
+        }
+        let format = Format::Csv { delimiter: ',', decimal_comma: false };
+        Recording { format, comment: None, start_time: None, rasters, channels, findings: Vec::new() }
     }
 
     /// The modelled signals, each on its own clock.

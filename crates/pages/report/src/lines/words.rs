@@ -228,10 +228,7 @@ fn campbell(signal: &OverSpeed) -> Panel {
     let rate_hz = 1.0 / signal.sample_time_s;
     let [low, high] = signal.speed_rad_s;
     let (rows, shade_db) = shades(&signal.map);
-    let cells = rows.iter().map(String::len).max().unwrap_or(0);
-    let lines = signal.map.iter().map(Vec::len).max().unwrap_or(0);
-    let per_row = lines.div_ceil(ROWS).max(1);
-    let top_hz = (cells * per_row) as f64 * ShortSpectrum::STEP_HZ;
+    let top_hz = top_hz(&signal.map);
     let x = [low, high].map(|w| Rounded(w / RPM_RAD_S));
     let mut layers = vec![Layer::Shades { x, y: [Rounded(0.0), Rounded(top_hz)], columns: rows }];
     layers.extend(order_lines(signal, rate_hz));
@@ -249,9 +246,16 @@ fn campbell(signal: &OverSpeed) -> Panel {
     Panel::new(axis, MAP_HEIGHT, layers).noted(format!("a shade is {shade_db:.0} dB"))
 }
 
+/// Upper end of the shades of a map, Hz.
+pub(super) fn top_hz(map: &[Vec<f64>]) -> f64 {
+    let lines = map.iter().map(Vec::len).max().unwrap_or(0);
+    let per_row = lines.div_ceil(ROWS).max(1);
+    (lines.div_ceil(per_row) * per_row) as f64 * ShortSpectrum::STEP_HZ
+}
+
 /// Digits of shades, a string a class of speed, from the lowest frequency up; and how many decibels one is worth.
 /// Nothing is shaded below twice the median, which is noise.
-fn shades(map: &[Vec<f64>]) -> (Vec<String>, f64) {
+pub(super) fn shades(map: &[Vec<f64>]) -> (Vec<String>, f64) {
     let lines = map.iter().map(Vec::len).max().unwrap_or(0);
     let per_row = lines.div_ceil(ROWS).max(1);
     let rows: Vec<Vec<f64>> = map

@@ -105,6 +105,17 @@ pub struct RootsFacts {
     pub roots: Vec<RootFacts>,
 }
 
+/// Outline of the region of confidence of a pole or a zero.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionFacts {
+    /// True of a pole.
+    pub is_pole: bool,
+    /// Names of the channels that have the root; none where all do.
+    pub channels: Vec<String>,
+    /// Real and imaginary parts along the outline.
+    pub outline: Vec<(f64, f64)>,
+}
+
 /// A pole or a zero. Intervals are none of a model without an estimate, and where the root may reach another one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

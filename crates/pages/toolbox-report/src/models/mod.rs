@@ -11,7 +11,7 @@ mod step;
 
 pub use bode::bode;
 pub use curves::{Curves, Detail};
-pub use facts::{CurveFacts, Fact, ModelRootsFacts, Points, QuantityFacts, RootFacts, RootsFacts};
+pub use facts::{CurveFacts, Fact, ModelRootsFacts, Points, QuantityFacts, RegionFacts, RootFacts, RootsFacts};
 pub use model::{LoopMargins, Model};
 pub use poles::{Poles, poles};
 pub use step::step;

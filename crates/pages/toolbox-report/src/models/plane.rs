@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use ident::uncertainty::UncertainRoot;
 use lti::Complex64;
 use page::decimal::digits;
 use page::{Axis, Figure, Layer, Marker, Panel, Style, rounded};
@@ -36,11 +37,8 @@ fn plane(roots: &[Roots], models: &[Model], chosen: &[usize], level: f64, is_dis
     let largest = sizes().fold(0.0, f64::max);
     let mut layers = if is_discrete { discrete_grid() } else { continuous_grid(largest) };
     for root in own.iter().flat_map(|set| set.roots.iter().map(|root| (set.model, root))) {
-        let (model, ellipse) = (root.0, root.1.ellipse(level));
-        let is_drawn = ellipse.semi_major.is_finite() && ellipse.semi_major > 0.0 && !root.1.near_multiple;
-        if is_drawn && seen(&root.1.value) {
-            let mut points = ellipse.points(90);
-            points.extend(points.first().copied());
+        let (model, root) = root;
+        if let Some(points) = region(root, level).filter(|_| seen(&root.value)) {
             layers.push(path(&format!("{} % region", digits(100.0 * level, 6)), Style::of_model(model), &points));
         }
     }
@@ -70,6 +68,17 @@ fn plane(roots: &[Roots], models: &[Model], chosen: &[usize], level: f64, is_dis
         caption.push_str(&format!(" Not shown: {outside} {roots} further than {FURTHEST} from zero."));
     }
     figure(title, Axis::linear("real part", unit), vec![panel]).with_equal_axes().with_caption(caption)
+}
+
+/// The outline of the region that holds a root with this confidence, where there is one.
+pub(super) fn region(root: &UncertainRoot, level: f64) -> Option<Vec<Complex64>> {
+    let ellipse = root.ellipse(level);
+    let is_region = ellipse.semi_major.is_finite() && ellipse.semi_major > 0.0 && !root.near_multiple;
+    is_region.then(|| {
+        let mut points = ellipse.points(90);
+        points.extend(points.first().copied());
+        points
+    })
 }
 
 /// The unit circle and, within it, `z = e^{sT}` of equal damping and frequency.

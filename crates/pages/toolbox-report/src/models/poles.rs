@@ -9,7 +9,7 @@ use page::decimal::{digits, with_range};
 use page::{Align, Block, Blocks, Page, Table};
 
 use super::curves::interval_heading;
-use super::facts::{ModelRootsFacts, RootFacts, RootsFacts};
+use super::facts::{ModelRootsFacts, RegionFacts, RootFacts, RootsFacts};
 use super::model::{Model, channel_name, channels};
 use super::plane;
 use super::roots::Roots;
@@ -58,6 +58,20 @@ impl Poles {
     pub fn facts(&self) -> Vec<ModelRootsFacts> {
         let of = |(number, model)| model_facts(model, self.of(number), self.level);
         self.models.iter().enumerate().map(of).collect()
+    }
+
+    /// Outlines of the regions of the roots that have one.
+    pub fn regions(&self) -> Vec<RegionFacts> {
+        let of_set = |set: &Roots| {
+            let outlines = set.roots.iter().filter_map(|root| plane::region(root, self.level));
+            let facts = |outline: Vec<Complex64>| RegionFacts {
+                is_pole: set.is_pole,
+                channels: set.channels.clone(),
+                outline: outline.iter().map(|point| (point.re, point.im)).collect(),
+            };
+            outlines.map(facts).collect::<Vec<_>>()
+        };
+        self.roots.iter().flat_map(of_set).collect()
     }
 
     fn of(&self, model: usize) -> impl Iterator<Item = &Roots> {

@@ -29,3 +29,18 @@ export function figure(value) {
   if (size !== 0 && (size >= 1e6 || size < 1e-3)) return value.toExponential(3).replace(/-/g, '−');
   return value.toPrecision(5).replace(/-/g, '−');
 }
+
+/**
+ * Places of ticks on a logarithmic axis: 1, 2 and 5 of each decade where there is room, or else the decades.
+ * @param {number} low @param {number} high @param {number} most
+ */
+export function decades(low, high, most) {
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  const every = Math.max(1, Math.ceil((last - first) / Math.max(1, most)));
+  const steps = 3 * (last - first) <= most ? [1, 2, 5] : [1];
+  const places = [];
+  for (let power = first; power <= last; power += every) {
+    for (const step of steps) if (step * 10 ** power >= low && step * 10 ** power <= high) places.push(step * 10 ** power);
+  }
+  return places;
+}

@@ -15,7 +15,7 @@ export const title = 'Commands';
  * @property {string} help
  * @property {string | null} heading
  * @property {string | null} value
- * @property {'flag' | 'path' | 'number' | 'text'} kind
+ * @property {'flag' | 'path' | 'count' | 'number' | 'text'} kind
  * @property {boolean} is_required
  * @property {boolean} is_repeated
  * @property {string | null} default

@@ -43,6 +43,8 @@ struct Argument {
 enum Kind {
     Flag,
     Path,
+    /// A whole number, from zero on.
+    Count,
     Number,
     Text,
 }
@@ -105,10 +107,11 @@ impl Argument {
 impl Kind {
     fn of(parser: &ValueParser) -> Self {
         let is = |kind: TypeId| parser.type_id() == kind;
-        let numbers = [TypeId::of::<f64>(), TypeId::of::<usize>(), TypeId::of::<u64>(), TypeId::of::<u32>()];
+        let counts = [TypeId::of::<usize>(), TypeId::of::<u64>(), TypeId::of::<u32>()];
         match () {
             () if is(TypeId::of::<PathBuf>()) => Kind::Path,
-            () if numbers.into_iter().any(is) => Kind::Number,
+            () if counts.into_iter().any(is) => Kind::Count,
+            () if is(TypeId::of::<f64>()) => Kind::Number,
             () => Kind::Text,
         }
     }

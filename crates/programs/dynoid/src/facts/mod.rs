@@ -10,6 +10,6 @@ mod written;
 pub use controller::{ControllerFacts, SpeedControlFacts};
 pub use lines::{LinesFacts, RecordingLinesFacts};
 pub use rebuilt::{EngineFacts, TorqueSignalsFacts};
-pub use short::StudyFacts;
+pub use short::{StudyFacts, VerdictFacts};
 pub use small::{FrictionFacts, ShaftFacts, TorqueControlFacts};
 pub use written::WrittenFacts;

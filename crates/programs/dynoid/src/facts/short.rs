@@ -40,16 +40,18 @@ impl<'a> StudyFacts<'a> {
     }
 }
 
+/// The verdict on a study, in words.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct VerdictFacts {
+pub struct VerdictFacts {
     level: &'static str,
     headline: &'static str,
     rules: Vec<RuleFacts>,
 }
 
 impl VerdictFacts {
-    fn of(study: &Study) -> Self {
+    /// Of a study.
+    pub fn of(study: &Study) -> Self {
         let verdict = verdict(study);
         VerdictFacts {
             level: verdict.level.key(),

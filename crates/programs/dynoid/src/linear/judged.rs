@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use ident::uncertainty::Dynamics;
-use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
+use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, judge};
 use ident::{Dataset, IdentError, InitialState, ModelDocument};
 use page::Page;
 use recording::Recording;
@@ -19,7 +19,7 @@ use super::meet::{MeetOptions, NamedModel};
 use super::note::Note;
 use super::operating_point::taken_off;
 use super::recorded::RecordedFiles;
-use super::response::recording_of;
+use super::response::{beside_measured, recording_of};
 use super::sources::which_data;
 use crate::error::Error;
 use crate::files::Files;
@@ -238,8 +238,23 @@ impl ModelResponse {
     /// # Errors
     /// Levels that do not belong to the data.
     pub fn recording(&self) -> Result<Recording, Error> {
-        recording_of(&self.model.document, &self.loaded, &self.judged.response, self.what)
+        recording_of(&self.model.document, &self.loaded, &self.judged.response.outputs, self.what)
             .map_err(|source| Error::identify("the response", source))
+    }
+
+    /// The recorded outputs, the response, and the first less the second as channels, with the levels put back.
+    ///
+    /// # Errors
+    /// Levels that do not belong to the data.
+    pub fn beside_measured(&self) -> Result<Recording, Error> {
+        beside_measured(&self.model.document, &self.loaded, &self.judged.response.outputs, self.what)
+            .map_err(|source| Error::identify("the response", source))
+    }
+
+    /// Tells whether the model was estimated from any part of these recordings.
+    pub fn is_seen(&self) -> bool {
+        let estimate = self.model.document.estimate.as_ref();
+        estimate.is_some_and(|estimate| which_data(&self.loaded.sources, &estimate.sources) == TestData::Own)
     }
 
     /// The response as a page.

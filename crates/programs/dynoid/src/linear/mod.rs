@@ -2,6 +2,7 @@
 
 mod converted;
 mod data;
+mod dynamics;
 mod faults;
 mod fit;
 mod gaps;
@@ -18,6 +19,7 @@ mod sources;
 
 pub use converted::ConvertedModel;
 pub use data::DataOptions;
+pub use dynamics::{DynamicsFacts, dynamics};
 pub use faults::{check_movement, check_variation};
 pub use fit::{FitData, FitNeeds, Judging, LinearFit, Method, Search};
 pub use gaps::Gaps;
@@ -29,4 +31,5 @@ pub use models::models_in;
 pub use note::Note;
 pub use recorded::RecordedFiles;
 pub use response::check_recordings_file;
+pub(crate) use response::{MEASURED, RESIDUAL};
 pub use sources::which_data;

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use dataset::instant_s;
 use faer::Mat;
-use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
 use recording::{Channel, Format, Raster, Recording};
 
@@ -15,17 +14,21 @@ use crate::formats::FileFormat;
 use crate::mark::Mark;
 use crate::output::check_file;
 
+/// Words for the other courses beside a response.
+pub(crate) const MEASURED: &str = "measured";
+pub(crate) const RESIDUAL: &str = "residual";
+
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
 pub(super) fn recording_of(
     document: &ModelDocument,
     loaded: &Loaded,
-    response: &Response,
+    outputs: &[Mat<f64>],
     what: &str,
 ) -> Result<Recording, IdentError> {
     let (mut rasters, mut channels) = (Vec::new(), Vec::new());
     for (number, source) in loaded.sources.iter().enumerate() {
         let parts: Vec<usize> = (0..loaded.recording.len()).filter(|n| loaded.recording[*n] == number).collect();
-        let Some((start_s, values)) = whole(loaded, response, number, &parts)? else { continue };
+        let Some((start_s, values)) = whole(loaded, outputs, number, &parts)? else { continue };
         let sample_time_s = loaded.data.sample_time_s();
         let time_s = (0..values.nrows()).map(|tick| instant_s(start_s, tick, sample_time_s)).collect();
         let channel = |(output, label): (usize, &Label)| Channel {
@@ -42,10 +45,42 @@ pub(super) fn recording_of(
     Ok(Recording { format, comment: None, start_time: None, rasters, channels, findings: Vec::new() })
 }
 
+/// The recorded outputs, the response, and the first less the second, each under the name of its output. Samples that
+/// were not recorded are left out, so that an output on a slower clock is a line.
+pub(super) fn beside_measured(
+    document: &ModelDocument,
+    loaded: &Loaded,
+    outputs: &[Mat<f64>],
+    what: &str,
+) -> Result<Recording, IdentError> {
+    let recorded: Vec<Mat<f64>> = loaded.data.experiments().iter().map(|e| e.outputs.clone()).collect();
+    let measured = recording_of(document, loaded, &recorded, MEASURED)?;
+    let modelled = recording_of(document, loaded, outputs, what)?;
+    let names = || modelled.rasters.iter().flat_map(|_| &document.outputs).map(|label| label.name.as_str());
+    let pairs = measured.channels.iter().zip(&modelled.channels).zip(names());
+    let pairs: Vec<_> = pairs.map(|((one, other), name)| (name, one, other, &measured.rasters[one.raster])).collect();
+    let (mut rasters, mut channels) = (modelled.rasters.clone(), modelled.channels.clone());
+    for (name, measured, modelled, raster) in pairs {
+        let there: Vec<usize> = (0..measured.samples.len()).filter(|k| !measured.samples[*k].is_nan()).collect();
+        let taken = |of: &[f64]| there.iter().map(|k| of[*k]).collect::<Vec<f64>>();
+        let residual: Vec<f64> = there.iter().map(|k| measured.samples[*k] - modelled.samples[*k]).collect();
+        for (what, samples) in [(MEASURED, taken(&measured.samples)), (RESIDUAL, residual)] {
+            channels.push(Channel {
+                name: format!("{name}_{what}"),
+                raster: rasters.len(),
+                samples,
+                ..measured.clone()
+            });
+        }
+        rasters.push(Raster { time_s: taken(&raster.time_s), name: raster.name.clone() });
+    }
+    Ok(Recording { rasters, channels, ..modelled })
+}
+
 /// The parts of one recording put together: when it starts, and its outputs; nothing where it has no part.
 fn whole(
     loaded: &Loaded,
-    response: &Response,
+    outputs: &[Mat<f64>],
     recording: usize,
     parts: &[usize],
 ) -> Result<Option<(f64, Mat<f64>)>, IdentError> {
@@ -56,7 +91,7 @@ fn whole(
     let rows = place(*last) + experiments[*last].len();
     let mut all = Mat::full(rows, loaded.data.outputs(), f64::NAN);
     for part in parts {
-        let values = response.outputs[*part].as_ref();
+        let values = outputs[*part].as_ref();
         let values = match &loaded.trend {
             Some(trend) => trend.restore_outputs(values, recording, experiments[*part].start_s, sample_time_s)?,
             None => values.to_owned(),

@@ -7,5 +7,6 @@ mod cancellation;
 mod examples;
 mod facts;
 mod files;
+mod meeting;
 mod schemas;
 mod session;
