@@ -1,6 +1,6 @@
 // Small plots of a recording: what it is at a glance.
 
-import { view } from '../api.js';
+import { COLUMN, view } from '../api.js';
 import { h } from '../dom.js';
 
 /**
@@ -32,15 +32,15 @@ export async function drawSmall(canvas, file, channels) {
  */
 function drawLine(context, columns, colour, top, height) {
   let [low, high] = [Infinity, -Infinity];
-  for (let k = 0; k < columns.length; k += 4) {
+  for (let k = 0; k < columns.length; k += COLUMN) {
     if (columns[k + 2] < low) low = columns[k + 2];
     if (columns[k + 3] > high) high = columns[k + 3];
   }
-  const [first, last] = [columns[0], columns[columns.length - 3]];
+  const [first, last] = [columns[0], columns[columns.length - COLUMN + 1]];
   const yOf = (/** @type {number} */ value) => top + height * (high > low ? (high - value) / (high - low) : 0.5);
   context.strokeStyle = colour;
   context.beginPath();
-  for (let k = 0; k < columns.length; k += 4) {
+  for (let k = 0; k < columns.length; k += COLUMN) {
     if (Number.isNaN(columns[k + 2])) continue;
     const x = (context.canvas.width * (columns[k] - first)) / Math.max(1e-9, last - first);
     context.lineTo(x, yOf(columns[k + 2]));

@@ -142,7 +142,7 @@ export async function show(element, given) {
 
   function shade() {
     const [from_s, to_s] = [chosen.from === '' ? panels.whole.from : Number(chosen.from), chosen.to === '' ? panels.whole.to : Number(chosen.to)];
-    panels.stretches = chosen.from === '' && chosen.to === '' ? [] : [{ from_s, to_s, kind: 'estimate' }];
+    panels.stretches = chosen.from === '' && chosen.to === '' ? [] : [{ from_s, to_s, kind: 'estimate', text: '' }];
     panels.draw();
   }
 
