@@ -45,12 +45,14 @@ fn read_one(
         return None;
     };
     let [first, second] = StretchUse::ALL;
-    section.only(&["file", first.key(), second.key()], faults);
+    let has_unknown = section.only(&["file", first.key(), second.key()], faults);
     let file = section.require("file", FILE, faults).and_then(|place| section.text("file", place, FILE, faults));
     let mut stated = StretchUse::ALL.into_iter().filter_map(|usage| Some((usage, section.get(usage.key())?)));
     let Some((usage, times)) = stated.next() else {
-        let example = EXAMPLE.to_owned();
-        faults.add(section.offset(), path, FaultKind::Missing { example });
+        // A misspelt key is a fault of its own.
+        if !has_unknown {
+            faults.add(section.offset(), path, FaultKind::Missing { example: EXAMPLE.to_owned() });
+        }
         return None;
     };
     if let Some((_, second)) = stated.next() {

@@ -312,7 +312,7 @@ fn regress_faults_of_stretches_have_line_and_remedy() {
         assert!(faults.iter().any(|fault| fault.to_string().contains(words)), "{faults:?}");
     }
     let (at, key, ..) = fault("leave_out = [14.0, 15.25]", "leave_out = [14.0, 15.25]\nestimate = [16, 17]");
-    assert_eq!((at, key.as_str()), (line + 1, "recordings.stretch"));
+    assert_eq!((at, key.as_str()), (line, "recordings.stretch"));
     let (at, key, ..) = fault("leave_out = [14.0, 15.25]", "");
     assert_eq!((at, key.as_str()), (line - 2, "recordings.stretch"));
 }
