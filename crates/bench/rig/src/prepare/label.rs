@@ -115,7 +115,7 @@ pub(super) fn turns_with(experiment: &Experiment) -> bool {
 
 /// The inertia that T_d moves, kg m², where T_d is almost all that does: −∫T_d dt over the change of ω_d, by least
 /// squares.
-pub(super) fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
+fn moved_inertia_kg_m2(experiment: &Experiment) -> Option<f64> {
     let [speed, torque] = blocks(experiment, [Role::DynoSpeed, Role::AirGapTorque], BLOCK_S)?;
     let acceleration: Vec<f64> = central_difference(&speed, BLOCK_S).ok()?;
     let related = correlation(&acceleration, &torque)?;

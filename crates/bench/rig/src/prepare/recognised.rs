@@ -5,7 +5,7 @@ use std::fmt;
 use signal::Signal;
 use units::RPM_RAD_S;
 
-use super::label::{Answer, answers, blocks, correlation, mean, moved_inertia_kg_m2, turns_with};
+use super::label::{Answer, answers, blocks, correlation, mean, turns_with};
 use crate::experiment::{ControlMode, Excitation, Experiment, ExperimentLabel, Test};
 use crate::role::Role;
 
@@ -45,8 +45,8 @@ pub enum LabelReason {
     NoControl,
     /// The engine does not turn with the dynamometer.
     ShaftOff,
-    /// The engine's speed is not recorded, and T_d explains how N_d changes.
-    TorqueAlone,
+    /// The engine's speed is not recorded, as with the shaft off.
+    NoEngine,
     /// N_d* is constant.
     ConstantSpeed {
         /// Its value, rad/s.
@@ -86,8 +86,8 @@ impl fmt::Display for LabelReason {
             }
             LabelReason::NoControl => f.write_str("the signals do not show which side controls the speed"),
             LabelReason::ShaftOff => f.write_str("the engine does not turn with the dynamometer, so the shaft is off"),
-            LabelReason::TorqueAlone => {
-                f.write_str("the engine's speed is not recorded, and T_d alone moves N_d, so the shaft seems off")
+            LabelReason::NoEngine => {
+                f.write_str("the engine's speed is not recorded, so the data do not show that the shaft is on")
             }
             LabelReason::ConstantSpeed { speed_rad_s } => {
                 write!(f, "N_d* is constant at {:.0} rpm, so the engine excites", speed_rad_s / RPM_RAD_S)
@@ -134,8 +134,9 @@ fn control(experiment: &Experiment) -> (Option<ControlMode>, LabelReason) {
 
 fn speed_controlled(experiment: &Experiment, reasons: &mut Vec<LabelReason>) -> Option<ExperimentLabel> {
     let label = |test, excitation| Some(ExperimentLabel::new(test, excitation, ControlMode::Nt));
-    if let Some(reason) = no_shaft(experiment) {
-        reasons.push(reason);
+    let has_engine = experiment.signal(Role::EngineSpeed).is_some();
+    if has_engine && !turns_with(experiment) {
+        reasons.push(LabelReason::ShaftOff);
         return label(Test::NoShaft, Excitation::Speed);
     }
     let Some(demand) = experiment.signal(Role::DynoSpeedDemand) else {
@@ -145,6 +146,10 @@ fn speed_controlled(experiment: &Experiment, reasons: &mut Vec<LabelReason>) -> 
     if range(demand) <= CONSTANT {
         reasons.push(LabelReason::ConstantSpeed { speed_rad_s: mean(&demand.samples)? });
         return label(Test::Bs, Excitation::Torque);
+    }
+    if !has_engine {
+        reasons.push(LabelReason::NoEngine);
+        return None;
     }
     let course = Course::of(demand);
     if range(demand) < ABOUT_ONE && course.at_levels < MOSTLY {
@@ -161,14 +166,6 @@ fn speed_controlled(experiment: &Experiment, reasons: &mut Vec<LabelReason>) -> 
         return label(test, Excitation::Speed);
     }
     label(course.excited(reasons)?, Excitation::Speed)
-}
-
-/// The reason to believe that the shaft is off, if there is one.
-fn no_shaft(experiment: &Experiment) -> Option<LabelReason> {
-    match experiment.signal(Role::EngineSpeed) {
-        Some(_) => (!turns_with(experiment)).then_some(LabelReason::ShaftOff),
-        None => moved_inertia_kg_m2(experiment).map(|_| LabelReason::TorqueAlone),
-    }
 }
 
 fn torque_controlled(experiment: &Experiment, reasons: &mut Vec<LabelReason>) -> Option<ExperimentLabel> {
