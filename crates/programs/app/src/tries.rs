@@ -37,10 +37,12 @@ pub(crate) struct Try<T> {
 struct Stand<'a> {
     key: &'a str,
     is_done: bool,
+    /// Why it has no result, where it ended without one.
+    reason: Option<&'a String>,
     /// Part that is done, from 0 to 1.
     fraction: f64,
     /// The step that it is at, in words.
-    doing: Option<String>,
+    doing: Option<&'a str>,
 }
 
 impl<T> Default for Tries<T> {
@@ -110,12 +112,15 @@ impl<T: Send + Sync + 'static> Try<T> {
 
     /// Where it stands.
     pub(crate) fn stand(&self) -> Answer {
-        if let Some(Err(reason)) = self.result.get() {
-            return Err(Fault::refused(reason));
-        }
         let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        let doing = heard.current().map(str::to_owned);
-        json(&Stand { key: &self.key, is_done: self.result.get().is_some(), fraction: heard.fraction(), doing })
+        let result = self.result.get();
+        json(&Stand {
+            key: &self.key,
+            is_done: result.is_some(),
+            reason: result.and_then(|result| result.as_ref().err()),
+            fraction: heard.fraction(),
+            doing: heard.current(),
+        })
     }
 
     /// Its result.

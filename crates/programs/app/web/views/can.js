@@ -159,7 +159,6 @@ export async function show(element, given) {
   async function run() {
     const mine = (turn += 1);
     clearTimeout(pause);
-    const before = key;
     say('');
     remember();
     result.classList.add('stale');
@@ -170,17 +169,18 @@ export async function show(element, given) {
         engine_map: (cycle() && now.map) || null, vehicle: (cycle()?.needs_vehicle && now.vehicle) || null, by: [],
         require: now.require.split('\n').map((text) => text.trim()).filter(Boolean), benches: now.benches, seed: now.seed };
       let stand = await post('can', asked);
-      if (before && before !== stand.key && !shown) remove(`can/${before}`);
       key = stand.key;
       while (!stand.is_done) {
         bar.value = stand.fraction;
         await new Promise((done) => setTimeout(done, PACE_MS));
-        if (mine !== turn || isOver) {
-          if (key !== stand.key || isOver) remove(`can/${stand.key}`);
+        if (isOver) return;
+        if (mine !== turn) {
+          if (key !== stand.key) remove(`can/${stand.key}`);
           return;
         }
         stand = await get(`can/${stand.key}`);
       }
+      if (stand.reason) throw new Error(stand.reason);
       const found = await get(`can/${stand.key}/answer`);
       if (mine !== turn || isOver) return;
       shown = { ...found, key: stand.key };

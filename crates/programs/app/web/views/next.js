@@ -98,10 +98,10 @@ export async function show(element, given) {
       bar.value = stand.fraction;
       doing.textContent = stand.doing ?? '';
       await new Promise((done) => setTimeout(done, PACE_MS));
-      if (isOver) await remove(`next/${stand.key}`);
       if (mine !== turn || isOver) return null;
       stand = await get(`next/${stand.key}`);
     }
+    if (stand.reason) throw new Error(stand.reason);
     const answer = await get(`next/${stand.key}/answer`);
     if (mine !== turn || isOver) return null;
     fill(progress);
@@ -174,9 +174,8 @@ export async function show(element, given) {
     const which = one.is_designed ? ['--optimal', 'K,B', '--speed', String(one.speed_rpm), '--duration', String(one.duration_s)]
       : [one.label, ...Object.entries(numbers).flatMap(([name, value]) => ['--set', `${name}=${value}`])];
     const folder = now.bench.includes('/') ? now.bench.slice(0, now.bench.lastIndexOf('/') + 1) : '';
-    const model = `${folder}study/model.json`;
-    const known = state.models.some((/** @type {any} */ each) => each.file === model);
-    return ['experiment', 'design', now.bench, ...which, ...(known ? ['--model', model] : [])];
+    const model = [`${folder}study/model.json`, `${folder}model.json`].find((file) => state.models.some((/** @type {any} */ each) => each.file === file));
+    return ['experiment', 'design', now.bench, ...which, ...(model ? ['--model', model] : [])];
   }
 
   function edit() {
