@@ -268,7 +268,7 @@ export async function show(element, given) {
   function slider(of, limit) {
     const id = `limit-${of.of}`;
     const value = of.of in limits ? limits[of.of] : of.stated;
-    const high = of.largest ?? 2 * Math.max(of.stated ?? 0, limit.quantile_95 ?? 0, 1e-6);
+    const high = of.largest ?? 2 * (Math.max(of.stated ?? 0, limit.quantile_95 ?? 0) || 1);
     const box = h('input', { id, type: 'number', step: 'any', min: 0, value: value === null ? '' : figure3(value), placeholder: 'none' });
     const range = h('input', { type: 'range', min: 0, max: high, step: high / 500, value: String(value ?? high), 'aria-label': `Limit of the ${of.name}, slider` });
     const moved = (/** @type {number | null} */ next) => {
