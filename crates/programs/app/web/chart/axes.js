@@ -1,7 +1,8 @@
 // A plot with two axes, each linear or logarithmic, and a mark that pointer and arrow keys move.
 
 import { h } from '../dom.js';
-import { shown, ticks } from './scale.js';
+import { kept, prepared, stroke } from './canvas.js';
+import { part, places, value } from './scale.js';
 
 /** @typedef {{ low: number, high: number, name: string, isLog?: boolean }} Axis */
 
@@ -16,6 +17,7 @@ import { shown, ticks } from './scale.js';
  * @property {(plot: Plot, context: CanvasRenderingContext2D, colour: (name: string) => string) => void} [beside] draws to the right
  * @property {(plot: Plot, x: number, y: number) => { x: number, y: number } | null} near the place to mark, next to pixels
  * @property {(x: number, y: number) => string} words what is at a marked place
+ * @property {(x: number, y: number) => void} [chosen] hears of a place that is clicked, or marked as Enter is pressed
  */
 
 export const LEFT = 84;
@@ -24,27 +26,41 @@ const BOTTOM = 44;
 const RIGHT = 14;
 export const HEIGHT = 320;
 
+/** @param {Drawing} drawing */
+const labelOf = (drawing) => `${drawing.label}. Arrow keys move the mark, and its place is read below.`;
+
 export class Plot {
   /** @param {Element} parent @param {Drawing} drawing */
   constructor(parent, drawing) {
     this.drawing = drawing;
     /** @type {{ x: number, y: number } | null} */
     this.mark = null;
-    this.canvas = h('canvas', { tabindex: 0, role: 'application', 'aria-label': `${drawing.label}. Arrow keys move the mark, and its place is read below.` });
+    this.canvas = h('canvas', { tabindex: 0, role: 'application', 'aria-label': labelOf(drawing) });
     this.readout = h('p', { class: 'readout', role: 'status' }, 'Point at the plot to read a place, or move with the arrow keys.');
     this.canvas.addEventListener('pointermove', ({ offsetX, offsetY }) => this.point(offsetX, offsetY));
+    this.canvas.addEventListener('click', ({ offsetX, offsetY }) => this.choose(offsetX, offsetY));
     this.canvas.addEventListener('keydown', (event) => this.step(event));
     parent.replaceChildren(this.canvas, this.readout);
-    this.sizes = new ResizeObserver(() => this.paint());
-    this.sizes.observe(this.canvas);
-    this.scheme = matchMedia('(prefers-color-scheme: dark)');
-    this.repaint = () => this.paint();
-    this.scheme.addEventListener('change', this.repaint);
+    this.end = kept(this.canvas, () => this.draw());
   }
 
-  end() {
-    this.sizes.disconnect();
-    this.scheme.removeEventListener('change', this.repaint);
+  /** Shows another drawing in the same place. @param {Drawing} drawing */
+  show(drawing) {
+    this.drawing = drawing;
+    this.mark = null;
+    this.canvas.setAttribute('aria-label', labelOf(drawing));
+    this.readout.textContent = '';
+    this.draw();
+  }
+
+  /** Draws with the next frame, once. */
+  draw() {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => {
+      this.isDue = false;
+      this.paint();
+    });
   }
 
   get right() {
@@ -84,8 +100,15 @@ export class Plot {
     this.paint();
   }
 
+  /** @param {number} x @param {number} y */
+  choose(x, y) {
+    const found = this.drawing.near(this, x, y);
+    if (found) this.drawing.chosen?.(found.x, found.y);
+  }
+
   /** @param {KeyboardEvent} event */
   step(event) {
+    if (event.key === 'Enter' && this.mark) this.drawing.chosen?.(this.mark.x, this.mark.y);
     const step = event.shiftKey ? 10 : 1;
     const moves = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] });
     const move = moves[event.key];
@@ -102,16 +125,9 @@ export class Plot {
   }
 
   paint() {
-    const context = this.canvas.getContext('2d');
-    if (!context) return;
-    const ratio = devicePixelRatio || 1;
-    const width = this.canvas.clientWidth;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(HEIGHT * ratio);
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+    const drawn = prepared(this.canvas, this.canvas.clientWidth, HEIGHT);
+    if (!drawn) return;
+    const { context, colour } = drawn;
     this.paintAxes(context, colour);
     context.save();
     context.beginPath();
@@ -134,7 +150,7 @@ export class Plot {
     context.textBaseline = 'top';
     for (const [place, text] of places(x, (this.right - LEFT) / 60)) {
       const at = Math.round(this.xOf(place)) + 0.5;
-      line(context, at, TOP, at, this.bottom);
+      stroke(context, [[at, TOP], [at, this.bottom]]);
       context.fillText(text, at, this.bottom + 6);
     }
     context.fillText(x.name, (LEFT + this.right) / 2, this.bottom + 24);
@@ -142,7 +158,7 @@ export class Plot {
     context.textBaseline = 'middle';
     for (const [place, text] of places(y, (this.bottom - TOP) / 36)) {
       const at = Math.round(this.yOf(place)) + 0.5;
-      line(context, LEFT, at, this.right, at);
+      stroke(context, [[LEFT, at], [this.right, at]]);
       context.fillText(text, LEFT - 6, at);
     }
     context.save();
@@ -161,57 +177,12 @@ export class Plot {
     for (const [name, shift] of /** @type {[string, number][]} */ ([['back', 1], ['cursor-a', 0]])) {
       context.strokeStyle = colour(name);
       context.setLineDash([3, 3]);
-      line(context, x + shift, TOP, x + shift, this.bottom);
-      line(context, LEFT, y + shift, this.right, y + shift);
+      stroke(context, [[x + shift, TOP], [x + shift, this.bottom]]);
+      stroke(context, [[LEFT, y + shift], [this.right, y + shift]]);
       context.setLineDash([]);
       context.strokeRect(x - 4 - shift, y - 4 - shift, 8 + 2 * shift, 8 + 2 * shift);
     }
   }
-}
-
-/** @typedef {Pick<Axis, 'low' | 'high' | 'isLog'>} Range */
-
-/** Where a value is in a range, from 0 to 1. @param {Range} range @param {number} value */
-export function part({ low, high, isLog }, value) {
-  return isLog ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-}
-
-/** The value at a part of a range. @param {Range} range @param {number} part */
-export function value({ low, high, isLog }, part) {
-  return isLog ? low * (high / low) ** part : low + part * (high - low);
-}
-
-/**
- * Ticks with their texts. A logarithmic axis has powers of ten, and where these are few also 2 and 5 times each.
- * @param {Axis} axis @param {number} most
- * @returns {[number, string][]}
- */
-function places({ low, high, isLog }, most) {
-  const decades = isLog ? Math.log10(high / low) : 0;
-  if (!isLog || decades < 1) {
-    const { step, places: all } = ticks(low, high, most);
-    return all.map((place) => [place, shown(place, step)]);
-  }
-  const several = Math.ceil(decades / Math.max(1, most));
-  const factors = decades * 3 <= most ? [1, 2, 5] : [1];
-  /** @type {[number, string][]} */
-  const found = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
-    for (const factor of factors) {
-      const place = factor * 10 ** power;
-      if (power % several || place < low * (1 - 1e-9) || place > high * (1 + 1e-9)) continue;
-      found.push([place, Math.abs(power) > 4 ? place.toExponential(0).replace(/-/g, '−') : String(Number(place.toPrecision(3)))]);
-    }
-  }
-  return found;
-}
-
-/** @param {CanvasRenderingContext2D} context @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
-function line(context, x0, y0, x1, y1) {
-  context.beginPath();
-  context.moveTo(x0, y0);
-  context.lineTo(x1, y1);
-  context.stroke();
 }
 
 /**

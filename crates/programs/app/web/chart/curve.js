@@ -73,7 +73,7 @@ export function dotsOf({ label, x, y, points, words }) {
 }
 
 /** The place of rising numbers next to one. @param {number} wanted @param {ArrayLike<number>} xs @param {ArrayLike<number>} ys */
-function nearest(wanted, xs, ys) {
+export function nearest(wanted, xs, ys) {
   if (!xs.length) return null;
   let [low, high] = [0, xs.length - 1];
   while (high - low > 1) {

@@ -1,7 +1,8 @@
 // Curves over any axis: lines with bands, stems and points, with a readout by pointer and by keys.
 
 import { fill, h } from '../dom.js';
-import { decades, figure, shown, ticks } from './scale.js';
+import { kept, prepared, stroke } from './canvas.js';
+import { figure, part, places } from './scale.js';
 
 /**
  * A part of a drawing: a `line`, a `path` or a `guide` through points, a `band` from `low` to `y`, `stems` from zero, or
@@ -16,8 +17,9 @@ import { decades, figure, shown, ticks } from './scale.js';
  * @property {(number | null)[]} [high] upper edge of the interval of a line
  */
 /** @typedef {{ name: string, unit: string, height: number, layers: Layer[] }} Panel */
-/** @typedef {{ name: string, unit: string, isLogarithmic?: boolean }} Axis */
-/** @typedef {{ xOf: (x: number) => number, yOf: (y: number) => number, top: number, height: number, x: number[], y: number[] }} Frame */
+/** @typedef {{ name: string, unit: string, isLog?: boolean }} Axis */
+/** @typedef {import('./scale.js').Range} Range */
+/** @typedef {{ xOf: (x: number) => number, yOf: (y: number) => number, top: number, height: number, x: Range, y: Range }} Frame */
 
 const LEFT = 64;
 const RIGHT = 24;
@@ -48,8 +50,7 @@ export class Curves {
     this.read = h('p', { class: 'readout', role: 'status' });
     parent.append(h('figure', { class: 'curves' }, h('figcaption', {}, title), this.canvas, this.read));
     this.listen();
-    new ResizeObserver(() => this.paint()).observe(parent);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.paint());
+    kept(parent, () => this.paint());
   }
 
   /** @param {Panel[]} panels */
@@ -67,23 +68,18 @@ export class Curves {
 
   get range() {
     const layers = this.panels.flatMap((panel) => panel.layers);
-    const [all, named] = [layers, layers.filter(isCentral)].map((some) => extent(some.flatMap((layer) => layer.x), this.axis.isLogarithmic));
+    const [all, named] = [layers, layers.filter(isCentral)].map((some) => extent(some.flatMap((layer) => layer.x), this.axis.isLog));
     return this.isEqual ? within(all, named) : all;
   }
 
   paint() {
-    const context = this.canvas.getContext('2d');
     const width = this.canvas.parentElement?.clientWidth ?? 0;
-    if (!context || width === 0) return;
+    if (width === 0) return;
     const height = this.panels.reduce((sum, panel) => sum + panel.height + GAP, 0) + AXIS;
-    const ratio = devicePixelRatio || 1;
     this.canvas.style.height = `${height}px`;
-    [this.canvas.width, this.canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
-    context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+    const drawn = prepared(this.canvas, width, height);
+    if (!drawn) return;
+    const { context, colour } = drawn;
     let top = GAP;
     this.frames = [];
     for (const panel of this.panels) {
@@ -106,12 +102,11 @@ export class Curves {
       [left, right] = [0.5 * (left + right - perPixel * inner), 0.5 * (left + right + perPixel * inner)];
       [low, high] = [0.5 * (low + high - perPixel * panel.height), 0.5 * (low + high + perPixel * panel.height)];
     }
-    const place = this.axis.isLogarithmic ? Math.log10 : (/** @type {number} */ x) => x;
-    const [from, to] = [place(left), place(right)];
+    const [across, along] = [{ low: left, high: right, isLog: this.axis.isLog }, { low, high }];
     return {
-      top, height: panel.height, x: [left, right], y: [low, high],
-      xOf: (x) => LEFT + ((place(x) - from) / (to - from || 1)) * inner,
-      yOf: (y) => top + panel.height - ((y - low) / (high - low || 1)) * panel.height,
+      top, height: panel.height, x: across, y: along,
+      xOf: (x) => LEFT + (right > left ? part(across, x) : 0) * inner,
+      yOf: (y) => top + panel.height - (high > low ? part(along, y) : 0) * panel.height,
     };
   }
 
@@ -148,25 +143,21 @@ export class Curves {
    */
   paintGrid(context, colour, frame, width, isLast) {
     const { yOf, xOf, top, height } = frame;
-    const [left, right] = frame.x;
-    const rows = ticks(frame.y[0], frame.y[1], height / 34);
     context.strokeStyle = colour('grid');
     context.fillStyle = colour('text-soft');
     context.textAlign = 'right';
     context.textBaseline = 'middle';
-    for (const place of rows.places) {
+    for (const [place, text] of places(frame.y, height / 34)) {
       const y = Math.round(yOf(place)) + 0.5;
       stroke(context, [[LEFT, y], [width - RIGHT, y]]);
-      context.fillText(shown(place, rows.step), LEFT - 6, y);
+      context.fillText(text, LEFT - 6, y);
     }
     context.textAlign = 'center';
     context.textBaseline = 'top';
-    const columns = ticks(left, right, width / 90);
-    const places = this.axis.isLogarithmic ? decades(left, right, width / 60) : columns.places;
-    for (const place of places) {
+    for (const [place, text] of places(frame.x, width / 90)) {
       const x = Math.round(xOf(place)) + 0.5;
       stroke(context, [[x, top], [x, top + height]]);
-      if (isLast) context.fillText(this.axis.isLogarithmic ? short(place) : shown(place, columns.step), x, top + height + 5);
+      if (isLast) context.fillText(text, x, top + height + 5);
     }
   }
 
@@ -281,7 +272,7 @@ function extent(values, isPositive = false) {
   return low <= high ? [low, high] : isPositive ? [1, 10] : [0, 1];
 }
 
-/** Tells whether a layer is always seen whole; bands and regions may be too wide for that. @param {Layer} layer */
+/** Whether a layer is always seen whole; bands and regions may be too wide for that. @param {Layer} layer */
 const isCentral = ({ kind }) => kind !== 'band' && kind !== 'path';
 
 /** Least and largest of a panel. @param {Panel} panel */
@@ -319,13 +310,6 @@ function pieces(x, y) {
   return all.filter((piece) => piece.length);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number[][]} path */
-function stroke(context, path) {
-  context.beginPath();
-  path.forEach(([x, y]) => context.lineTo(x, y));
-  context.stroke();
-}
-
 /** @param {CanvasRenderingContext2D} context @param {Layer} layer @param {(x: number) => number} xOf @param {(y: number) => number} yOf */
 function band(context, { x, y, low = [] }, xOf, yOf) {
   const above = points(x, y);
@@ -359,6 +343,3 @@ function nearest(values, at) {
   });
   return best;
 }
-
-/** A round number in few characters. @param {number} value */
-const short = (value) => (value >= 1e5 || value < 1e-3 ? value.toExponential(0) : String(Number(value.toPrecision(3)))).replace(/-/g, '−');

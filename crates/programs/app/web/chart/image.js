@@ -1,7 +1,8 @@
 // Plots of numbers over a plane, as colours with their scale. The colours are Viridis: they rise in lightness, so that
 // those who see colours differently, and prints in grey, show the same order.
 
-import { HEIGHT, TOP, part, value as valueAt } from './axes.js';
+import { HEIGHT, TOP } from './axes.js';
+import { part, value as valueAt } from './scale.js';
 
 /** @typedef {import('./axes.js').Axis} Axis */
 /** @typedef {import('./axes.js').Drawing} Drawing */
@@ -46,7 +47,7 @@ export function imageOf({ label, x, y, along_x, along_y, values, range: [low, hi
   const cell = (/** @type {number} */ at, /** @type {[number, number]} */ [first, width], /** @type {number} */ count) => Math.min(count - 1, Math.max(0, Math.floor((at - first) / width)));
   return {
     label, x, y, right: SCALE,
-    paint: (plot, context, colour) => {
+    paint: (plot, context) => {
       const [left, right] = [plot.xOf(along_x[0]), plot.xOf(along_x[0] + columns * along_x[1])];
       const [bottom, top] = [plot.yOf(along_y[0]), plot.yOf(along_y[0] + rows * along_y[1])];
       context.imageSmoothingEnabled = false;

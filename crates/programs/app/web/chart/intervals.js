@@ -1,5 +1,7 @@
 // Values with their intervals over one another, in the cell of a table.
 
+import { kept, prepared } from './canvas.js';
+
 const [WIDTH, HEIGHT] = [160, 30];
 
 /**
@@ -8,16 +10,12 @@ const [WIDTH, HEIGHT] = [160, 30];
  */
 export function intervals(canvas, all) {
   const paint = () => {
-    const ratio = devicePixelRatio || 1;
-    [canvas.width, canvas.height] = [WIDTH * ratio, HEIGHT * ratio];
-    const context = canvas.getContext('2d');
-    if (!context) return;
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+    const drawn = prepared(canvas, WIDTH, HEIGHT);
+    if (!drawn) return;
+    const { context, colour } = drawn;
     const ends = all.flatMap(({ value, interval_95: interval }) => interval ?? [value]);
     const [low, high] = [Math.min(...ends), Math.max(...ends)];
     const xOf = (/** @type {number} */ value) => (high > low ? 6 + ((value - low) / (high - low)) * (WIDTH - 12) : WIDTH / 2);
-    context.scale(ratio, ratio);
     all.forEach(({ value, interval_95: interval }, index) => {
       const y = (HEIGHT * (index + 0.5)) / all.length;
       [context.strokeStyle, context.fillStyle] = [colour(`series-${index}`), colour(`series-${index}`)];
@@ -34,5 +32,5 @@ export function intervals(canvas, all) {
     });
   };
   paint();
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+  kept(canvas, paint);
 }

@@ -2,6 +2,7 @@
 
 import { h } from '../dom.js';
 import { COLUMN, view } from '../api.js';
+import { kept, prepared } from './canvas.js';
 import { ticks, shown } from './scale.js';
 
 /**
@@ -48,8 +49,7 @@ export class Panels {
     });
     parent.append(this.canvas);
     this.listen();
-    new ResizeObserver(() => this.resized()).observe(parent);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.draw());
+    kept(parent, () => this.resized());
   }
 
   /** @param {Panel[]} panels */
@@ -131,11 +131,7 @@ export class Panels {
 
   resized() {
     const height = Math.max(this.canvas.parentElement?.clientHeight ?? 0, this.panels.length * LEAST_HEIGHT + AXIS);
-    const ratio = devicePixelRatio || 1;
-    const width = this.canvas.parentElement?.clientWidth ?? 0;
     this.canvas.style.height = `${height}px`;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
     this.draw();
     this.fetch();
   }
@@ -151,26 +147,21 @@ export class Panels {
   }
 
   paint() {
-    const context = this.canvas.getContext('2d');
-    if (!context) return;
-    const ratio = devicePixelRatio || 1;
-    const [width, height] = [this.canvas.width / ratio, this.canvas.height / ratio];
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
-    context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const drawn = prepared(this.canvas, width, height);
+    if (!drawn) return;
+    const { context, colour } = drawn;
     const each = (height - AXIS) / Math.max(1, this.panels.length);
-    this.paintAxis(context, colour, width, height);
+    this.paintAxis(context, colour, height);
     this.panels.forEach((panel, index) => this.paintPanel(context, colour, panel, index * each + GAP / 2, each - GAP, width));
     this.paintMarks(context, colour, height);
   }
 
   /**
    * @param {CanvasRenderingContext2D} context @param {(name: string) => string} colour
-   * @param {number} width @param {number} height
+   * @param {number} height
    */
-  paintAxis(context, colour, width, height) {
+  paintAxis(context, colour, height) {
     const { step, places } = ticks(this.from, this.to, this.width / 90);
     context.textAlign = 'center';
     context.textBaseline = 'top';

@@ -30,17 +30,39 @@ export function figure(value) {
   return value.toPrecision(5).replace(/-/g, '−');
 }
 
+/** @typedef {{ low: number, high: number, isLog?: boolean }} Range */
+
+/** Where a value is in a range, from 0 to 1. @param {Range} range @param {number} value */
+export function part({ low, high, isLog }, value) {
+  return isLog ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+}
+
+/** The value at a part of a range. @param {Range} range @param {number} part */
+export function value({ low, high, isLog }, part) {
+  return isLog ? low * (high / low) ** part : low + part * (high - low);
+}
+
 /**
- * Places of ticks on a logarithmic axis: 1, 2 and 5 of each decade where there is room, or else the decades.
- * @param {number} low @param {number} high @param {number} most
+ * Ticks with their texts. A logarithmic axis has powers of ten, and where these are few also 2 and 5 times each.
+ * @param {Range} range @param {number} most
+ * @returns {[number, string][]}
  */
-export function decades(low, high, most) {
-  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
-  const every = Math.max(1, Math.ceil((last - first) / Math.max(1, most)));
-  const steps = 3 * (last - first) <= most ? [1, 2, 5] : [1];
-  const places = [];
-  for (let power = first; power <= last; power += every) {
-    for (const step of steps) if (step * 10 ** power >= low && step * 10 ** power <= high) places.push(step * 10 ** power);
+export function places({ low, high, isLog }, most) {
+  const decades = isLog ? Math.log10(high / low) : 0;
+  if (!isLog || decades < 1) {
+    const { step, places: all } = ticks(low, high, most);
+    return all.map((place) => [place, shown(place, step)]);
   }
-  return places;
+  const several = Math.ceil(decades / Math.max(1, most));
+  const factors = decades * 3 <= most ? [1, 2, 5] : [1];
+  /** @type {[number, string][]} */
+  const found = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
+    for (const factor of factors) {
+      const place = factor * 10 ** power;
+      if (power % several || place < low * (1 - 1e-9) || place > high * (1 + 1e-9)) continue;
+      found.push([place, Math.abs(power) > 4 ? place.toExponential(0).replace(/-/g, '−') : String(Number(place.toPrecision(3)))]);
+    }
+  }
+  return found;
 }

@@ -1,8 +1,9 @@
 // The Campbell map: lines over the speed of a run-up, their causes, and where they show at another sample rate.
 
 import { get } from '../api.js';
+import { kept, prepared } from '../chart/canvas.js';
 import { figure, shown, ticks } from '../chart/scale.js';
-import { fill, h, say, table } from '../dom.js';
+import { failed, fill, h, say, table } from '../dom.js';
 import { link, note } from '../place.js';
 import { typed } from '../work.js';
 
@@ -46,10 +47,7 @@ export async function show(element, given) {
   let scale;
   /** @type {AbortController | undefined} */
   let asking;
-  const resize = new ResizeObserver(() => paint());
-  const scheme = matchMedia('(prefers-color-scheme: dark)');
-  resize.observe(picture);
-  scheme.addEventListener('change', paint);
+  const end = kept(picture, () => paint());
   canvas.addEventListener('click', (event) => { choose(nearest(event.offsetX, event.offsetY)); });
   canvas.addEventListener('keydown', (event) => {
     const step = event.key === 'ArrowUp' ? -1 : event.key === 'ArrowDown' ? 1 : 0;
@@ -61,8 +59,7 @@ export async function show(element, given) {
   await open(given.signal);
   return () => {
     asking?.abort();
-    resize.disconnect();
-    scheme.removeEventListener('change', paint);
+    end();
   };
 
   function signal() {
@@ -88,7 +85,7 @@ export async function show(element, given) {
     } catch (error) {
       if (asked.aborted) return;
       fill(stand);
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
   }
 
@@ -137,16 +134,12 @@ export async function show(element, given) {
 
   function paint() {
     const map = signal();
-    const context = canvas.getContext('2d');
     const width = picture.clientWidth;
-    if (!map || !context || !width) return;
-    const ratio = devicePixelRatio || 1;
+    if (!map || !width) return;
     canvas.style.height = `${HEIGHT}px`;
-    [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(HEIGHT * ratio)];
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+    const drawn = prepared(canvas, width, HEIGHT);
+    if (!drawn) return;
+    const { context, colour } = drawn;
     const [low, high] = map.speed_rpm;
     const top = map.sample_rate_hz / 2;
     const xOf = (/** @type {number} */ rpm) => LEFT + ((rpm - low) / (high - low)) * (width - LEFT - RIGHT);

@@ -1,9 +1,10 @@
 // A test on a bench: the answer, what comes nearest to its limit, and what other limits or other ramps would give.
 
 import { get, post, remove } from '../api.js';
-import { Plot } from '../chart/plot.js';
+import { Plot } from '../chart/axes.js';
+import { bandsOf, namesOf } from '../chart/bands.js';
 import { figure } from '../chart/scale.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h, say } from '../dom.js';
 import { link, note } from '../place.js';
 import { typed } from '../work.js';
 
@@ -56,19 +57,18 @@ export async function show(element, given) {
   const form = h('div', { class: 'ask' });
   const progress = h('div', { class: 'progress', role: 'status' });
   const answer = h('div', { class: 'answer', role: 'status' });
-  const picture = h('div', { class: 'course' });
+  const picture = h('div', { class: 'course curve' });
+  const names = h('p', { class: 'names' });
   const below = h('div', { class: 'draws' });
   const sliders = h('div', { class: 'limits' });
   const basis = h('div', { class: 'basis' });
-  const result = h('div', { class: 'verdict', hidden: true }, answer, picture, below, h('h2', {}, 'Limits'), sliders, basis);
-  const plot = new Plot(picture);
+  const result = h('div', { class: 'verdict', hidden: true }, answer, picture, names, below, h('h2', {}, 'Limits'), sliders, basis);
+  /** @type {Plot | undefined} */
+  let plot;
   fill(element, h('h1', {}, title), h('div', { class: 'sides' }, form, h('div', { class: 'stage' }, h('p', { class: 'line' }, command), progress, result)));
 
   const shape = () => tests.shapes.find((/** @type {any} */ each) => each.name === now.test);
   const cycle = () => tests.cycles.find((/** @type {any} */ each) => each.name === now.test);
-  const failed = (/** @type {unknown} */ error) => {
-    if (!(error instanceof DOMException)) say(error instanceof Error ? error.message : String(error), true);
-  };
 
   function words() {
     const set = Object.entries(numbers).flatMap(([name, value]) => ['--set', `${name}=${value}`]);
@@ -308,10 +308,7 @@ export async function show(element, given) {
     const limit = judged.limits.find((/** @type {any} */ each) => each.of === of.of)?.limit ?? null;
     const spans = shown.beyond_model_s.map((/** @type {number[]} */ [from, to]) => ({ name: 'the model was not tested here', from, to }));
     const end = course.time_s.at(-1) ?? 0;
-    plot.show({
-      words: `Largest ${course.name} over time, from ${figure(course.time_s[0])} to ${figure(end)} s, with its limit. The values are in the list of limits.`,
-      x: { label: 'time', unit: 's', from: course.time_s[0], to: end },
-      y: { label: course.name, unit: course.unit, from: 0 },
+    const parts = {
       spans,
       bands: [{ name: '90 % of the benches', x: course.time_s, low: course.low, high: course.high, colour: 'series-0' }],
       lines: [
@@ -319,7 +316,20 @@ export async function show(element, given) {
         ...(course.bench?.values.length ? [{ name: `bench ${now.draw}`, x: course.time_s, y: course.bench.values, colour: 'series-2' }] : []),
       ],
       limits: limit === null ? [] : [{ name: `limit, ${figure3(limit)} ${course.unit}`, at: limit, colour: 'fault' }],
+    };
+    const drawing = bandsOf({
+      ...parts,
+      label: `Largest ${course.name} over time, from ${figure(course.time_s[0])} to ${figure(end)} s, with its limit`,
+      x: { name: 'time [s]', from: course.time_s[0], to: end },
+      y: { name: `${course.name} [${course.unit}]`, from: 0 },
+      words: (at, value) => {
+        const k = course.time_s.indexOf(at);
+        return `${figure(at)} s: the middle bench ${figure(value)} ${course.unit}, 90 % of the benches ${figure(course.low[k])} … ${figure(course.high[k])} ${course.unit}`;
+      },
     });
+    if (plot) plot.show(drawing);
+    else plot = new Plot(picture, drawing);
+    fill(names, namesOf(parts));
     draws(drawable, of, course.bench, judged);
   }
 
@@ -362,5 +372,6 @@ export async function show(element, given) {
   return () => {
     isOver = true;
     clearTimeout(pause);
+    plot?.end();
   };
 }

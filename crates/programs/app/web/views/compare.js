@@ -5,7 +5,7 @@ import { correlations } from '../chart/correlations.js';
 import { intervals } from '../chart/intervals.js';
 import { Panels } from '../chart/panels.js';
 import { figure } from '../chart/scale.js';
-import { fill, h, say, swatch, table } from '../dom.js';
+import { failed, fill, h, say, swatch, table, wordsOf } from '../dom.js';
 import { link, note } from '../place.js';
 import { typed } from '../work.js';
 
@@ -59,7 +59,7 @@ function studies(element, models, asked, remember) {
       say('');
     } catch (error) {
       fill(found);
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
   }
 }
@@ -190,7 +190,7 @@ function matrix(element, models, recordings, asked, remember) {
     } catch (error) {
       if (signal.aborted) return;
       fill(button, '–');
-      say(error instanceof Error ? error.message : String(error), true);
+      failed(error);
     }
   }
 
@@ -207,7 +207,7 @@ function matrix(element, models, recordings, asked, remember) {
       }
       await drawMeeting(detail, asked, met, all.find((model) => model.file === cell.model)?.kind === 'bench');
     } catch (error) {
-      fill(detail, h('p', { class: 'fault' }, error instanceof Error ? error.message : String(error)));
+      fill(detail, h('p', { class: 'fault' }, wordsOf(error)));
     }
   }
 }
@@ -236,9 +236,7 @@ async function drawMeeting(element, cell, met, isBench) {
     met.seen_in_estimation && h('p', { class: 'soft' }, 'The model was estimated from this recording, so its fit here proves little.'),
     met.notes.map((/** @type {string} */ text) => h('p', { class: 'soft' }, text)),
     table(['Signal', 'Fit', 'RMS error'], met.signals.map((/** @type {any} */ one) => [named(one), percent(one.fit_percent), `${figure(one.rms_error)} ${one.unit}`]), 'Fit'),
-    plots, tests, curves);
-  const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
-  const panels = new Panels(plots, { moved: () => {}, marked: () => {}, failed });
+    plots, tests, curves);  const panels = new Panels(plots, { moved: () => {}, marked: () => {}, failed });
   const units = new Map(met.signals.map((/** @type {any} */ one) => [one.name, one.unit]));
   panels.whole = await extent(met.beside, met.plots.flat(2));
   [panels.from, panels.to] = [panels.whole.from, panels.whole.to];

@@ -4,7 +4,7 @@ import { get } from '../api.js';
 import { correlations } from '../chart/correlations.js';
 import { Curves } from '../chart/curves.js';
 import { figure } from '../chart/scale.js';
-import { fill, h, say, swatch, table } from '../dom.js';
+import { fill, h, say, swatch, table, wordsOf } from '../dom.js';
 import { typed } from '../work.js';
 
 /** @typedef {import('./model.js').Fit} Fit */
@@ -30,7 +30,7 @@ export function dynamics(element) {
         if (!known.has(fit.file)) known.set(fit.file, await get('dynamics', { file: fit.file }));
         all.push({ fit, found: known.get(fit.file) });
       } catch (error) {
-        say(`${fit.file}: ${error instanceof Error ? error.message : String(error)}`, true);
+        say(`${fit.file}: ${wordsOf(error)}`, true);
       }
     }
     const names = [...new Set(all.flatMap(({ found }) => found.bode.map((/** @type {any} */ curve) => curve.channel)))];
@@ -42,7 +42,7 @@ export function dynamics(element) {
     fill(element, h('div', { class: 'tools' }, fits.map((fit) => h('span', {}, swatch(fit.series), ' ', fit.file)), names.length > 1 && h('label', {}, 'From input to output ', choice)),
       charts,
       h('p', {}, ['bode', 'step', 'poles'].map((view) => h('code', { class: 'typed' }, typed(['model', view, ...files])))));
-    curves(charts, 'Frequency response', { name: 'frequency', unit: 'Hz', isLogarithmic: true }, all, 'bode', channel);
+    curves(charts, 'Frequency response', { name: 'frequency', unit: 'Hz', isLog: true }, all, 'bode', channel);
     curves(charts, 'Step response', { name: 'time', unit: 's' }, all, 'step', channel);
     for (const isDiscrete of [true, false]) plane(charts, all.filter(({ found }) => found.roots.some((/** @type {any} */ one) => (one.sample_time_s !== null) === isDiscrete)), isDiscrete, channel);
     residuals(charts, fits);

@@ -2,7 +2,7 @@
 
 import { faults, get, seen, uses } from '../api.js';
 import { drawSmall, thumbnail } from '../chart/thumbnail.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h, wordsOf } from '../dom.js';
 import { Edit } from '../edit.js';
 import { link } from '../place.js';
 import { typed } from '../work.js';
@@ -111,7 +111,7 @@ export async function show(element, given) {
         reason();
         await drawSmall(plot, use.file, found.channels);
       } catch (error) {
-        fill(why, h('span', { class: 'fault' }, error instanceof Error ? error.message : String(error)));
+        fill(why, h('span', { class: 'fault' }, wordsOf(error)));
       }
     }
 
@@ -133,5 +133,3 @@ export async function show(element, given) {
     }
   }
 }
-
-const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);

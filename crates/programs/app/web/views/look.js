@@ -38,7 +38,7 @@ export async function show(element, given) {
     files.map((each) => h('option', { value: each.file, selected: each.file === file }, `${each.file} (${size(each.bytes)})`)));
   const form = h('select', { 'aria-label': 'Format' }, [['csv', 'CSV'], ['parquet', 'Parquet'], ['mf4', 'MF4']].map(([value, text]) => h('option', { value }, text)));
   const analysis = new Stretch(given.analysis ? JSON.parse(given.analysis) : {}, { lines: () => chosen, span, changed: () => remember(false) });
-  const [marking, marked] = [h('span'), h('div')];
+  const [marking, listed] = [h('span'), h('div')];
   fill(element,
     h('aside', {}, choice, h('label', {}, over, ' lay the next one over it'), filter, list, shown),
     h('section', { class: 'stage' },
@@ -48,7 +48,7 @@ export async function show(element, given) {
         h('button', { onclick: () => panels.zoom(2), title: '-' }, 'Farther'),
         h('button', { onclick: () => between() }, 'Zoom to the cursors'), marking,
         h('span', { class: 'hint' }, 'Click for cursor A, again for B. Wheel zooms, drag moves, double click shows all.')),
-      plots, figures, marked, analysis.element,
+      plots, figures, listed, analysis.element,
       h('div', { class: 'tools' },
         h('button', { onclick: () => saved(panels.canvas, 'plots') }, 'Save the plots as a picture'),
         h('button', { onclick: () => analysis.plot ? saved(analysis.plot.canvas, analysis.looks.kind ?? '') : say('Choose an analysis first.') }, 'Save the analysis as a picture'),
@@ -58,7 +58,7 @@ export async function show(element, given) {
 
   const marks = new Marks(panels, () => ({ file, drawn: chosen }), state.benches[0]?.file);
   marking.append(marks.button);
-  marked.append(marks.element);
+  listed.append(marks.element);
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let noting;

@@ -1,7 +1,7 @@
 // Stretches of recordings that are left out, or alone are used: marked in the plots, listed and changed by number.
 
 import { faults, uses } from '../api.js';
-import { fill, h, say } from '../dom.js';
+import { failed, fill, h, say } from '../dom.js';
 import { Edit } from '../edit.js';
 import { link } from '../place.js';
 
@@ -182,5 +182,3 @@ export class Marks {
     });
   }
 }
-
-const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);

@@ -3,7 +3,7 @@
 import { extent, get, printed } from '../api.js';
 import { Panels } from '../chart/panels.js';
 import { figure } from '../chart/scale.js';
-import { fill, h, say, swatch, table } from '../dom.js';
+import { failed, fill, h, say, swatch, table } from '../dom.js';
 import { link, note } from '../place.js';
 import { isDone, result, typed } from '../work.js';
 import { dynamics } from './dynamics.js';
@@ -40,8 +40,6 @@ export async function show(element, given) {
   };
   /** @type {{ name: string, unit: string, comment?: string }[]} */
   let channels = [];
-  const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
-
   const recording = h('select', { 'aria-label': 'Recording', onchange: () => open(recording.value).catch(failed) },
     state.recordings.map((/** @type {any} */ each) => h('option', { value: each.file, selected: each.file === chosen.recording }, each.file)));
   const filter = h('input', { type: 'search', placeholder: 'Find a channel', 'aria-label': 'Find a channel', oninput: () => list() });

@@ -1,8 +1,9 @@
 // What to record next: the gain of each experiment beside its safety, and the same of one that was changed by hand.
 
 import { get, post, remove } from '../api.js';
-import { Plot } from '../chart/plot.js';
-import { fill, h, say, table } from '../dom.js';
+import { Plot } from '../chart/axes.js';
+import { pointsOf } from '../chart/bands.js';
+import { failed, fill, h, say, table } from '../dom.js';
 import { link, note } from '../place.js';
 import { result, typed } from '../work.js';
 
@@ -60,11 +61,12 @@ export async function show(element, given) {
   const command = h('code', {});
   const progress = h('div', { class: 'progress', role: 'status' });
   const said = h('p', { class: 'said' });
-  const scatter = h('div', { class: 'scatter' });
+  const scatter = h('div', { class: 'scatter curve' });
   const rows = h('div', {});
   const editor = h('div', { class: 'editor' });
   const found = h('div', { class: 'verdict', hidden: true }, said, scatter, rows, editor);
-  const plot = new Plot(scatter, (name) => choose(rated.find((one) => named(one) === name) ?? null));
+  /** @type {Plot | undefined} */
+  let plot;
   const bench = h('select', { id: 'bench', onchange: () => { now.bench = bench.value; remember(); } },
     benches.map((/** @type {string} */ file) => h('option', { value: file, selected: file === now.bench }, file)));
   const speed = h('input', { id: 'speed', type: 'number', min: 1, value: String(now.speed), onchange: () => { now.speed = Number(speed.value) || 1200; remember(); } });
@@ -77,7 +79,6 @@ export async function show(element, given) {
     h('p', { class: 'line' }, command), progress, found);
 
   const words = () => ['experiment', 'next', now.bench, '--speed', String(now.speed), '--duration', String(now.duration)];
-  const failed = (/** @type {unknown} */ error) => say(error instanceof Error ? error.message : String(error), true);
 
   function remember() {
     command.textContent = typed(words());
@@ -146,15 +147,18 @@ export async function show(element, given) {
 
   function draw() {
     const checked = rated.filter((one) => one.kept);
-    plot.show({
-      words: 'Gain of each experiment over the share of benches that reach no limit. The table below has the numbers.',
-      x: { label: 'benches that reach no limit', unit: '%', from: 0, to: 105 },
-      y: { label: 'intervals narrower, all factors multiplied', unit: '', from: 0 },
+    const drawing = pointsOf({
+      label: 'Gain of each experiment over the share of benches that reach no limit',
+      x: { name: 'benches that reach no limit [%]', from: 0, to: 105 },
+      y: { name: 'intervals narrower, all factors multiplied', from: 0 },
+      chosen: (name) => choose(rated.find((one) => named(one) === name) ?? null),
       points: checked.map((one) => ({
         name: named(one), x: 100 * one.kept.estimate, y: one.narrowing, isChosen: one === chosen,
         colour: one.given ? 'series-2' : one.safety === 'unsafe' ? 'fault' : 'series-0',
       })),
     });
+    if (plot) plot.show(drawing);
+    else plot = new Plot(scatter, drawing);
     const row = (/** @type {Rated} */ one) => [
       h('button', { 'aria-pressed': String(one === chosen), onclick: () => choose(one) }, named(one)),
       `${figure(one.speed_rpm)} rpm, ${figure(one.duration_s)} s`,
@@ -248,5 +252,8 @@ export async function show(element, given) {
   }
 
   remember();
-  return () => { isOver = true; };
+  return () => {
+    isOver = true;
+    plot?.end();
+  };
 }

@@ -1,6 +1,7 @@
 // Channels and their roles: each with its trace, its unit, its sign, and why it was chosen.
 
-import { COLUMN, faults, get, view } from '../api.js';
+import { faults, get } from '../api.js';
+import { drawSmall, thumbnail } from '../chart/thumbnail.js';
 import { failed, fill, h, say } from '../dom.js';
 import { Edit } from '../edit.js';
 import { link, note } from '../place.js';
@@ -77,8 +78,8 @@ export async function show(element, given) {
       type: 'checkbox', checked: now?.sign === -1, disabled: !now, 'aria-label': `Opposite sign of ${role.what}`,
       onchange: () => set(role, { ...now, name: now?.name ?? '', sign: sign.checked ? -1 : undefined }),
     });
-    const trace = h('canvas', { width: WIDTH * 2, height: HEIGHT * 2, role: 'img', 'aria-label': `Trace of ${now?.name ?? 'no channel'}` });
-    if (now && names.includes(now.name)) paint(trace, now.name, sign.checked);
+    const trace = thumbnail(`Trace of ${now?.name ?? 'no channel'}`, WIDTH, HEIGHT);
+    if (now && names.includes(now.name)) drawSmall(trace, recording, [now.name], sign.checked).catch(failed);
     const reason = reasons.get(role.key);
     const is = reason && (reason.channel === now?.name ? 'Proposed' : `${reason.channel} was proposed`);
     return h('tr', {},
@@ -104,29 +105,6 @@ export async function show(element, given) {
   /** @param {Role} role @param {Mapping} now */
   function set(role, now) {
     edit.set([{ key: ['channels', role.key], value: written(now) }]);
-  }
-
-  /** @param {HTMLCanvasElement} canvas @param {string} name @param {boolean} isInverted */
-  async function paint(canvas, name, isInverted) {
-    const [columns] = await view(recording, [name], -Infinity, Infinity, WIDTH).catch(() => []);
-    const context = canvas.getContext('2d');
-    if (!columns?.length || !context) return;
-    let [low, high] = [Infinity, -Infinity];
-    for (let k = 0; k < columns.length; k += COLUMN) [low, high] = [Math.min(low, columns[k + 2]), Math.max(high, columns[k + 3])];
-    const [first, last] = [columns[0], columns[columns.length - COLUMN + 1]];
-    const yOf = (/** @type {number} */ value) => {
-      const share = high > low ? (value - low) / (high - low) : 0.5;
-      return 2 * (2 + (HEIGHT - 4) * (isInverted ? share : 1 - share));
-    };
-    context.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue('--series-0');
-    context.lineWidth = 2;
-    context.beginPath();
-    for (let k = 0; k < columns.length; k += COLUMN) {
-      const x = (2 * WIDTH * (columns[k] - first)) / Math.max(1e-9, last - first);
-      context.lineTo(x, yOf(columns[k + 2]));
-      context.lineTo(x, yOf(columns[k + 3]));
-    }
-    context.stroke();
   }
 
   async function propose() {
