@@ -17,6 +17,16 @@ def test_a_study_is_run_and_its_report_is_shown(page: Page, app: App) -> None:
     expect(frame.locator("h1").first).to_be_visible()
 
 
+def test_a_finding_leads_to_its_recording(page: Page) -> None:
+    page.get_by_role("link", name="Study the bench").click()
+    page.locator(".result summary").click()
+    rows = page.locator(".result tbody tr")
+    expect(rows).not_to_have_count(0)
+    page.locator(".result tbody a").first.click()
+    expect(page.locator(".plots canvas")).to_be_visible()
+    assert "#/look?file=" in page.url
+
+
 def test_a_study_goes_on_while_the_page_is_loaded_again_and_is_cancelled(page: Page) -> None:
     page.get_by_role("link", name="Study the bench").click()
     page.get_by_role("button", name="Study").click()

@@ -14,7 +14,7 @@ use crate::guard::{Gate, enter, guard};
 use crate::handles::Handles;
 use crate::shared::{Inner, Program, Shared};
 use crate::tries::Tries;
-use crate::{campbell, can, jobs, labels, models, next, recordings, session, site, stretches, texts};
+use crate::{campbell, can, jobs, labels, models, next, recordings, session, site, stretches, studies, texts};
 
 /// The most bytes of a text that a page may send.
 const MOST_SENT: usize = 4 << 20;
@@ -127,6 +127,7 @@ fn routes(gate: Arc<Gate>, shared: Shared) -> Router {
         .route("/label", post(labels::seen))
         .route("/draft", get(texts::draft).put(texts::keep_draft).delete(texts::drop_draft))
         .route("/report", get(texts::report))
+        .route("/study", get(studies::read))
         .route("/models", get(models::list))
         .route("/pair", get(models::pair))
         .route("/dynamics", get(models::dynamics_of))
