@@ -31,7 +31,7 @@ mod words;
 pub use bench_file::{BenchFile, RunChannels};
 pub use diagnostics::{Diagnostic, Finding, LikelyUnit, NotReplayed, Place, SeenInstead, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
-pub use prepare::{PrepareError, prepare, prepare_run};
+pub use prepare::{PrepareError, prepare, prepare_run, prepare_validation};
 pub use role::Role;
 /// How the comment of a recording ends that a virtual bench made.
 pub const SIMULATED: &str = "virtual bench";

@@ -5,10 +5,14 @@ use rig::results::{Part, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Role, Severity};
 use work::Context;
 
+use crate::gather::Prepared;
+
 /// The data of a study and the doubts about it, as they grow.
 pub(super) struct Findings<'a> {
     pub(super) bench: &'a BenchFile,
     pub(super) experiments: &'a [Experiment],
+    /// Parts of recordings that are kept for validation.
+    pub(super) validation: &'a [Experiment],
     pub(super) diagnostics: Vec<Diagnostic>,
     /// The step of estimating.
     pub(super) context: &'a Context,
@@ -17,14 +21,10 @@ pub(super) struct Findings<'a> {
 }
 
 impl<'a> Findings<'a> {
-    pub(super) fn new(
-        bench: &'a BenchFile,
-        experiments: &'a [Experiment],
-        diagnostics: Vec<Diagnostic>,
-        context: &'a Context,
-    ) -> Self {
-        let diagnostics = diagnostics.into_iter().map(raised).collect();
-        Findings { bench, experiments, diagnostics, context, uses: Vec::new() }
+    pub(super) fn new(bench: &'a BenchFile, prepared: &'a Prepared, context: &'a Context) -> Self {
+        let Prepared { experiments, validation, diagnostics, .. } = prepared;
+        let diagnostics = diagnostics.iter().cloned().map(raised).collect();
+        Findings { bench, experiments, validation, diagnostics, context, uses: Vec::new() }
     }
 
     /// Parts that a file was used for.

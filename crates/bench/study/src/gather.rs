@@ -5,7 +5,10 @@ use std::sync::Arc;
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
 use rig::bench_file::names_same_file;
-use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare};
+use rig::{
+    BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, SIMULATED, Severity, prepare,
+    prepare_validation,
+};
 use work::Context;
 
 use crate::RecordingSummary;
@@ -28,6 +31,8 @@ pub struct Source {
 #[derive(Debug, Clone, Default)]
 pub struct Prepared {
     pub(super) experiments: Arc<Vec<Experiment>>,
+    /// Parts of recordings from which nothing may be estimated.
+    pub(super) validation: Arc<Vec<Experiment>>,
     pub(super) recordings: Vec<RecordingSummary>,
     pub(super) diagnostics: Vec<Diagnostic>,
     readable: usize,
@@ -63,9 +68,15 @@ impl Prepared {
         }
         let prepared = map(&fresh, |(source, is_fresh)| {
             let _step = context.step(format!("checking {}", source.file), 0);
-            is_fresh.clone().and_then(|()| experiment_of(bench, source))
+            let experiment = is_fresh.clone().and_then(|()| experiment_of(bench, source));
+            (experiment, is_fresh.is_ok().then(|| validation_of(bench, source)).flatten())
         });
-        for (summary, outcome) in self.recordings.iter_mut().skip(first).zip(prepared) {
+        for (summary, (outcome, validation)) in self.recordings.iter_mut().skip(first).zip(prepared) {
+            match validation {
+                Some(Ok(experiment)) => Arc::make_mut(&mut self.validation).push(experiment),
+                Some(Err(diagnostics)) => self.diagnostics.extend(diagnostics),
+                None => {}
+            }
             match outcome {
                 Ok((experiment, diagnostics)) => {
                     summary.label = Some(experiment.label.clone());
@@ -178,11 +189,23 @@ pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, 
     let Some(label) = bench.label_of(&source.file) else {
         return Err(refused(source, Finding::NoLabel));
     };
-    prepare(&source.file, recording, bench, label).map_err(|error| match error {
+    prepare(&source.file, recording, bench, label).map_err(reasons)
+}
+
+/// The part of a source that is kept for validation; the doubts about the recording are those of its other part.
+fn validation_of(bench: &BenchFile, source: &Source) -> Option<Result<Experiment, Vec<Diagnostic>>> {
+    let recording = source.recording.as_ref().ok()?;
+    let label = bench.label_of(&source.file)?;
+    let prepared = prepare_validation(&source.file, recording, bench, label)?;
+    Some(prepared.map(|(experiment, _)| experiment).map_err(reasons))
+}
+
+fn reasons(error: PrepareError) -> Vec<Diagnostic> {
+    match error {
         PrepareError::NothingUsable { diagnostics, .. }
         | PrepareError::NoCommonStretch { diagnostics, .. }
         | PrepareError::Mislabelled { diagnostics, .. } => diagnostics,
-    })
+    }
 }
 
 /// Why there can be no study at all.

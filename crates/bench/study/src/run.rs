@@ -60,7 +60,7 @@ fn studied(campaign: &Campaign<'_>, parts: &Parts<'_>, context: &Context) -> (St
     let prepared = &campaign.recordings;
     let mut recordings = prepared.recordings.clone();
     let step = context.step("studying", STEPS);
-    let mut findings = Findings::new(campaign.bench, &prepared.experiments, prepared.diagnostics.clone(), &step);
+    let mut findings = Findings::new(campaign.bench, prepared, &step);
     let estimates = estimates::all(&mut findings, parts);
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);

@@ -99,16 +99,19 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     Whole { model: Some(assembled), analysis: whole }
 }
 
-/// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.
-fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> Vec<&'a Experiment> {
+/// The recordings of a mode to replay, and whether parts were estimated from them: what is kept for validation, then one
+/// of each test, those first that nothing was estimated from.
+fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> Vec<(&'a Experiment, bool)> {
+    let kept: Vec<&Experiment> = findings.validation.iter().filter(|e| e.label.mode == mode).collect();
     let unseen_first = |mut found: Vec<&'a Experiment>| {
-        found.retain(|e| e.label.mode == mode);
+        found.retain(|e| e.label.mode == mode && !kept.iter().any(|own| own.file == e.file));
         found.sort_by_key(|e| findings.is_seen(&e.file));
         found
     };
     let of_each = tests.iter().filter_map(|test| unseen_first(findings.of_test(test)).first().copied());
-    let mut chosen = unseen_first(of_each.collect());
-    chosen.truncate(REPLAYS_PER_MODE);
+    let others = unseen_first(of_each.collect()).into_iter().map(|e| (e, findings.is_seen(&e.file)));
+    let mut chosen: Vec<_> = kept.iter().map(|e| (*e, false)).chain(others).collect();
+    chosen.truncate(REPLAYS_PER_MODE.max(kept.len()));
     chosen
 }
 
@@ -118,12 +121,11 @@ pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &
     let replays_on = ReplayModel { model, skews: pieces.skews(), recorded_torque: recorded_torque.as_ref() };
     let mut done = Vec::new();
     let modes = [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])];
-    let chosen: Vec<&Experiment> =
+    let chosen: Vec<(&Experiment, bool)> =
         modes.into_iter().flat_map(|(mode, tests)| replayed(findings, mode, tests)).collect();
     let step = findings.context.step("replaying", chosen.len() as u64);
-    for experiment in chosen {
+    for (experiment, is_seen) in chosen {
         let _part = step.step(format!("replaying {}", experiment.file), 0);
-        let is_seen = findings.is_seen(&experiment.file);
         match replays_on.replay(experiment, replayed_stretch(experiment), is_seen) {
             Ok(replay) => done.push(replay),
             Err(error) => {

@@ -190,17 +190,20 @@ pub enum StretchUse {
     Estimate,
     /// Its samples are treated as missing.
     LeaveOut,
+    /// Nothing is estimated from its samples; the model is tested on them.
+    Validate,
 }
 
 impl StretchUse {
     /// All uses.
-    pub const ALL: [StretchUse; 2] = [StretchUse::Estimate, StretchUse::LeaveOut];
+    pub const ALL: [StretchUse; 3] = [StretchUse::Estimate, StretchUse::LeaveOut, StretchUse::Validate];
 
     /// Its key in a bench file.
     pub fn key(self) -> &'static str {
         match self {
             StretchUse::Estimate => "estimate",
             StretchUse::LeaveOut => "leave_out",
+            StretchUse::Validate => "validate",
         }
     }
 }

@@ -44,8 +44,8 @@ fn read_one(
         faults.add(place.offset, path, place.wrong_type("a table", HEAD));
         return None;
     };
-    let [first, second] = StretchUse::ALL;
-    let has_unknown = section.only(&["file", first.key(), second.key()], faults);
+    let keys: Vec<&str> = std::iter::once("file").chain(StretchUse::ALL.map(StretchUse::key)).collect();
+    let has_unknown = section.only(&keys, faults);
     let file = section.require("file", FILE, faults).and_then(|place| section.text("file", place, FILE, faults));
     let mut stated = StretchUse::ALL.into_iter().filter_map(|usage| Some((usage, section.get(usage.key())?)));
     let Some((usage, times)) = stated.next() else {

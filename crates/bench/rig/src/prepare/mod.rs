@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 
 use recording::Recording;
 
-use crate::bench_file::BenchFile;
+use crate::bench_file::{BenchFile, StretchUse};
 use crate::diagnostics::Diagnostic;
 use crate::experiment::{Experiment, ExperimentLabel};
 use crate::role::Role;
@@ -33,7 +33,7 @@ pub use recognised::{LabelReason, recognised};
 pub use run::prepare_run;
 pub use sign::{believable, wrong_sign};
 use signal::Signal;
-use stated::Stated;
+use stated::{Purpose, Stated};
 
 /// A recording of which nothing can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -70,7 +70,8 @@ pub enum PrepareError {
 /// convention, on the uniform clock that its time stamps describe (rasters that start at different times stay so).
 /// Samples that only repeat or interpolate others, and spikes, are left out. Gaps and runs of NaN of at most 20 ms or
 /// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal. Stretches
-/// that the bench file leaves out are such gaps, before anything looks at their samples. What was refused, mended, cut or looks wrong is in the diagnostics.
+/// that the bench file leaves out, or keeps for validation, are such gaps, before anything looks at their samples. What
+/// was refused, mended, cut or looks wrong is in the diagnostics.
 ///
 /// # Errors
 ///
@@ -95,9 +96,34 @@ pub fn prepare(
     bench_file: &BenchFile,
     label: ExperimentLabel,
 ) -> Result<(Experiment, Vec<Diagnostic>), PrepareError> {
+    prepare_for(Purpose::Estimates, file, recording, bench_file, label)
+}
+
+/// The same of the stretches that the bench file keeps for validation; none of a recording without such stretches.
+///
+/// # Errors
+///
+/// Those of [`prepare`].
+pub fn prepare_validation(
+    file: &str,
+    recording: &Recording,
+    bench_file: &BenchFile,
+    label: ExperimentLabel,
+) -> Option<Result<(Experiment, Vec<Diagnostic>), PrepareError>> {
+    let is_kept = bench_file.stretches_of(file).iter().any(|stretch| stretch.usage == StretchUse::Validate);
+    is_kept.then(|| prepare_for(Purpose::Validation, file, recording, bench_file, label))
+}
+
+fn prepare_for(
+    purpose: Purpose,
+    file: &str,
+    recording: &Recording,
+    bench_file: &BenchFile,
+    label: ExperimentLabel,
+) -> Result<(Experiment, Vec<Diagnostic>), PrepareError> {
     let mut log = Log::new(file);
     log.reader_findings(recording);
-    let stated = Stated::new(bench_file.stretches_of(file), recording);
+    let stated = Stated::new(bench_file.stretches_of(file), purpose, recording);
     if !stated.is_within(recording, &mut log) {
         return Err(PrepareError::NothingUsable { file: file.to_owned(), diagnostics: log.diagnostics });
     }

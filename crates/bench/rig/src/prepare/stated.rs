@@ -1,4 +1,4 @@
-//! Stretches that the bench file leaves out of a recording: their samples are treated as missing.
+//! Stretches that the bench file states of a recording: samples that have another purpose are treated as missing.
 
 use std::borrow::Cow;
 
@@ -11,16 +11,26 @@ use crate::diagnostics::{Finding, Severity};
 /// Share of a recording, not used beside what is left out, that is worth a warning.
 const MUCH: f64 = 0.01;
 
+/// What a recording is prepared for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// All but what is left out, or kept for the other purpose.
+    Estimates,
+    /// What is kept for it alone.
+    Validation,
+}
+
 /// Stretches that the bench file states of a recording.
 pub(super) struct Stated<'b> {
     stretches: Vec<&'b StatedStretch>,
+    purpose: Purpose,
     /// Time of the first and last sample of the recording, s.
     recorded_s: (f64, f64),
 }
 
 impl<'b> Stated<'b> {
-    pub(super) fn new(stretches: Vec<&'b StatedStretch>, recording: &Recording) -> Self {
-        Stated { stretches, recorded_s: recorded(recording) }
+    pub(super) fn new(stretches: Vec<&'b StatedStretch>, purpose: Purpose, recording: &Recording) -> Self {
+        Stated { stretches, purpose, recorded_s: recorded(recording) }
     }
 
     /// Tells whether nothing is stated: then nothing of the recording changes.
@@ -62,9 +72,15 @@ impl<'b> Stated<'b> {
 
     fn keeps(&self, time_s: f64) -> bool {
         let of = |usage: StretchUse| self.stretches.iter().filter(move |stretch| stretch.usage == usage);
-        let is_left_out = of(StretchUse::LeaveOut).any(|stretch| holds(stretch, time_s));
-        let mut alone = of(StretchUse::Estimate).peekable();
-        !is_left_out && (alone.peek().is_none() || alone.any(|stretch| holds(stretch, time_s)))
+        let is_in = |usage: StretchUse| of(usage).any(|stretch| holds(stretch, time_s));
+        let is_of_this = match self.purpose {
+            Purpose::Validation => is_in(StretchUse::Validate),
+            Purpose::Estimates => {
+                !is_in(StretchUse::Validate)
+                    && (of(StretchUse::Estimate).next().is_none() || is_in(StretchUse::Estimate))
+            }
+        };
+        is_of_this && !is_in(StretchUse::LeaveOut)
     }
 
     /// The stretches of the recording that are left out, in order, s.

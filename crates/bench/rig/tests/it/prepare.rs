@@ -1,7 +1,7 @@
 use recording::Recording;
 use rig::bench_file::{StatedStretch, StretchUse};
 use rig::prepare::saturated_stretches;
-use rig::{BenchFile, Diagnostic, Experiment, Finding, PrepareError, Role, Severity, prepare};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, PrepareError, Role, Severity, prepare, prepare_validation};
 use units::RPM_RAD_S;
 
 use bench_testkit::recordings::{BENCH_A, bench_file, named, noise, recording};
@@ -283,6 +283,25 @@ fn exact_only_stretches_for_estimation_are_used() {
     assert_eq!((stretches_s.len(), *unused_s, diagnostics[0].severity), (2, 0.0, Severity::Note));
     let speed = experiment.signal(Role::DynoSpeed).unwrap();
     assert!((speed.start_s - 1.0).abs() < 1e-9 && (speed.end_s() - 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn exact_a_stretch_for_validation_is_kept_apart() {
+    let recording = named(BENCH_A, "rpm", "Nm");
+    let file = with_stretches(&[("a.mf4", 5.0, 7.0, StretchUse::Validate)]);
+    let label = || "WhiteNoise_T_TN".parse().unwrap();
+    let (experiment, diagnostics) = run_with(&recording, &file, "WhiteNoise_T_TN");
+    let Finding::LeftOut { stretches_s, .. } = &only(&diagnostics).finding else { panic!("{diagnostics:#?}") };
+    assert_eq!(stretches_s, &[(5.0, 7.0)]);
+    assert!(experiment.signal(Role::DynoSpeed).unwrap().end_s() < 5.0);
+    let (kept, _) = prepare_validation("a.mf4", &recording, &file, label()).unwrap().unwrap();
+    let speed = kept.signal(Role::DynoSpeed).unwrap();
+    assert!((speed.start_s - 5.0).abs() < 1e-9 && (speed.end_s() - 7.0).abs() < 1e-9);
+    let whole = run(&recording).0;
+    let first =
+        ((speed.start_s - whole.signal(Role::DynoSpeed).unwrap().start_s) / speed.sample_time_s).round() as usize;
+    assert_eq!(speed.samples, whole.signal(Role::DynoSpeed).unwrap().samples[first..][..speed.len()]);
+    assert!(prepare_validation("b.mf4", &recording, &file, label()).is_none());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use bench_model::model::ModelParameter;
 use recording::{Recording, RecordingError};
+use rig::bench_file::{StatedStretch, StretchUse};
 use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::ExperimentPlan;
 use rig::results::{Estimate, Outcome, Parameter, Part, Quantity, Reason};
@@ -79,6 +80,24 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
         wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014,
         "{wrong:?}"
     );
+}
+
+/// What is kept for validation is seen by no estimate, and the model is tested on it.
+#[test]
+fn exact_a_stretch_for_validation_is_replayed_and_not_seen() {
+    let of = |usage| {
+        let mut bench = default_bench();
+        let file = "WhiteNoise_T_TN_1200.mf4".to_owned();
+        bench.recordings.stretches = vec![StatedStretch { file, from_s: 14.0, to_s: 20.0, usage }];
+        studied(&bench, sources(|file| file.starts_with("BS") || file.starts_with("White")))
+    };
+    let (validated, without) = (of(StretchUse::Validate), of(StretchUse::LeaveOut));
+    assert_eq!(validated.shaft, without.shaft);
+    let replayed = |study: &Study| {
+        let of_file = study.replays.iter().find(|replay| replay.stretch.file.starts_with("White")).unwrap();
+        (of_file.seen_in_estimation, of_file.stretch.start_s.round())
+    };
+    assert_eq!((replayed(&validated), replayed(&without)), ((false, 14.0), (true, 0.0)));
 }
 
 /// The friction of the bench is within the interval that its model has, and the mean torque of the pulses rests on it.

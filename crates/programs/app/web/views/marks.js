@@ -1,4 +1,4 @@
-// Stretches of recordings that are left out, or alone are used: marked in the plots, listed and changed by number.
+// Stretches of recordings that are left out, alone are used, or test the model: marked in the plots, listed and changed by number.
 
 import { faults, uses } from '../api.js';
 import { failed, fill, h, say } from '../dom.js';
@@ -12,6 +12,7 @@ import { link } from '../place.js';
 const USES = [
   { key: 'leave_out', letter: 'L', kind: 'leave', words: 'leave out (L)' },
   { key: 'estimate', letter: 'E', kind: 'estimate', words: 'use this alone (E)' },
+  { key: 'validate', letter: 'V', kind: 'validate', words: 'keep for validation (V)' },
 ];
 
 /** Pixels that a drag takes at least. */
