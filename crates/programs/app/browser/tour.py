@@ -67,7 +67,7 @@ class Tour:
     def spectrogram(self) -> None:
         self.begin()
         self.click(lambda page: page.get_by_role("link", name="Look at recordings"))
-        self.page.get_by_label("Analysis").select_option("spectrogram")
+        self.page.get_by_label("Analysis", exact=True).select_option("spectrogram")
         self.clicks += 1
         self.page.locator(".curve canvas").scroll_into_view_if_needed()
         self.picture("spectrogram")

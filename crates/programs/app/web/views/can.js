@@ -312,7 +312,7 @@ export async function show(element, given) {
       spans,
       bands: [{ name: '90 % of the benches', x: course.time_s, low: course.low, high: course.high, colour: 'series-0' }],
       lines: [
-        { name: 'middle bench', x: course.time_s, y: course.nominal, colour: 'series-0' },
+        { name: 'nominal bench', x: course.time_s, y: course.nominal, colour: 'series-0' },
         ...(course.bench?.values.length ? [{ name: `bench ${now.draw}`, x: course.time_s, y: course.bench.values, colour: 'series-2' }] : []),
       ],
       limits: limit === null ? [] : [{ name: `limit, ${figure3(limit)} ${course.unit}`, at: limit, colour: 'fault' }],
@@ -324,7 +324,7 @@ export async function show(element, given) {
       y: { name: `${course.name} [${course.unit}]`, from: 0 },
       words: (at, value) => {
         const k = course.time_s.indexOf(at);
-        return `${figure(at)} s: the middle bench ${figure(value)} ${course.unit}, 90 % of the benches ${figure(course.low[k])} … ${figure(course.high[k])} ${course.unit}`;
+        return `${figure(at)} s: the nominal bench ${figure(value)} ${course.unit}, 90 % of the benches ${figure(course.low[k])} … ${figure(course.high[k])} ${course.unit}`;
       },
     });
     if (plot) plot.show(drawing);

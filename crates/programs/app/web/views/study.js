@@ -1,7 +1,6 @@
 // The study: run it, follow it, read its answer.
 
 import { get, remove } from '../api.js';
-import { figure } from '../chart/scale.js';
 import { failed, fill, h, say, table } from '../dom.js';
 import { link } from '../place.js';
 import { ended, isDone, start, typed } from '../work.js';
@@ -97,4 +96,4 @@ function seen(file, { channel, time_s: time }) {
 }
 
 /** @param {Finding} finding */
-const place = ({ file, channel, time_s: time }) => [file, channel, time === null ? null : `${figure(time)} s`].filter((part) => part !== null).join(', ');
+const place = ({ file, channel, time_s: time }) => [file, channel, time === null ? null : `${Number(time.toPrecision(6))} s`].filter((part) => part !== null).join(', ');
