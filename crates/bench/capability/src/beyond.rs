@@ -87,7 +87,7 @@ pub fn of_model(validity: &Validity, speed_rad_s: &[f64], torque_nm: &[f64]) -> 
     [speed, torque].into_iter().flatten().collect()
 }
 
-/// Tells of each value of a run whether it leaves the range of the recordings that a model is from.
+/// Returns, for each value of a run, whether it leaves the range of the recordings that a model is from.
 pub(crate) fn is_beyond_model(validity: &Validity, trace: &Trace) -> impl Fn(usize) -> bool {
     let wide = |range: Option<Range>| range.map(|(low, high)| (low - EDGE * (high - low), high + EDGE * (high - low)));
     let (speed, torque) = (wide(validity.dyno_speed_rad_s), wide(validity.air_gap_torque_nm));

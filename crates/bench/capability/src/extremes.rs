@@ -129,7 +129,7 @@ impl LimitOf {
     }
 }
 
-/// What holds the drive of a bench, whatever the limits by which a run is judged.
+/// The drive's own limits, whatever the limits by which a run is judged.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drive {
     /// The controller demands no more, Nm.

@@ -99,8 +99,8 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     Whole { model: Some(assembled), analysis: whole }
 }
 
-/// The recordings of a mode to replay, and whether parts were estimated from them: what is kept for validation, then one
-/// of each test, those first that nothing was estimated from.
+/// The recordings of a mode to replay, and whether parts were estimated from them: first those kept for validation,
+/// then one of each test, those first that nothing was estimated from.
 fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> Vec<(&'a Experiment, bool)> {
     let kept: Vec<&Experiment> = findings.validation.iter().filter(|e| e.label.mode == mode).collect();
     let unseen_first = |mut found: Vec<&'a Experiment>| {

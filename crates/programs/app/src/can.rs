@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use axum::Json;
 use axum::extract::{Path as InPath, Query, State};
-use dynoid::can::{KnownTests, LimitOf, OtherLimits, Requirements, Test, TestOptions, Tried};
+use dynoid::OtherLimits;
+use dynoid::can::{KnownTests, LimitOf, Requirements, Test, TestOptions, Tried};
 use dynoid::experiments::Given;
 use dynoid::{Draws, Files, KnownBench};
 use serde::{Deserialize, Serialize};

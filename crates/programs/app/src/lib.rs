@@ -2,9 +2,9 @@
 //!
 //! [`App::serve`] answers a browser on this computer, and nobody else (`guard`). A page gets what it shows through the
 //! library `dynoid`: recordings as open handles (`recordings`), spectra and the like of a stretch of one (`stretches`),
-//! files as text (`texts`), studies (`studies`), models on recordings (`models`), lines over the speed (`campbell`). Longer
-//! work is a command of the program, run as a process of its own (`jobs`): it outlives the page and this program. Each act
-//! can be repeated without the app (`session`).
+//! files as text (`texts`), studies (`studies`), models on recordings (`models`), lines over the speed (`campbell`).
+//! Longer work is a command of the program, run as a process of its own (`jobs`): it outlives the page and this
+//! program. Each act can be repeated without the app (`session`).
 //! Nothing here has a formula or a rule about benches.
 
 #![warn(missing_docs)]

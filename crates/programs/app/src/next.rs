@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use axum::Json;
 use axum::extract::{Path as InPath, State};
-use dynoid::can::OtherLimits;
+use dynoid::OtherLimits;
 use dynoid::experiments::{Given, NextOptions, RatedExperiments};
 use dynoid::{Bench, Files, Session, listed};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Tries: long work on threads of the server, whose result stays in memory for further questions.
 //!
-//! A judgement by other limits needs the runs of all benches, so it is no job of its own. The latest tries are kept; the
-//! same question finds the try that is there.
+//! A judgement by other limits needs the runs of all benches, so it is no job of its own. The latest tries are kept;
+//! the same question finds the try that is there.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;

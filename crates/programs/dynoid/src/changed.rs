@@ -130,7 +130,7 @@ fn set(table: &mut dyn TableLike, name: &str, value: &Json) -> Result<(), String
     Ok(())
 }
 
-/// What stands around the value stays: spaces, and a remark behind it.
+/// Spaces around the value stay, and a remark behind it.
 fn replace(old: &mut Value, value: Value) {
     let around = old.decor().clone();
     *old = value;

@@ -14,10 +14,10 @@ use study::{Analyses, Campaign, NextExperiments, NextOptions, Prepared, Source, 
 use work::Context;
 
 use crate::bench::Bench;
-use crate::can::OtherLimits;
 use crate::error::Error;
 use crate::files::Files;
 use crate::find::{InputFile, listed};
+use crate::limits::OtherLimits;
 use crate::{analyses, date};
 
 /// A bench with recordings that were checked and brought into SI.

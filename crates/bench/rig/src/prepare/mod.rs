@@ -69,9 +69,9 @@ pub enum PrepareError {
 /// Each role of the bench file whose channel is there and usable becomes a signal in SI, with the sign of the role's
 /// convention, on the uniform clock that its time stamps describe (rasters that start at different times stay so).
 /// Samples that only repeat or interpolate others, and spikes, are left out. Gaps and runs of NaN of at most 20 ms or
-/// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal. Stretches
-/// that the bench file leaves out, or keeps for validation, are such gaps, before anything looks at their samples. What
-/// was refused, mended, cut or looks wrong is in the diagnostics.
+/// five samples are interpolated; longer ones leave the longest stretch that is uninterrupted in every signal.
+/// Stretches that the bench file leaves out, or keeps for validation, are such gaps, before anything looks at their
+/// samples. What was refused, mended, cut or looks wrong is in the diagnostics.
 ///
 /// # Errors
 ///

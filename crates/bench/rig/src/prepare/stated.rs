@@ -11,12 +11,12 @@ use crate::diagnostics::{Finding, Severity};
 /// Share of a recording, not used beside what is left out, that is worth a warning.
 const MUCH: f64 = 0.01;
 
-/// What a recording is prepared for.
+/// The purpose that a recording is prepared for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// All but what is left out, or kept for the other purpose.
+    /// All samples but those that are left out, or kept for the other purpose.
     Estimates,
-    /// What is kept for it alone.
+    /// The samples that are kept for it alone.
     Validation,
 }
 

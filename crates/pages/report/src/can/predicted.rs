@@ -67,7 +67,7 @@ pub fn page(asked: &Asked<'_>) -> Page {
     Page::new(format!("{}, predicted", asked.test), all.into_vec())
 }
 
-/// What the answer rests on, each as a finding: how benches were drawn, what was not checked, and what is assumed.
+/// The basis of the answer as findings: how benches were drawn, what was not checked, and what is assumed.
 pub fn rests_on(asked: &Asked<'_>) -> Vec<Finding> {
     let finding = |block: Block| match block {
         Block::Finding(finding) => Some(finding),

@@ -21,8 +21,8 @@ pub struct MapFacts {
     speed_rpm: [f64; 2],
     /// Upper end of the shades, Hz.
     top_hz: f64,
-    /// Digits of shades, a string a class of speed, from the lowest frequency up. It is empty where no recording has the
-    /// speed.
+    /// Digits of shades, a string a class of speed, from the lowest frequency up. It is empty where no recording has
+    /// the speed.
     shades: Vec<String>,
     /// How much a shade is worth, dB.
     shade_db: f64,

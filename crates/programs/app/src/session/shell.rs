@@ -1,6 +1,6 @@
 //! Acts as lines of a shell.
 
-use super::Act;
+use super::act::Act;
 
 const HEAD: &str = "\
 # The acts of a session of dynoid, in their order. To repeat them, go to a copy of the folder and type: sh FILE

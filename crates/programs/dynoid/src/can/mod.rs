@@ -20,5 +20,4 @@ pub use predicted::Predicted;
 pub use recorded::JudgedRun;
 pub use requirements::Requirements;
 pub use test::{Test, TestOptions};
-pub(crate) use tried::MovableFacts;
-pub use tried::{LimitedCourseFacts, OtherLimits, Tried, TriedFacts};
+pub use tried::{LimitedCourseFacts, Tried, TriedFacts};

@@ -146,7 +146,7 @@ impl Predicted {
         report::can::predicted(&self.asked())
     }
 
-    /// What the answer rests on.
+    /// The basis of the answer.
     pub(super) fn rests_on(&self) -> Vec<Finding> {
         report::can::rests_on(&self.asked())
     }

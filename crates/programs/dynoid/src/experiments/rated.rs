@@ -10,9 +10,9 @@ use study::{Candidate, NextOptions, rated_experiments, rated_plan};
 use work::Context;
 
 use super::planned::{Given, Planned};
-use crate::can::{MovableFacts, OtherLimits};
 use crate::error::Error;
 use crate::files::Files;
+use crate::limits::{MovableFacts, OtherLimits};
 use crate::session::Session;
 
 /// Speed and length of an experiment that states none.
