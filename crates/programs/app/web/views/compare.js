@@ -42,7 +42,9 @@ function studies(element, models, asked, remember) {
     return;
   }
   const list = (/** @type {string} */ name, /** @type {string} */ value) => h('select', { 'aria-label': name, onchange: () => go() },
-    benches.map((model) => h('option', { value: model.file, selected: model.file === value }, `${model.file} (${model.bench}, ${model.date})`)));
+    benches.map((model) => h('option', { value: model.file, selected: model.file === value }, `${model.file} (${model.bench}, ${model.date})`)),
+    // A file that cannot be read is no reason to show another one.
+    benches.some((model) => model.file === value) ? [] : [h('option', { value, selected: true }, value)]);
   const studied = benches.filter((model) => !model.is_study);
   const first = list('First', asked.first ?? studied[0]?.file);
   const second = list('Second', asked.second ?? (studied[1] ?? studied[0])?.file);

@@ -29,19 +29,20 @@ export async function show(element, given) {
   const progress = h('div', { class: 'progress' });
   const run = h('button', { class: 'button', onclick: () => go() }, 'Study');
   const folder = bench.includes('/') ? bench.slice(0, bench.lastIndexOf('/') + 1) : '';
-  const last = reports.find((/** @type {any} */ report) => report.file === `${folder}study/report.html`);
+  // A study writes into its own folder; the demonstration has its results beside the bench file.
+  const last = [`${folder}study/`, folder].find((each) => reports.some((/** @type {any} */ report) => report.file === `${each}report.html`));
   const shown = h('div', { class: 'result' });
-  if (last) answer();
+  if (last !== undefined) answer(last);
   fill(element, h('h1', {}, `Study of ${bench}`),
     h('div', { class: 'tools' }, run, h('label', {}, full, ' with all analyses of single parts'), command), progress, shown);
 
   let isOver = false;
-  /** Shows what the last study found, and its report. */
-  function answer() {
+  /** Shows what the last study found, and its report. @param {string} results */
+  function answer(results) {
     const found = h('details', {}, h('summary', {}, 'Findings'));
-    fill(shown, found, frame(`${folder}study/report.html`, NAME));
+    fill(shown, found, frame(`${results}report.html`, NAME));
     // A report may be there without its study.
-    get('study', { file: `${folder}study/study.json` })
+    get('study', { file: `${results}study.json` })
       .then((/** @type {{ findings: Finding[] }} */ { findings }) => fill(found, findingsOf(findings, recordings)))
       .catch(() => found.remove());
   }
@@ -67,7 +68,7 @@ export async function show(element, given) {
     });
     if (isOver) return;
     fill(progress, job.said && h('pre', {}, job.said));
-    if (isDone(job)) answer();
+    if (isDone(job)) answer(`${folder}study/`);
     else say(job.stand === 'cancelled' ? 'The study was cancelled. The last one is still there.' : 'The study failed; its reason is above.', job.stand !== 'cancelled');
   }
   const running = (await get('jobs')).find((/** @type {any} */ job) => job.stand === 'running' && job.arguments[0] === 'study' && job.arguments.includes(bench));
