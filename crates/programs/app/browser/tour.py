@@ -1,7 +1,7 @@
 """Takes the pictures of the tour in the book. Run by hand: `python tour.py FOLDER PICTURES [SCHEME WIDTH]`.
 
-FOLDER has what `dynoid demo` writes; it is copied first. `DYNOID` and `CHROMIUM` name the program and the browser. At each
-step it prints how many clicks led there from the start page.
+FOLDER has what `dynoid demo` writes; it is copied first. `DYNOID` and `CHROMIUM` name the program and the browser, `STEPS`
+some steps in place of all. At each step it prints how many clicks led there from the start page.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from playwright.sync_api import Page, expect, sync_playwright
 from conftest import App
 
 LONG = 300_000
-RAMP = "recordings/Ramp_N_NT_1200.mf4"
+NOISE = "recordings/WhiteNoise_T_TN_1200.mf4"
 
 
 class Tour:
@@ -133,15 +133,20 @@ class Tour:
     def model(self) -> None:
         self.begin()
         self.task("Model")
-        self.page.wait_for_timeout(500)
+        self.page.get_by_label("Recording", exact=True).select_option(NOISE)
+        self.click(lambda page: page.get_by_label("DynoTorqueDemand is an input"))
+        self.click(lambda page: page.get_by_label("DynoTorqueCalc is an output"))
+        self.clicks += 1
         self.click(lambda page: page.get_by_role("button", name="Fit", exact=True))
         expect(self.page.locator(".curves canvas")).not_to_have_count(0, timeout=LONG)
+        self.page.locator(".curves canvas").first.scroll_into_view_if_needed()
         self.picture("model")
 
     def compare(self) -> None:
         self.begin()
         self.task("Compare")
         self.page.wait_for_timeout(4000)
+        self.page.locator(".compare section").last.scroll_into_view_if_needed()
         self.picture("compare")
 
     def campbell(self) -> None:
@@ -171,7 +176,7 @@ def main() -> None:
         page = browser.new_context(viewport={"width": width, "height": 800}, color_scheme=scheme).new_page()
         page.goto(app.address)
         tour = Tour(app, page, pictures, suffix)
-        for step in STEPS:
+        for step in os.environ.get("STEPS", " ".join(STEPS)).split():
             getattr(tour, step)()
     app.kill()
 
