@@ -226,7 +226,9 @@ fn left_out(stretches_s: &[(f64, f64)], (from, to): (f64, f64), unused_s: f64) -
     let all: f64 = stretches_s.iter().map(|(from, to)| to - from).sum();
     let (all, listed) = (duration(all), join(&stretches, "and"));
     let (from, to) = (time(from), time(to));
-    let used = format!("The bench file leaves out {all}: from {listed}. The part from {from} to {to} is used");
+    let used = format!(
+        "Estimates leave out {all}, as the bench file states: from {listed}. The part from {from} to {to} is used"
+    );
     match unused_s > 0.0 {
         true => format!("{used}; another {} are not used.", duration(unused_s)),
         false => format!("{used}."),
