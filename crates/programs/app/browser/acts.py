@@ -1,9 +1,10 @@
 """Random acts at the pages, and the same acts again by commands. Run by hand: `python acts.py FOLDER [ACTS] [SEED]`.
 
 FOLDER has a bench file and recordings, such as `dynoid demo` writes; it is copied twice, and stays as it is. One copy is
-open in the app while acts are drawn: links, buttons, choices, numbers, texts, keys, places in plots, back and forward, and
-loading again. Afterwards the session's commands run in the other copy. It is an error if the console has a fault, the
-server fails, or a file of the two copies differs. `DYNOID` and `CHROMIUM` name the program and the browser.
+open in the app while acts are drawn: links, buttons, choices, numbers, texts, keys, places in plots, back and forward,
+loading again, edits that are saved, and fits. Afterwards the session's commands run in the other copy. It is an error if
+the console has a fault, the server fails, or a file of the two copies differs. `DYNOID` and `CHROMIUM` name the program
+and the browser.
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ VIEWS = ["", "look", "labels", "roles", "bench", "study", "report", "can", "next
 TEXTS = ["", "0", "-1", "1e9", "12,5", "NaN", "../../x", "<b>bold</b>", "Drehzahl €", "a" * 300, "0.5"]
 KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "Escape", "Enter", "Tab", "a", "b", "m", "+", "-", "Control+z", "Control+y"]
 CONTROLS = "a:visible, button:visible:enabled, select:visible:enabled, input:visible:enabled, textarea:visible:enabled, canvas:visible, summary:visible"
+RECORDING = "recordings/WhiteNoise_T_TN_1200.mf4"
+INPUT, OUTPUT = '["DynoTorqueDemand"]', '["DynoTorqueCalc"]'
+OUT_OF_REACH = ["Timeout", "not attached", "Element is not a"]
 #: Files that say when and where a result was made.
 DATED = re.compile(r'"(date|studied_on|time_s|seconds|program|created)":\s*("[^"]*"|[0-9.eE+-]+)')
 
@@ -70,13 +74,13 @@ class Acts:
             self.fault(f"{request.failure} {request.url}")
 
     def act(self) -> None:
-        kind = self.draw.choices(["control", "key", "view", "history", "reload"], [80, 8, 7, 3, 2])[0]
+        kind = self.draw.choices(["control", "key", "view", "history", "reload", "write"], [76, 8, 7, 3, 2, 4])[0]
         try:
             getattr(self, kind)()
             self.done[kind] += 1
         except Error as error:
-            # An element may be gone, or hidden, before it is reached.
-            if "Timeout" not in str(error) and "not attached" not in str(error):
+            # An element may be gone, hidden, or another one, before it is reached.
+            if not any(known in str(error) for known in OUT_OF_REACH):
                 self.fault(str(error).splitlines()[0])
             self.done["out of reach"] += 1
         self.page.wait_for_timeout(self.draw.choice([0, 20, 200]))
@@ -84,6 +88,30 @@ class Acts:
     def view(self) -> None:
         self.last = f"view {self.draw.choice(VIEWS)}"
         self.page.goto(self.app.at(self.last.split()[-1] if self.last != "view " else ""))
+
+    def write(self) -> None:
+        """An act that leaves a file: a chance alone would seldom find one."""
+        if self.draw.random() < 0.5:
+            self.last = "an edit"
+            self.page.goto(self.app.at("bench?file=bench.toml"))
+            text = self.page.get_by_label("Text of bench.toml")
+            text.fill(text.input_value(timeout=5000) + f"# {self.draw.choice(TEXTS[4:9])}\n", timeout=5000)
+            self.page.get_by_role("button", name="Save", exact=True).click(timeout=5000)
+            self.page.get_by_text("saved", exact=True).wait_for(timeout=5000)
+            return
+        structure = self.draw.choice(["arx", "armax", "oe", "bj", "tf", "ss"])
+        self.last = f"a fit of {structure}"
+        self.page.goto(self.app.at(f"model?recording={RECORDING}&inputs={INPUT}&outputs={OUTPUT}&structure={structure}"))
+        self.page.get_by_role("button", name="Fit", exact=True).click(timeout=5000)
+        self.ended()
+
+    def ended(self) -> None:
+        """Waits for what runs, so that the acts have one order, as in the session."""
+        for _ in range(120):
+            jobs = self.page.evaluate("fetch('/api/jobs').then((answer) => answer.json())")
+            if not any(job["stand"] == "running" for job in jobs):
+                return
+            self.page.wait_for_timeout(500)
 
     def history(self) -> None:
         self.last = "history"
@@ -109,7 +137,8 @@ class Acts:
             self.work += 1
             if self.work > MOST_WORK:
                 return
-        if tag == "A" and (control.get_attribute("href") or "").startswith("http"):
+        # The session of all acts is wanted at the end.
+        if "new session" in words or (tag == "A" and (control.get_attribute("href") or "").startswith("http")):
             return
         if tag == "SELECT":
             options = control.locator("option")
