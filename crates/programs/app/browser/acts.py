@@ -35,7 +35,7 @@ KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "Escape", "En
 CONTROLS = "a:visible, button:visible:enabled, select:visible:enabled, input:visible:enabled, textarea:visible:enabled, canvas:visible, summary:visible"
 RECORDING = "recordings/WhiteNoise_T_TN_1200.mf4"
 INPUT, OUTPUT = '["DynoTorqueDemand"]', '["DynoTorqueCalc"]'
-OUT_OF_REACH = ["Timeout", "not attached", "Element is not a"]
+OUT_OF_REACH = ["Timeout", "not attached", "Element is not a", "cannot be filled"]
 #: Files that say when and where a result was made.
 DATED = re.compile(r'"(date|studied_on|time_s|seconds|program|created)":\s*("[^"]*"|[0-9.eE+-]+)')
 
