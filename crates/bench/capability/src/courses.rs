@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use bench_model::document::Validity;
-use numerics::order;
 use serde::Serialize;
 
 use crate::beyond::is_beyond_model;
 use crate::extremes::{Drive, LimitOf, course};
 use crate::outcome::Outcome;
 use crate::trace::Trace;
+use crate::verdict::Spread;
 
 /// Stretches into which a run is cut.
 const STRETCHES: usize = 400;
@@ -43,12 +43,9 @@ pub(crate) fn together(of: LimitOf, trace: &Trace, nominal: &Outcome, outcomes: 
     let values = |outcome: &'_ Outcome| outcome.limited.get(of as usize).cloned().unwrap_or_default();
     let all: Vec<Vec<f64>> = outcomes.iter().map(values).filter(|course| !course.is_empty()).collect();
     let nominal = values(nominal);
-    let at = |k: usize, probability: f64| {
-        let mut values: Vec<f64> = all.iter().map(|course| course[k]).collect();
-        values.sort_by(f64::total_cmp);
-        order::quantile_of_sorted(&values, probability).unwrap_or(f64::NAN)
-    };
-    let along = |probability: f64| (0..nominal.len()).map(|k| at(k, probability)).collect();
+    let spreads: Vec<Spread> =
+        (0..nominal.len()).map(|k| Spread::of(all.iter().map(|course| course[k]).collect())).collect();
+    let along = |probability: f64| spreads.iter().map(|spread| spread.quantile(probability)).collect();
     let time_s = stretches(trace.dyno_demand_nm.len()).map(|stretch| trace.time_s(stretch.start));
     LimitedCourse { time_s: time_s.take(nominal.len()).collect(), low: along(0.05), high: along(0.95), nominal }
 }

@@ -159,7 +159,7 @@ pub struct Verdict {
 pub struct Spread(#[serde(deserialize_with = "infinite_if_null")] Vec<f64>);
 
 impl Spread {
-    fn of(mut values: Vec<f64>) -> Self {
+    pub(crate) fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         Spread(values)
     }

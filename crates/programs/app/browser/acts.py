@@ -16,14 +16,13 @@ import pathlib
 import random
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 
 from playwright.sync_api import Error, Page, Request, Response, sync_playwright
 
-from conftest import PROGRAM, App
+from conftest import App, repeat
 
 #: Acts that begin work of minutes are drawn this often at most.
 MOST_WORK = 12
@@ -202,11 +201,7 @@ def contents(folder: pathlib.Path) -> dict[str, bytes]:
 def again(session: str, folder: pathlib.Path) -> None:
     """Runs the session's commands. One that was refused at the page is refused again, so the others go on."""
     (folder / "session.txt").write_text(session.replace("set -e\n", ""), encoding="utf-8")
-    named = pathlib.Path(tempfile.mkdtemp()) / "bin"
-    named.mkdir()
-    (named / "dynoid").symlink_to(pathlib.Path(shutil.which(PROGRAM) or PROGRAM).resolve())
-    path = f"{named}{os.pathsep}{os.environ['PATH']}"
-    subprocess.run(["sh", "session.txt"], cwd=folder, check=False, env=os.environ | {"PATH": path}, capture_output=True)
+    repeat(folder / "session.txt")
 
 
 def main() -> None:

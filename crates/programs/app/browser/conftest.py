@@ -8,6 +8,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Iterator
 
 import pytest
@@ -34,6 +35,16 @@ class App:
 
     def at(self, place: str) -> str:
         return f"http://127.0.0.1:{self.port}/#/{place}"
+
+
+def repeat(session: pathlib.Path) -> subprocess.CompletedProcess:
+    """Runs a session's commands in its folder, by the program that is tested."""
+    with tempfile.TemporaryDirectory() as named:
+        (pathlib.Path(named) / "dynoid").symlink_to(pathlib.Path(shutil.which(PROGRAM) or PROGRAM).resolve())
+        path = f"{named}{os.pathsep}{os.environ['PATH']}"
+        return subprocess.run(
+            ["sh", session.name], cwd=session.parent, check=False, env=os.environ | {"PATH": path}, capture_output=True
+        )
 
 
 @pytest.fixture(scope="session")

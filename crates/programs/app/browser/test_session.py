@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import pathlib
 import shutil
-import subprocess
 import sys
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from conftest import PROGRAM, App
+from conftest import App, repeat
 
 RECORDING = "recordings/WhiteNoise_T_TN_1200.mf4"
 
@@ -38,11 +36,6 @@ def test_a_session_is_repeated_without_the_app(page: Page, app: App, tmp_path: p
         page.get_by_role("link", name="Commands", exact=True).last.click()
     assert download.value.suggested_filename == "Monday.txt"
     download.value.save_as(again / "Monday.txt")
-    found = pathlib.Path(shutil.which(PROGRAM) or PROGRAM).resolve()
-    named = tmp_path / "bin"
-    named.mkdir()
-    (named / "dynoid").symlink_to(found)
-    path = f"{named}{os.pathsep}{os.environ['PATH']}"
-    subprocess.run(["sh", "Monday.txt"], cwd=again, check=True, env=os.environ | {"PATH": path}, capture_output=True)
+    repeat(again / "Monday.txt").check_returncode()
     for name in ["bench.toml", "model-arx.json"]:
         assert (again / name).read_bytes() == (app.folder / name).read_bytes(), name

@@ -2,10 +2,9 @@
 
 use axum::extract::{Query, State};
 use serde::Deserialize;
-use work::Context;
 
 use crate::answer::{Answer, Fault, json};
-use crate::blocking::blocking;
+use crate::blocking::cancellable;
 use crate::models::{files, refused};
 use crate::shared::Shared;
 
@@ -18,10 +17,9 @@ pub(crate) struct Wanted {
 
 /// The maps of the signals of a recording.
 pub(crate) async fn maps(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Answer {
-    blocking(move || {
+    cancellable(move |context| {
         let [bench, recording] = [shared.folder.existing(&wanted.bench)?, shared.folder.existing(&wanted.recording)?];
-        let found = dynoid::campbell(&bench, &recording, &files(), &Context::new());
-        json(&found.map_err(|fault| refused(fault, &shared))?)
+        dynoid::campbell(&bench, &recording, &files(), context).map_err(|fault| refused(fault, &shared))
     })
     .await
 }

@@ -7,13 +7,14 @@ use axum::extract::{Path as InPath, Query, State};
 use dynoid::OtherLimits;
 use dynoid::can::{KnownTests, LimitOf, Requirements, Test, TestOptions, Tried};
 use dynoid::experiments::Given;
-use dynoid::{Draws, Files, KnownBench};
+use dynoid::{Draws, KnownBench};
 use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json};
 use crate::blocking::blocking;
 use crate::folder::Folder;
+use crate::models::files;
 use crate::shared::Shared;
 use crate::tries::key_of;
 
@@ -79,7 +80,7 @@ impl Question {
     }
 
     fn tried(&self, context: &Context) -> Result<Tried, dynoid::Error> {
-        let (asked, files) = (&self.asked, Files::new("app", false));
+        let (asked, files) = (&self.asked, files());
         let bench = KnownBench::load(&self.bench, self.model.as_deref(), &files)?;
         let test = Test::find(&self.test, &self.options, &files, context)?;
         let wanted = Requirements::of(&test, &asked.by, &asked.require)?;

@@ -1,13 +1,13 @@
 //! Recordings beside a bench file: which it uses, and the experiment of each.
 
 use axum::extract::{Query, State};
-use dynoid::{Files, InputFile};
+use dynoid::InputFile;
 use serde::Serialize;
-use work::Context;
 
 use crate::answer::{Answer, Fault, json};
-use crate::blocking::blocking;
+use crate::blocking::{blocking, cancellable};
 use crate::folder::Which;
+use crate::models::files;
 use crate::recordings::recordings_of;
 use crate::shared::Shared;
 
@@ -34,10 +34,9 @@ pub(crate) async fn uses(State(shared): State<Shared>, Query(which): Query<Which
 
 /// The experiment that a recording shows by itself, with the channels that the text of a bench file names.
 pub(crate) async fn seen(State(shared): State<Shared>, Query(which): Query<Which>, text: String) -> Answer {
-    blocking(move || {
+    cancellable(move |context| {
         let file = InputFile { path: shared.folder.existing(&which.file)?, name: which.file };
-        let seen = dynoid::seen_label(&text, &file, &Files::new("app", false), &Context::new());
-        json(&seen.map_err(Fault::refused)?)
+        dynoid::seen_label(&text, &file, &files(), context).map_err(Fault::refused)
     })
     .await
 }

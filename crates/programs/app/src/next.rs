@@ -6,12 +6,13 @@ use axum::Json;
 use axum::extract::{Path as InPath, State};
 use dynoid::OtherLimits;
 use dynoid::experiments::{Given, NextOptions, RatedExperiments};
-use dynoid::{Bench, Files, Session, listed};
+use dynoid::{Bench, Session, listed};
 use serde::{Deserialize, Serialize};
 use work::Context;
 
 use crate::answer::{Answer, Fault, json};
 use crate::blocking::blocking;
+use crate::models::files;
 use crate::shared::Shared;
 use crate::tries::key_of;
 
@@ -31,7 +32,7 @@ pub(crate) struct Asked {
 
 impl Asked {
     fn rated(&self, path: PathBuf, context: &Context) -> Result<RatedExperiments, dynoid::Error> {
-        let files = Files::new("app", false);
+        let files = files();
         let step = context.step("looking for the next experiment", 3);
         let bench = Bench::load(&path, &files)?;
         let session = match Session::open(bench.clone(), &files, &step) {
@@ -52,7 +53,7 @@ impl Asked {
 
     /// A name of the question, and of the recordings as they are now.
     fn key(&self, path: &Path) -> Result<String, Fault> {
-        let bench = Bench::load(path, &Files::new("app", false)).map_err(Fault::refused)?;
+        let bench = Bench::load(path, &files()).map_err(Fault::refused)?;
         let found = listed(path, &bench.file().recordings.files).unwrap_or_default();
         let stamp = |path: &PathBuf| path.metadata().ok().map(|file| (file.len(), file.modified().ok()));
         let stamps: Vec<_> = found.iter().map(|file| (&file.name, stamp(&file.path))).collect();

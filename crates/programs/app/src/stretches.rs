@@ -2,10 +2,9 @@
 
 use axum::extract::{Query, State};
 use dynoid::stretches::RecordedStretch;
-use serde::Serialize;
-use work::{Cancel, Context};
 
-use crate::answer::{Answer, Fault, json};
+use crate::answer::{Answer, Fault};
+use crate::blocking::cancellable;
 use crate::recordings::{Asked, handle};
 use crate::shared::Shared;
 
@@ -76,23 +75,4 @@ pub(crate) async fn pairs(State(shared): State<Shared>, Query(asked): Query<Aske
         asked.stretch(&shared)?.pairs(&x, &y, context).map_err(Fault::refused)
     })
     .await
-}
-
-/// Cancels work whose answer nobody waits for any more.
-struct Unwanted(Cancel);
-
-impl Drop for Unwanted {
-    fn drop(&mut self) {
-        self.0.cancel();
-    }
-}
-
-/// Work on a thread where it holds nobody up, which ends when the page goes on to something else.
-async fn cancellable<T: Serialize + Send + 'static>(
-    work: impl FnOnce(&Context) -> Result<T, Fault> + Send + 'static,
-) -> Answer {
-    let context = Context::new();
-    let _unwanted = Unwanted(context.cancel());
-    let found = tokio::task::spawn_blocking(move || context.run(|| work(&context))).await;
-    json(&found.map_err(Fault::refused)?.map_err(Fault::refused)??)
 }

@@ -3,6 +3,13 @@
 import { h, say } from './dom.js';
 import { isDone, ended, start, typed } from './work.js';
 
+/** Gives bytes as a file. @param {Blob} blob @param {string} name */
+export function give(blob, name) {
+  const address = URL.createObjectURL(blob);
+  h('a', { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
+
 /** Gives a canvas as a picture, with the page's background. @param {HTMLCanvasElement} canvas @param {string} name */
 export function picture(canvas, name) {
   const copy = h('canvas', { width: canvas.width, height: canvas.height });
@@ -12,10 +19,7 @@ export function picture(canvas, name) {
   context.fillRect(0, 0, copy.width, copy.height);
   context.drawImage(canvas, 0, 0);
   copy.toBlob((blob) => {
-    if (!blob) return;
-    const address = URL.createObjectURL(blob);
-    h('a', { href: address, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    if (blob) give(blob, name);
   });
 }
 

@@ -13,9 +13,7 @@ use crate::facts::VerdictFacts;
 use crate::files::Files;
 use crate::paths::with_slashes;
 use crate::study_file::StudyFile;
-
-/// The file of a study beside its bench model.
-const STUDY: &str = "study.json";
+use crate::written::DATA;
 
 /// Two studied benches, compared by their models.
 #[derive(Debug)]
@@ -58,7 +56,7 @@ impl TwoBenches {
 impl Side {
     fn read(file: &Path, files: &Files, context: &Context) -> Result<Self, Error> {
         let model = files.bench_model(file)?;
-        let path = file.with_file_name(STUDY);
+        let path = file.with_file_name(DATA);
         // The model compares what it is from; a study of other recordings beside it has another verdict.
         let is_beside = path.is_file() && files.bench_model(&path).is_ok_and(|own| own == model);
         let study = is_beside.then(|| StudyFile::load(&path, files, context)).transpose()?;

@@ -2,7 +2,7 @@
 
 import { h } from '../dom.js';
 import { COLUMN, view } from '../api.js';
-import { kept, prepared } from './canvas.js';
+import { kept, prepared, stroke } from './canvas.js';
 import { ticks, shown } from './scale.js';
 
 /**
@@ -168,10 +168,7 @@ export class Panels {
     for (const place of places) {
       const x = Math.round(this.xOf(place)) + 0.5;
       context.strokeStyle = colour('grid');
-      context.beginPath();
-      context.moveTo(x, 0);
-      context.lineTo(x, height - AXIS);
-      context.stroke();
+      stroke(context, [[x, 0], [x, height - AXIS]]);
       context.fillStyle = colour('text-soft');
       context.fillText(`${shown(place, step)}${place === places.at(-1) ? ' s' : ''}`, x, height - AXIS + 6);
     }
@@ -205,10 +202,7 @@ export class Panels {
     for (const place of places) {
       const y = Math.round(yOf(place)) + 0.5;
       context.strokeStyle = colour('grid');
-      context.beginPath();
-      context.moveTo(LEFT, y);
-      context.lineTo(width - RIGHT, y);
-      context.stroke();
+      stroke(context, [[LEFT, y], [width - RIGHT, y]]);
       context.fillStyle = colour('text-soft');
       context.fillText(shown(place, step), LEFT - 6, y);
     }

@@ -30,6 +30,12 @@ export function figure(value) {
   return value.toPrecision(5).replace(/-/g, '−');
 }
 
+/** A number with three digits, without zeros behind them. @param {number} value */
+export const rounded = (value) => String(Number(value.toPrecision(3)));
+
+/** A proportion. @param {{ estimate: number }} share */
+export const percent = (share) => `${rounded(100 * share.estimate)} %`;
+
 /** @typedef {{ low: number, high: number, isLog?: boolean }} Range */
 
 /** Where a value is in a range, from 0 to 1. @param {Range} range @param {number} value */

@@ -3,10 +3,11 @@
 import { get, post, remove } from '../api.js';
 import { Plot } from '../chart/axes.js';
 import { bandsOf, namesOf } from '../chart/bands.js';
-import { figure } from '../chart/scale.js';
+import { figure, percent, rounded } from '../chart/scale.js';
 import { failed, fill, h, say } from '../dom.js';
-import { link, note } from '../place.js';
+import { note } from '../place.js';
 import { typed } from '../work.js';
+import { noBench } from './start.js';
 
 export const title = 'Can it run this?';
 
@@ -17,17 +18,13 @@ export const title = 'Can it run this?';
 const PAUSE_MS = 350;
 const PACE_MS = 300;
 
-/** A proportion with its interval, as the reports write it. @param {any} share */
-const percent = (share) => `${figure3(100 * share.estimate)} %`;
-/** @param {number} value */
-const figure3 = (value) => String(Number(value.toPrecision(3)));
 const ANSWERS = /** @type {Record<string, string>} */ ({ yes: 'Yes', perhaps: 'Perhaps', no: 'No', not_shown: 'Not shown', not_judged: 'Not judged' });
 
 /** @param {HTMLElement} element @param {Record<string, string>} given */
 export async function show(element, given) {
   const [state, tests] = await Promise.all([get('state'), get('can/tests')]);
   if (!state.benches.length) {
-    fill(element, h('p', {}, 'There is no bench file yet. ', h('a', { href: link('bench') }, 'Describe the bench'), ' first.'));
+    fill(element, noBench());
     return;
   }
   const models = state.models.map((/** @type {any} */ each) => each.file).filter((/** @type {string} */ file) => /(^|\/)model\.json$/.test(file));
@@ -112,7 +109,7 @@ export async function show(element, given) {
     const id = `number-${label.replaceAll(' ', '-')}`;
     const box = h('input', { id, type: 'number', step: 'any', value: String(value), 'aria-label': `${label}, ${unit}` });
     const range = h('input', { type: 'range', min: low, max: high, step: (high - low) / 200, value: String(value), 'aria-label': `${label}, slider` });
-    range.addEventListener('input', () => { box.value = figure3(Number(range.value)); heard(Number(box.value)); });
+    range.addEventListener('input', () => { box.value = rounded(Number(range.value)); heard(Number(box.value)); });
     box.addEventListener('change', () => { if (box.value.trim()) { range.value = box.value; heard(Number(box.value)); } });
     return h('div', { class: 'number' }, h('label', { for: id }, label, unit && h('span', { class: 'soft' }, ` in ${unit}`)), range, box, help && h('small', {}, help));
   }
@@ -250,9 +247,9 @@ export async function show(element, given) {
   /** What the benches do, beside a limit. @param {any} limit */
   function found(limit) {
     const { median, quantile_95: beyond, margin, reached, unit } = limit;
-    const values = `half of the benches stay below ${figure3(median)} ${unit}, 95 % below ${figure3(beyond)} ${unit}`;
+    const values = `half of the benches stay below ${rounded(median)} ${unit}, 95 % below ${rounded(beyond)} ${unit}`;
     if (!reached) return `${values}. No limit is stated.`;
-    const left = margin >= 0 ? `${figure3(100 * margin)} % are left` : `${figure3(-100 * margin)} % too much`;
+    const left = margin >= 0 ? `${rounded(100 * margin)} % are left` : `${rounded(-100 * margin)} % too much`;
     return `${values}: ${left}. Reached on ${percent(reached)} of the benches.`;
   }
 
@@ -269,7 +266,7 @@ export async function show(element, given) {
     const id = `limit-${of.of}`;
     const value = of.of in limits ? limits[of.of] : of.stated;
     const high = of.largest ?? 2 * (Math.max(of.stated ?? 0, limit.quantile_95 ?? 0) || 1);
-    const box = h('input', { id, type: 'number', step: 'any', min: 0, value: value === null ? '' : figure3(value), placeholder: 'none' });
+    const box = h('input', { id, type: 'number', step: 'any', min: 0, value: value === null ? '' : rounded(value), placeholder: 'none' });
     const range = h('input', { type: 'range', min: 0, max: high, step: high / 500, value: String(value ?? high), 'aria-label': `Limit of the ${of.name}, slider` });
     const moved = (/** @type {number | null} */ next) => {
       if (next === of.stated) delete limits[of.of];
@@ -277,7 +274,7 @@ export async function show(element, given) {
       stated();
       judge();
     };
-    range.addEventListener('input', () => { box.value = figure3(Math.max(Number(range.value), high / 500)); moved(Number(box.value)); });
+    range.addEventListener('input', () => { box.value = rounded(Math.max(Number(range.value), high / 500)); moved(Number(box.value)); });
     box.addEventListener('change', () => {
       const next = box.value.trim() ? Number(box.value) : null;
       range.value = String(next ?? high);
@@ -286,7 +283,7 @@ export async function show(element, given) {
     return h('div', { class: 'number', 'data-of': of.of },
       h('label', { for: id }, of.name, h('span', { class: 'soft' }, ` in ${of.unit}`)), range, box,
       h('small', {}, h('span', { class: 'found' }, found(limit)),
-        of.largest !== null && ` The drive gives no more than ${figure3(of.largest)} ${of.unit}; a larger one needs another bench file.`));
+        of.largest !== null && ` The drive gives no more than ${rounded(of.largest)} ${of.unit}; a larger one needs another bench file.`));
   }
 
   /** The moved limits as a bench file has them. */
@@ -315,7 +312,7 @@ export async function show(element, given) {
         { name: 'nominal bench', x: course.time_s, y: course.nominal, colour: 'series-0' },
         ...(course.bench?.values.length ? [{ name: `bench ${now.draw}`, x: course.time_s, y: course.bench.values, colour: 'series-2' }] : []),
       ],
-      limits: limit === null ? [] : [{ name: `limit, ${figure3(limit)} ${course.unit}`, at: limit, colour: 'fault' }],
+      limits: limit === null ? [] : [{ name: `limit, ${rounded(limit)} ${course.unit}`, at: limit, colour: 'fault' }],
     };
     const drawing = bandsOf({
       ...parts,

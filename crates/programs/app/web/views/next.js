@@ -3,9 +3,12 @@
 import { get, post, remove } from '../api.js';
 import { Plot } from '../chart/axes.js';
 import { pointsOf } from '../chart/bands.js';
+import { percent, rounded } from '../chart/scale.js';
 import { failed, fill, h, say, table } from '../dom.js';
-import { link, note } from '../place.js';
+import { note } from '../place.js';
+import { give } from '../save.js';
 import { result, typed } from '../work.js';
+import { noBench } from './start.js';
 
 export const title = 'Next experiment';
 
@@ -30,10 +33,6 @@ export const title = 'Next experiment';
 
 const PACE_MS = 500;
 
-/** @param {number} value */
-const figure = (value) => String(Number(value.toPrecision(3)));
-/** @param {any} share */
-const percent = (share) => `${figure(100 * share.estimate)} %`;
 /** @param {Rated} one */
 const named = (one) => `${one.label}${one.is_designed ? ', designed' : ''}${one.given ? ', yours' : ''}`;
 
@@ -42,7 +41,7 @@ export async function show(element, given) {
   const state = await get('state');
   const benches = state.benches.map((/** @type {any} */ each) => each.file);
   if (!benches.length) {
-    fill(element, h('p', {}, 'There is no bench file yet. ', h('a', { href: link('bench') }, 'Describe the bench'), ' first.'));
+    fill(element, noBench());
     return;
   }
   const now = { bench: given.bench ?? benches[0], speed: Number(given.speed) || 1200, duration: Number(given.duration) || 60 };
@@ -161,11 +160,11 @@ export async function show(element, given) {
     else plot = new Plot(scatter, drawing);
     const row = (/** @type {Rated} */ one) => [
       h('button', { 'aria-pressed': String(one === chosen), onclick: () => choose(one) }, named(one)),
-      `${figure(one.speed_rpm)} rpm, ${figure(one.duration_s)} s`,
-      `× ${figure(one.narrowing)}${one.new.length ? `, and shows ${one.new.join(', ')}` : ''}`,
+      `${rounded(one.speed_rpm)} rpm, ${rounded(one.duration_s)} s`,
+      `× ${rounded(one.narrowing)}${one.new.length ? `, and shows ${one.new.join(', ')}` : ''}`,
       one.kept ? `${percent(one.kept)} reach none` : 'not checked, as it gains nothing',
       one.reached.map(({ name, reached }) => `${name} ${percent(reached)}`).join(', ') || '–',
-      `${figure(one.peak_shaft_torque_nm)} Nm`,
+      `${rounded(one.peak_shaft_torque_nm)} Nm`,
       h('span', { class: 'why' }, one.gains || 'gains nothing'),
     ];
     fill(rows, table(['Experiment', 'Speed, length', 'Gain', 'Limits', 'Reached', 'T_shaft up to', 'In words'], rated.map(row), 'Experiments, the one that gains most first'));
@@ -199,7 +198,7 @@ export async function show(element, given) {
     const limit = (/** @type {any} */ of) => {
       const id = `limit-${of.of}`;
       const value = of.of in limits ? limits[of.of] : of.stated;
-      const box = h('input', { id, type: 'number', step: 'any', min: 0, value: value === null ? '' : figure(value), placeholder: 'none', onchange: () => {
+      const box = h('input', { id, type: 'number', step: 'any', min: 0, value: value === null ? '' : rounded(value), placeholder: 'none', onchange: () => {
         limits[of.of] = box.value.trim() ? Number(box.value) : null;
         if (limits[of.of] === of.stated) delete limits[of.of];
         remember();
@@ -246,9 +245,7 @@ export async function show(element, given) {
   /** @param {string} file */
   async function download(file) {
     const { text } = await get('text', { file });
-    const address = URL.createObjectURL(new Blob([text], { type: 'text/csv' }));
-    h('a', { href: address, download: file.slice(file.lastIndexOf('/') + 1) }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 1000);
+    give(new Blob([text], { type: 'text/csv' }), file.slice(file.lastIndexOf('/') + 1));
   }
 
   remember();

@@ -17,6 +17,9 @@ export function size(bytes) {
   return `${power && bytes < 10 ? bytes.toFixed(1) : Math.round(bytes)} ${units[power]}`;
 }
 
+/** What a page says that needs a bench file where there is none. */
+export const noBench = () => h('p', {}, 'There is no bench file yet. ', h('a', { href: link('bench') }, 'Describe the bench'), ' first.');
+
 /** @param {HTMLElement} element */
 export async function show(element) {
   const state = await get('state');

@@ -5,6 +5,7 @@ import { failed, fill, h, say, table } from '../dom.js';
 import { link } from '../place.js';
 import { ended, isDone, start, typed } from '../work.js';
 import { frame } from './report.js';
+import { noBench } from './start.js';
 
 export const title = 'Study';
 
@@ -19,7 +20,7 @@ export async function show(element, given) {
   const { benches, recordings, reports } = await get('state');
   const bench = given.bench ?? benches[0]?.file;
   if (!bench) {
-    fill(element, h('p', {}, 'There is no bench file yet. ', h('a', { href: link('bench') }, 'Describe the bench'), ' first.'));
+    fill(element, noBench());
     return;
   }
   const full = h('input', { type: 'checkbox' });
