@@ -388,20 +388,20 @@ fn zeros_and_lags(seed: u64, samples: usize, poles: usize, has_zero: bool) -> (f
 
 /// Claims, and those that hold the dead time.
 fn claims_of(poles: usize, has_zero: bool, seeds: std::ops::Range<u64>) -> (usize, usize) {
-    let (mut claims, mut holding) = (0, 0);
-    for seed in seeds {
+    let held = numerics::parallel::map(&Vec::from_iter(seeds), |seed| {
         let (dead, data) = zeros_and_lags(1000 * poles as u64 + seed, 1500, poles, has_zero);
         let found = ModelledDelay::default().estimate(&data).unwrap();
-        let Some(model) = found.claimed() else { continue };
+        let model = found.claimed()?;
         let (low, high) = model.intervals[0];
-        claims += 1;
-        holding += usize::from(low <= dead && dead <= high);
-        if !(low <= dead && dead <= high) {
-            println!("{poles} {has_zero} {seed}: {dead} in {low} {high}, {} zeros {} poles", model.zeros, model.poles);
-        }
-    }
-    println!("{poles} poles, zero {has_zero}: {holding} of {claims}");
-    (claims, holding)
+        let holds = low <= dead && dead <= high;
+        let missed = || format!("{seed}: {dead} in {low} {high}, {} zeros {} poles", model.zeros, model.poles);
+        Some((holds, if holds { String::new() } else { missed() }))
+    });
+    let claims: Vec<(bool, String)> = held.into_iter().flatten().collect();
+    claims.iter().filter(|(holds, _)| !holds).for_each(|(_, missed)| println!("{poles} {has_zero} {missed}"));
+    let holding = claims.iter().filter(|(holds, _)| *holds).count();
+    println!("{poles} poles, zero {has_zero}: {holding} of {}", claims.len());
+    (claims.len(), holding)
 }
 
 /// Zeros trade against the delay: with three poles an interval about one minimum missed every other dead time.

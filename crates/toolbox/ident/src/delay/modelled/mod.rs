@@ -20,13 +20,18 @@ use structure::Structure;
 
 /// Zeros and poles of what is tried, the simplest first: with and without zeros, since zeros make up for a part of a
 /// delay.
-const LADDER: [(usize, usize); 9] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (2, 3), (2, 4)];
+const LADDER: [(usize, usize); 10] =
+    [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (1, 4), (2, 3), (2, 4)];
 
 /// Confidence with which a richer model has to be better.
 const RICHER: f64 = 0.99;
 
 /// Confidence from which on a model with as many zeros and poles is out of the question.
 const LESS_LIKELY: f64 = 0.95;
+
+/// Confidence from which on a richer model is possible: about that at which Akaike's criterion takes one more
+/// parameter.
+const SUSPECTED: f64 = 0.84;
 
 /// Confidence from which on a simpler model is out of the question.
 const REFUTED: f64 = 0.9999;
@@ -129,8 +134,8 @@ impl ModelledDelay {
                 model.faults.insert(0, DelayFault::Outdone);
             }
         }
-        let rivals = rivals(&models, best);
-        for index in rivals.iter().copied().chain([best]) {
+        let beside = [rivals(&models, best), suspected(&models, best)].concat();
+        for index in beside.iter().copied().chain([best]) {
             let model = &mut models[index];
             let structure = Structure { options: self, beginning, zeros: model.zeros, poles: model.poles };
             // A gain under a held input has an interval of its own kind, and a model with other faults than those of
@@ -143,7 +148,7 @@ impl ModelledDelay {
         }
         let simpler = (0..best).filter(|simpler| models[*simpler].is_simpler_than(&models[best]));
         let simpler = simpler.filter(|simpler| models[*simpler].may_be(&models[best]));
-        let possible: Vec<&DelayModel> = simpler.chain(rivals).map(|index| &models[index]).collect();
+        let possible: Vec<&DelayModel> = simpler.chain(beside).map(|index| &models[index]).collect();
         let (intervals, late_intervals) = (widened(&models[best], &possible), widened_late(&models[best], &possible));
         let best_model = &mut models[best];
         (best_model.intervals, best_model.late_intervals) = (intervals, late_intervals);
@@ -201,9 +206,24 @@ fn rivals(models: &[DelayModel], best: usize) -> Vec<usize> {
     (0..models.len()).filter(may_be).collect()
 }
 
+/// The models with a zero or a pole more than the best that lower the errors, but not by so much that they are better
+/// beyond doubt. What the best one lacks, its dead time makes up for.
+fn suspected(models: &[DelayModel], best: usize) -> Vec<usize> {
+    let may_be = |index: &usize| {
+        let richer = &models[*index];
+        // A gain under a held input has an interval of its own kind.
+        !models[best].channels.is_empty()
+            && richer.size() == models[best].size() + 1
+            && richer.loss <= models[best].loss
+            && richer.faults.iter().all(DelayFault::is_of_search)
+            && models[best].is_worse_than(richer, SUSPECTED)
+    };
+    (0..models.len()).filter(may_be).collect()
+}
+
 /// The intervals of the best model and of others that are possible: simpler ones that are not refuted beyond doubt,
-/// since where a further pole is barely seen its time constant is barely known, and the interval with it; and rivals,
-/// since zeros and poles make up for a part of a delay.
+/// since where a further pole is barely seen its time constant is barely known, and the interval with it; rivals,
+/// since zeros and poles make up for a part of a delay; and richer ones that are suspected.
 fn widened(best: &DelayModel, possible: &[&DelayModel]) -> Vec<(f64, f64)> {
     let mut intervals = best.intervals.clone();
     for other in possible {
