@@ -12,8 +12,9 @@ Examples:
   dynoid app cell4/ --port 8080
   dynoid app cell4/ --no-browser
 
-The app answers on this computer alone, to the browser that opens the address which the command prints. It reads and
-writes files below the folder. Ctrl-C ends it; studies that run go on, and are there when it starts again.")]
+The app answers on this computer alone, to the browser that opens the address which the command
+prints. It reads and writes files below the folder. Ctrl-C ends it; studies that run go on, and are
+there when it starts again.")]
 pub(crate) struct AppArguments {
     /// The folder with recordings, bench files and studies
     #[arg(value_name = "FOLDER", default_value = ".")]
