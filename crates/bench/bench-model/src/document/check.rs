@@ -16,7 +16,8 @@ use crate::model::{BenchModel, Bound, ModelParameter, ModelUncertainty, short};
 const TIME: Bound = Bound::within(1.0, "s");
 const NOT_NEGATIVE_TIME: Bound = Bound::new(0.0, 1.0, "s");
 const SKEW: Bound = Bound::within(1000.0, "s");
-const SAMPLE_TIME: Bound = Bound::new(1e-6, 1.0, "s");
+/// A controller that is calculated more often than 100 000 times a second makes every simulation last minutes.
+const SAMPLE_TIME: Bound = Bound::new(1e-5, 1.0, "s");
 /// Samples of the controller that a delay or an encoder's gate lasts: each is a state of the closed loop.
 const MOST_SAMPLES: f64 = 250.0;
 /// Where the model has no controller, s.

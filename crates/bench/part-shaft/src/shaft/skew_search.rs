@@ -125,25 +125,35 @@ impl Bins {
         Start { stiffness, damping, engine_skew_s, torque_skew_s, cost }
     }
 
-    /// A descent over ever finer steps.
-    fn refined(&self, mut best: Start) -> Start {
-        let mut step = STEP_S / 2.0;
-        while step >= FINEST_S {
-            let centre = best;
-            for (i, j) in
-                [(-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (1.0, 0.0), (1.0, 1.0)]
-            {
-                let within = |skew: f64| skew.clamp(-LARGEST_SKEW_S, LARGEST_SKEW_S);
-                let found =
-                    self.start(within(centre.engine_skew_s + i * step), within(centre.torque_skew_s + j * step));
-                if found.cost < best.cost {
-                    best = found;
-                }
-            }
-            step /= 2.0;
-        }
-        best
+    /// A descent over ever finer steps of the torque's skew, beside each of which that of N_e is sought anew. Low noise
+    /// makes a narrow, crooked valley: steps in both at once end on its side.
+    fn refined(&self, start: Start) -> Start {
+        descent(start, STEP_S / 2.0, |best, step_s| {
+            let beside = self.start(best.engine_skew_s, within(best.torque_skew_s + step_s));
+            descent(beside, STEP_S / 4.0, |best, step_s| {
+                self.start(within(best.engine_skew_s + step_s), best.torque_skew_s)
+            })
+        })
     }
+}
+
+/// Steps both ways as long as one is better, then half as far.
+fn descent(start: Start, longest_s: f64, step: impl Fn(&Start, f64) -> Start) -> Start {
+    let (mut best, mut step_s) = (start, longest_s);
+    while step_s >= FINEST_S {
+        let [back, forth] = [-step_s, step_s].map(|step_s| step(&best, step_s));
+        let next = if back.cost < forth.cost { back } else { forth };
+        if next.cost < best.cost {
+            best = next;
+        } else {
+            step_s /= 2.0;
+        }
+    }
+    best
+}
+
+fn within(skew_s: f64) -> f64 {
+    skew_s.clamp(-LARGEST_SKEW_S, LARGEST_SKEW_S)
 }
 
 impl Bin {
