@@ -55,6 +55,8 @@ struct Written<'a> {
     format_version: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     series_file: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    series_sha256: Option<&'a str>,
     study: &'a Study,
 }
 
@@ -63,6 +65,8 @@ struct Written<'a> {
 pub struct Document {
     /// Name of the table that holds the values of [`crate::series`], where there is one.
     pub series_file: Option<String>,
+    /// SHA-256 of that table's bytes: another table is of another run.
+    pub series_sha256: Option<String>,
     /// The study.
     pub study: Study,
 }
@@ -94,14 +98,25 @@ pub enum DocumentError {
     },
 }
 
-/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 3, "series_file": …, "study": {…}}`.
+/// A table of series beside a study's document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SeriesFile<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: &'a str,
+}
+
+/// The study as compact JSON:
+/// `{"format": "dynoid-study", "format_version": 3, "series_file": …, "series_sha256": …, "study": {…}}`.
 ///
-/// `series_file` is the name of the table that holds the values of [`crate::series`], where there is one.
+/// `series` is the table that holds the values of [`crate::series`], where there is one.
 ///
 /// Should serialisation ever fail, the document holds an `error` text in place of `study`, so that a reader of the file
 /// sees why.
-pub fn json(study: &Study, series_file: Option<&str>) -> String {
-    let document = Written { format: FORMAT, format_version: FORMAT_VERSION, series_file, study };
+pub fn json(study: &Study, series: Option<SeriesFile<'_>>) -> String {
+    let (series_file, series_sha256) = (series.map(|series| series.name), series.map(|series| series.sha256));
+    let document = Written { format: FORMAT, format_version: FORMAT_VERSION, series_file, series_sha256, study };
     serde_json::to_string(&document).unwrap_or_else(|error| {
         let reason = serde_json::Value::String(error.to_string());
         format!(r#"{{"format":"dynoid-study","format_version":{FORMAT_VERSION},"error":{reason}}}"#)

@@ -187,7 +187,12 @@ fn lacks_time(error: &RecordingError) -> bool {
 
 /// The SHA-256 of a text, hexadecimal.
 pub fn sha256_of_text(text: &str) -> String {
-    hexadecimal(&Sha256::digest(text.as_bytes()))
+    sha256_of_bytes(text.as_bytes())
+}
+
+/// The SHA-256 of a file's bytes, hexadecimal.
+pub(crate) fn sha256_of_bytes(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn sha256_of(content: &mut impl std::io::Read) -> std::io::Result<String> {

@@ -42,7 +42,8 @@ impl StudyFile {
             bench_file_sha256: sha256_of_text(&provenance.bench_file),
         };
         let unread = read.series_file.and_then(|name| {
-            let taken = beside(path, &name).and_then(|table| take_series(&mut study, &table, files, context));
+            let sum = read.series_sha256.as_deref();
+            let taken = beside(path, &name).and_then(|table| take_series(&mut study, &table, sum, files, context));
             Some((PathBuf::from(name), taken.err()?))
         });
         Ok(StudyFile { study, origin, unread })
@@ -58,11 +59,21 @@ fn beside(path: &Path, name: &str) -> Result<PathBuf, String> {
 }
 
 /// Fills in the values of a study's traces, or says why not.
-fn take_series(study: &mut Study, table: &Path, files: &Files, context: &Context) -> Result<(), String> {
+fn take_series(
+    study: &mut Study,
+    table: &Path,
+    sha256: Option<&str>,
+    files: &Files,
+    context: &Context,
+) -> Result<(), String> {
     if !table.is_file() {
         return Err("it is not there".to_owned());
     }
     let input = InputFile { path: table.to_owned(), name: table.display().to_string() };
+    let is_other = |sum: &str| files.sha256(&input).map(|own| own != sum);
+    if sha256.map_or(Ok(false), is_other).map_err(|error| error.to_string())? {
+        return Err("it is of another run; run `dynoid study bench.toml` again".to_owned());
+    }
     let read = files.decode(&input, &Selection::All, context).map_err(|error| error.to_string())?;
     study.take_series(&read.map_err(|error| error.to_string())?);
     if study.lacks_series() { Err("it is of another study".to_owned()) } else { Ok(()) }

@@ -6,6 +6,7 @@ use bench_model::document::BenchModelDocument;
 use page::{Logo, Page, Paper, PdfOptions};
 use rig::bench_file::ReportIdentity;
 use study::Origin;
+use study::document::SeriesFile;
 use study::{Analyses, ModelComparison, Study, compare_models};
 use work::Context;
 
@@ -18,6 +19,7 @@ use crate::mark::{Kind, Mark};
 use crate::models::MODEL;
 use crate::output::{OutputFolder, check_replaceable};
 use crate::pages::{html, pdf, without_glyph};
+use crate::read::sha256_of_bytes;
 use crate::session::Session;
 
 /// The report for a browser.
@@ -146,7 +148,9 @@ impl StudyFolder {
         let writing = context.step("writing the report", 0);
         let pages = Pages::of(&study, &origin, analyses.as_ref(), self.logo.as_ref(), options);
         let series = study::series(&study).map(|table| encode_table(&table, files)).transpose()?;
-        let json = study::document::json(&study, series.as_ref().map(|_| SERIES));
+        let sum = series.as_ref().map(|series| sha256_of_bytes(series));
+        let table = sum.as_deref().map(|sha256| SeriesFile { name: SERIES, sha256 });
+        let json = study::document::json(&study, table);
         let model = session.model(&study);
         let earlier = self.earlier.as_ref().map(|earlier| EarlierStudy::new(earlier, model.as_ref()));
         let model = model.map(|document| document.to_json().map_err(Error::internal)).transpose()?;

@@ -3,14 +3,17 @@
 use bench_model::document::JsonFault;
 use rig::results::{Estimate, Quantity};
 use study::Study;
-use study::document::{DocumentError, json, read};
+use study::document::{DocumentError, SeriesFile, json, read};
 
 use crate::fixture;
 
+const SERIES: SeriesFile<'_> = SeriesFile { name: "series.parquet", sha256: "0123" };
+
 /// The study that its document gives, with the values of its traces.
 fn read_back(study: &Study) -> Study {
-    let document = read(&json(study, Some("series.parquet"))).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(document.series_file.as_deref(), Some("series.parquet"));
+    let document = read(&json(study, Some(SERIES))).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(document.series_file.as_deref(), Some(SERIES.name));
+    assert_eq!(document.series_sha256.as_deref(), Some(SERIES.sha256));
     let mut read = document.study;
     if let Some(table) = study::series(study) {
         read.take_series(&table);

@@ -50,6 +50,9 @@ struct StudyDocument {
     /// Name of the table that holds the samples of the curves, where there is one.
     #[schemars(default, skip_serializing_if = "Option::is_none")]
     series_file: Option<String>,
+    /// SHA-256 of that table's bytes.
+    #[schemars(default, skip_serializing_if = "Option::is_none")]
+    series_sha256: Option<String>,
     study: Study,
 }
 

@@ -20,8 +20,7 @@ use structure::Structure;
 
 /// Zeros and poles of what is tried, the simplest first: with and without zeros, since zeros make up for a part of a
 /// delay.
-const LADDER: [(usize, usize); 10] =
-    [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (1, 4), (2, 3), (2, 4)];
+const LADDER: [(usize, usize); 10] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (0, 4), (1, 3), (1, 4), (2, 3), (2, 4)];
 
 /// Confidence with which a richer model has to be better.
 const RICHER: f64 = 0.99;
