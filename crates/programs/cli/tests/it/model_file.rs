@@ -1,6 +1,5 @@
 //! A model file with any number in it: it is refused in the words of the file, or what is computed from it ends soon.
 
-use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use bench_model::disturbances::Disturbances;
@@ -121,25 +120,28 @@ fn time_of(document: &BenchModelDocument) -> Duration {
     since.elapsed()
 }
 
-fn ends_soon(document: &BenchModelDocument, what: &str) {
-    static USUAL: OnceLock<Duration> = OnceLock::new();
-    let usual = *USUAL.get_or_init(|| time_of(&BenchModelDocument::from_json(&valid().to_string()).unwrap()));
+/// How long they take on the file as it is.
+fn usual_time() -> Duration {
+    time_of(&BenchModelDocument::from_json(&valid().to_string()).unwrap())
+}
+
+fn ends_soon(document: &BenchModelDocument, what: &str, usual: Duration) {
     let time = time_of(document);
     assert!(time < LONGEST * usual, "{what} took {time:?}, and the file as it is {usual:?}");
 }
 
 /// Every number at these places takes these values; returns how many files were read. All processors share the work.
-fn walk(places: &[String], values: &[f64]) -> usize {
+fn walk(places: &[String], values: &[f64], usual: Duration) -> usize {
     let file = valid();
-    let read = |place: &String| values.iter().filter(|value| is_read(&file, place, **value)).count();
+    let read = |place: &String| values.iter().filter(|value| is_read(&file, place, **value, usual)).count();
     numerics::parallel::map(places, read).into_iter().sum()
 }
 
 /// Reads the file with another number at a place and uses it, or hears in clear words why it is not read.
-fn is_read(file: &Value, place: &str, value: f64) -> bool {
+fn is_read(file: &Value, place: &str, value: f64, usual: Duration) -> bool {
     match BenchModelDocument::from_json(&with(file, &[(place, value)]).to_string()) {
         Ok(document) => {
-            ends_soon(&document, &format!("{place} = {value:e}"));
+            ends_soon(&document, &format!("{place} = {value:e}"), usual);
             true
         }
         Err(error) => {
@@ -164,20 +166,21 @@ fn prop_a_number_of_the_model_ends_in_a_result_or_a_refusal() {
     assert!(BenchModelDocument::from_json(&valid().to_string()).is_ok());
     let places = places("/model/");
     assert_eq!(places.len(), 16);
-    let read = walk(&places, &VALUES[..6]);
+    let read = walk(&places, &VALUES[..6], usual_time());
     assert!(read > 0 && read < 40, "{read} of {} files were read", 6 * places.len());
 }
 
 #[test]
 #[ignore = "every number of the file with every value takes minutes"]
 fn prop_any_number_of_a_model_file_ends_in_a_result_or_a_refusal() {
-    walk(&places("/model/"), &VALUES);
+    let usual = usual_time();
+    walk(&places("/model/"), &VALUES, usual);
     let others: Vec<String> = places("").into_iter().filter(|place| !place.starts_with("/model/")).collect();
     assert!(others.len() > 60, "{}", others.len());
     // The rest is tables of the same kind of numbers: each place takes one of the values, in turn.
     for (k, value) in VALUES.iter().enumerate() {
         let turn: Vec<String> = others.iter().skip(k).step_by(VALUES.len()).cloned().collect();
-        walk(&turn, &[*value]);
+        walk(&turn, &[*value], usual);
     }
 }
 
@@ -187,7 +190,7 @@ fn regress_a_long_gate_of_the_encoder_ends_soon() {
     for gate_s in [0.095, 0.13] {
         let text = with(&valid(), &[("/model/encoder_gate_s", gate_s)]).to_string();
         let document = BenchModelDocument::from_json(&text).unwrap();
-        ends_soon(&document, &format!("{gate_s} s"));
+        ends_soon(&document, &format!("{gate_s} s"), usual_time());
     }
 }
 
@@ -195,7 +198,7 @@ fn regress_a_long_gate_of_the_encoder_ends_soon() {
 #[test]
 #[ignore = "many pairs"]
 fn prop_swapped_numbers_of_a_model_file_end_in_a_result_or_a_refusal() {
-    let file = valid();
+    let (file, usual) = (valid(), usual_time());
     let places = places("/model/");
     let number = |place: &str| file.pointer(place).and_then(Value::as_f64).unwrap();
     let mut read = 0;
@@ -205,7 +208,7 @@ fn prop_swapped_numbers_of_a_model_file_end_in_a_result_or_a_refusal() {
             match BenchModelDocument::from_json(&text) {
                 Ok(document) => {
                     read += 1;
-                    ends_soon(&document, &format!("{one} and {other}"));
+                    ends_soon(&document, &format!("{one} and {other}"), usual);
                 }
                 // Both places have the number of the other, in the model and in the list.
                 Err(error) => {
