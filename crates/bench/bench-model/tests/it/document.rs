@@ -218,7 +218,7 @@ fn regress_sizes_that_no_bench_has_are_refused() {
         ),
         (
             &[("\"sample_time_s\": 0.001", "\"sample_time_s\": 1e-12")],
-            "`model.speed_controller.sample_time_s` is 1e-12, and a bench has 1e-6 to 1 s;",
+            "`model.speed_controller.sample_time_s` is 1e-12, and a bench has 1e-5 to 1 s;",
         ),
         (&[("36.0", "1e308")], "a standard error of 1e154 for stiffness"),
         (&[("\"strokes\": 4", "\"strokes\": 0")], "`bench.strokes` is 0, and an engine has 2 or 4;"),
