@@ -65,8 +65,9 @@ impl Drawn {
         }
     }
 
-    /// Estimate of the shaft in a study of two recordings.
-    fn study(&self, seed: u64) -> Estimate {
+    /// Estimate of the shaft in a study of two recordings; none where T_d,calc is stamped before the T_d* that it
+    /// follows, which strikes what rests on the torques.
+    fn study(&self, seed: u64) -> Option<Estimate> {
         let plans = [
             ("BS_T_NT.mf4", ExperimentPlan::bs_t_nt(self.speed_rpm, 20.0)),
             ("WhiteNoise_T_TN.mf4", ExperimentPlan::white_noise_t_tn(self.speed_rpm, 10.0)),
@@ -76,8 +77,12 @@ impl Drawn {
         };
         let sources: Vec<Source> = plans.iter().zip(2 * seed..).map(recorded).collect();
         match studied(&self.file, sources).shaft {
-            Outcome::Estimated(shaft) => shaft.estimate,
-            Outcome::NotEstimated { needs } => panic!("{needs:?}"),
+            Outcome::Estimated(shaft) => Some(shaft.estimate),
+            Outcome::NotEstimated { needs } => {
+                let (clocks, drive) = (&self.parameters.clocks, &self.parameters.drive);
+                assert!(clocks.torque_skew_s + drive.delay_s < 0.0, "{needs:?}: {clocks:?} {drive:?}");
+                None
+            }
         }
     }
 
@@ -150,11 +155,14 @@ impl Judged {
 #[test]
 #[ignore = "slow: 200 benches"]
 fn stat_the_shaft_of_200_benches_whose_clocks_are_apart() {
-    let rows = in_parallel(200, |i| {
+    let studies = in_parallel(200, |i| {
         let bench = Drawn::new(1000 + i);
-        let estimate = bench.study(i as u64);
-        (bench, estimate)
+        let estimate = bench.study(i as u64)?;
+        Some((bench, estimate))
     });
+    let rows: Vec<(Drawn, Estimate)> = studies.into_iter().flatten().collect();
+    println!("{} of 200 benches have torques in their order", rows.len());
+    assert!(rows.len() > 150, "{}", rows.len());
     for (quantity, tolerance, relative) in
         [(Quantity::Stiffness, 0.02, true), (Quantity::Damping, 0.1, true), (Quantity::EngineSpeedSkew, 1e-4, false)]
     {
